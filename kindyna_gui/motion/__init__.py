@@ -1,1 +1,1 @@
-"""The motion: displacement diagram, table of segments, curves and laws."""
+"""Motion: diagram and table of the segments, law picker, law table."""

@@ -1,10 +1,11 @@
-"""Fields of a curve."""
+"""Form of the curve of a segment: settings of its law, ends of a polynomial, points of a spline."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import Field as DataField
 from dataclasses import fields, replace
+from functools import partial
 from math import degrees
 from types import MappingProxyType
 from typing import Any
@@ -55,69 +56,72 @@ from kindyna_gui.forms.number_box import NumberBox, parsed, row_height
 from kindyna_gui.forms.tables import CellDelegate, CellTable
 from kindyna_gui.labels import law_label, name_of, no_number, segment_of, sentence, value_text
 from kindyna_gui.look import coloured, icon
-from kindyna_gui.motion.diagram import snapped_angle
+from kindyna_gui.motion.diagram import snap_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import DISPLAY, symbol_of
 
-# -- fields ----------------------------------------------------------------------------------------------
+PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
+STEP_AT_0 = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
+"""Step of an entry whose value is 0."""
+CURVE_KEYS = ("crossover", "cv_fraction", "ramp_fraction", "flat_fraction")
+END_KEYS = ("start", "end")
+Index = QModelIndex | QPersistentModelIndex
+TITLES = ("At", "Value", "v", "a")
+HELP = (
+    "angle from the start of the segment",
+    "level above the start of the segment",
+    "velocity at the point; empty = left open",
+    "acceleration at the point; empty = left open",
+)
 
-_PER = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
-_STEP = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
-"""A step of an entry that stands at 0."""
+# -- fields ----------------------------------------------------------------------------------------------
 
 
 def motion_unit(name: str, motion: Motion) -> Unit:
-    """The unit of an entry of a curve: ``velocity`` is in the motion's unit per degree."""
+    """Unit of an entry of a curve; a velocity is in the motion's unit per degree."""
     if name == "at_deg":
         return UNITS["deg"]
-    return Unit(UNITS[motion.unit].symbol + _PER[name], 1.0) if name in _PER else NO_UNIT
+    return Unit(UNITS[motion.unit].symbol + PER_DEGREE[name], 1.0) if name in PER_DEGREE else NO_UNIT
 
 
 def entry_info(field: DataField[Any]) -> Info:
-    """Label, range and help of an entry, with a step where its own magnitude gives none."""
+    """Label, range and help of an entry, with a step for the value 0."""
     info = info_of(field)
     assert info is not None
-    return replace(info, step=info.step or _STEP.get(field.name, 0.0))
+    return replace(info, step=info.step or STEP_AT_0.get(field.name, 0.0))
 
 
 def end_specs(motion: Motion, path: str) -> Iterator[FieldSpec]:
-    """The rows of one end of a polynomial; path: ``motion.segments[1].start``."""
+    """Yield the fields of one end of a polynomial; path such as ``motion.segments[1].start``."""
     for field in fields(PolynomialEnd):
-        yield _spec(field, f"{path}.{field.name}", motion)
+        field_path = f"{path}.{field.name}"
+        unit = motion_unit(field.name, motion)
+        yield FieldSpec(field_path, entry_info(field), unit, partial(get, path=field_path), can_be_assumed=False)
 
 
 def point_columns(motion: Motion) -> list[tuple[str, Info, Unit]]:
-    """The entries of a spline's point: name, what is known of it, unit."""
+    """Name, label with range and help, and unit of each entry of a point of a spline."""
     return [(field.name, entry_info(field), motion_unit(field.name, motion)) for field in fields(SplinePoint)]
 
 
-def _spec(field: DataField[Any], path: str, motion: Motion) -> FieldSpec:
-    return FieldSpec(path, entry_info(field), motion_unit(field.name, motion), reader(path), can_be_assumed=False)
-
-
-def reader(path: str) -> Any:
-    """What stands at a path of a design."""
-    return lambda design: get(design, path)
-
-
 class OptionalBox(NumberBox):
-    """A number that may be left open, by an empty text.
+    """Box for a number that may be left open by an empty text.
 
-    emptied   an empty text was confirmed
+    ``emptied`` is emitted when an empty text is confirmed.
     """
 
     emptied = Signal()
 
     def __init__(self, info: Info, unit: Unit = NO_UNIT, parent: QWidget | None = None, hint: str = "free") -> None:
-        self._open = False
+        self._is_open = False
         super().__init__(info, unit, parent)
         self.lineEdit().setPlaceholderText(hint)
 
     def show_value(self, value: float | None) -> None:
-        self._open = value is None
+        self._is_open = value is None
         super().show_value(0.0 if value is None else value)
         if value is None:
             self._tried = ""
@@ -125,19 +129,19 @@ class OptionalBox(NumberBox):
 
     @property
     def pending(self) -> bool:
-        return bool(self.text()) if self._open else super().pending
+        return bool(self.text()) if self._is_open else super().pending
 
     def confirm(self) -> None:
         if self.text().strip():
             super().confirm()
-        elif self._open:
+        elif self._is_open:
             self.show_value(None)
         else:
             self._tried = self.text()
             self.emptied.emit()
 
     def withdraw(self) -> None:
-        if self._open:
+        if self._is_open:
             self.show_value(None)
             self.withdrawn.emit()
         else:
@@ -145,15 +149,15 @@ class OptionalBox(NumberBox):
 
 
 class CurveField(Field):
-    """A row of a curve's form: its steps name the segment."""
+    """Field of a curve, whose undo steps name the segment."""
 
     def _step(self, value: Any) -> str:
-        name = described(self.session.typed, self.spec.path)
+        name = name_in_sentence(self.session.typed, self.spec.path)
         return f"Change {name} to {value_text(value, self.spec.unit)}"
 
 
 class EndField(CurveField):
-    """One entry of an end of a polynomial; its row is laid out by who makes it. A jerk may be left open."""
+    """Field of an end of a polynomial; a jerk may be left open."""
 
     def _number_box(self) -> NumberBox:
         if not self.spec.info.optional:
@@ -161,7 +165,9 @@ class EndField(CurveField):
         box = OptionalBox(self.spec.info, self.spec.unit)
         box.entered.connect(self._enter)
         box.emptied.connect(self._leave_open)
-        box.unreadable.connect(lambda: self.session.refuse(self.spec.path, "a number is wanted, or nothing"))
+        box.unreadable.connect(
+            lambda: self.session.refuse(self.spec.path, "not a number; enter a number, or nothing to leave it open")
+        )
         box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
@@ -169,31 +175,22 @@ class EndField(CurveField):
         return box
 
     def _leave_open(self) -> None:
-        self.edit(None, f"Leave {described(self.session.typed, self.spec.path)} free")
+        self.edit(None, f"Leave {name_in_sentence(self.session.typed, self.spec.path)} open")
 
 
-def described(design: Design, path: str) -> str:
-    """The name of an entry inside of a sentence."""
+def name_in_sentence(design: Design, path: str) -> str:
+    """Name of an entry within a sentence."""
     name = name_of(design, path)
     return f"{name[:1].lower()}{name[1:]}"
 
 
-# -- points ----------------------------------------------------------------------------------------------
-
-Index = QModelIndex | QPersistentModelIndex
-TITLES = ("At", "Value", "v", "a")
-HELP = (
-    "angle from the start of the segment",
-    "level from the start of the segment",
-    "velocity there; empty = left to the curve",
-    "acceleration there; empty = left to the curve",
-)
+# -- points of a spline ----------------------------------------------------------------------------------
 
 
 class PointsModel(QAbstractTableModel):
-    """The points of one segment.
+    """Table model of the points of a segment.
 
-    error_changed (str): what is wrong with the last edit, empty when nothing is
+    ``error_changed`` (str) gives the error of the last edit; empty if there is none.
     """
 
     error_changed = Signal(str)
@@ -205,15 +202,15 @@ class PointsModel(QAbstractTableModel):
         self._points: tuple[SplinePoint, ...] = ()
         self.columns = point_columns(require_motion(session.typed))
         self._wrong: dict[str, str] = {}
-        self._faulty: frozenset[str] = frozenset()  # paths of what does not fit together
+        self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
         self._trying = ""
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        DISPLAY.changed.connect(self._told)
+        DISPLAY.changed.connect(self._update_units)
 
-    def _told(self) -> None:
-        """Other units: heads and cells say so."""
+    def _update_units(self) -> None:
+        """Show headings and cells in other units."""
         self._changed()
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(TITLES) - 1)
 
@@ -237,22 +234,24 @@ class PointsModel(QAbstractTableModel):
             self.dataChanged.emit(self.index(0, 0), self.index(len(self._points) - 1, len(TITLES) - 1))
 
     def path(self, row: int, column: int) -> str:
+        """Path of a cell in the design."""
         return f"motion.segments[{self.segment}].points[{row}].{self.columns[column][0]}"
 
     def value(self, row: int, column: int) -> float | None:
+        """Value of a cell; None if it is left open."""
         number: float | None = getattr(self._points[row], self.columns[column][0])
         return number
 
-    def faulty(self, row: int, column: int) -> bool:
-        """What stands in the cell does not fit to the rest."""
+    def is_faulty(self, row: int, column: int) -> bool:
+        """Whether the value of a cell contradicts others."""
         path = self.path(row, column)
         return path in self._faulty or path.rpartition(".")[0] in self._faulty
 
-    def refused(self, row: int, column: int) -> bool:
-        """Whether what was typed into a cell cannot be."""
+    def is_refused(self, row: int, column: int) -> bool:
+        """Whether the text typed into a cell was refused."""
         return self.path(row, column) in self._wrong
 
-    # -- model for Qt ------------------------------------------------------------------------------------
+    # -- interface of the Qt model -----------------------------------------------------------------------
 
     def rowCount(self, parent: Index | None = None) -> int:
         return 0 if parent is not None and parent.isValid() else len(self._points)
@@ -283,20 +282,20 @@ class PointsModel(QAbstractTableModel):
             return wrong if wrong is not None else value
         if role == Qt.ItemDataRole.TextAlignmentRole:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        if role == Qt.ItemDataRole.ForegroundRole and (wrong is not None or self.faulty(row, column)):
+        if role == Qt.ItemDataRole.ForegroundRole and (wrong is not None or self.is_faulty(row, column)):
             return QColor(SCREEN.limit)
         return sentence(HELP[column]) if role == Qt.ItemDataRole.ToolTipRole else None
 
-    # -- to and from the session --------------------------------------------------------------------------
+    # -- edits -------------------------------------------------------------------------------------------
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
         """Enter a text; an empty one leaves the entry open."""
         row, column = index.row(), index.column()
         path, unit = self.path(row, column), self.columns[column][2]
-        name = described(self._session.typed, path)
+        name = name_in_sentence(self._session.typed, path)
         self._trying = str(value)
         if not str(value).strip() and self.columns[column][1].optional:
-            return self._session.edit(path, None, f"Leave {name} free")
+            return self._session.edit(path, None, f"Leave {name} open")
         number = parsed(str(value), unit)
         if number is None:
             self._session.refuse(path, no_number(str(value)))
@@ -314,7 +313,7 @@ class PointsModel(QAbstractTableModel):
             self.withdraw()
 
     def withdraw(self) -> None:
-        """Forget what was refused."""
+        """Discard a refused text."""
         if self._wrong:
             self._wrong.clear()
             self.error_changed.emit("")
@@ -322,7 +321,7 @@ class PointsModel(QAbstractTableModel):
 
 
 class _Delegate(CellDelegate):
-    """A number, which may be left open, in the cell."""
+    """Editor of a cell: a number, which may be left open."""
 
     def __init__(self, session: Session, model: PointsModel, table: QTableView) -> None:
         super().__init__(session, model, table)
@@ -343,7 +342,7 @@ class _Delegate(CellDelegate):
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
         assert isinstance(editor, NumberBox)
-        wrong = self._model.refused(index.row(), index.column())
+        wrong = self._model.is_refused(index.row(), index.column())
         if not (wrong and editor.pending):
             value = self._model.value(index.row(), index.column())
             editor.show_value(value)
@@ -358,7 +357,7 @@ class _Delegate(CellDelegate):
 
 
 class PointsTable(QWidget):
-    """The table with its two buttons."""
+    """Table of the points with its two buttons."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__()
@@ -382,8 +381,10 @@ class PointsTable(QWidget):
         self.table.setMinimumHeight(3 * (self.fontMetrics().height() + 6) + 6)
         self.table.insert_requested.connect(self.add)
         self.table.delete_requested.connect(self.remove)
-        self.add_button = self._button("add", "Point", "A point where the cam stands, on the curve (Ins)", self.add)
-        self.remove_button = self._button("close", "Remove", "Take the chosen point away (Del)", self.remove)
+        self.add_button = self._button(
+            "add", "Point", "Add a point on the curve at the current cam angle (Ins)", self.add
+        )
+        self.remove_button = self._button("close", "Remove", "Remove the selected point (Del)", self.remove)
         buttons = QVBoxLayout()
         buttons.setSpacing(1)
         buttons.addWidget(self.add_button)
@@ -411,14 +412,14 @@ class PointsTable(QWidget):
             self.table.setCurrentIndex(self.model.index(0, 1))
 
     def add(self) -> None:
-        """A point where the cam stands, else in the longest stretch without one."""
+        """Add a point at the current cam angle, or in the longest gap if that angle is outside the segment."""
         design, segment = self._session.typed, self.model.segment
-        angle = snapped_angle(degrees(self._player.theta))
+        angle = snap_angle(degrees(self._player.theta))
         self._session.end_gesture()
         self._session.lay_out(add_point(design, segment, angle), f"Add point to segment {segment + 1}")
 
     def remove(self) -> None:
-        """Take the chosen point away."""
+        """Remove the selected point."""
         row, design = self.table.currentIndex().row(), self._session.typed
         curve = require_motion(design).segments[self.model.segment].curve
         if row < 0 or not isinstance(curve, SplineCurve):
@@ -429,38 +430,38 @@ class PointsTable(QWidget):
         self._session.lay_out(changed, f"Remove point {row + 1} of segment {self.model.segment + 1}")
 
 
-# -- curve fields ----------------------------------------------------------------------------------------
-
-_CURVE_KEYS = ("crossover", "cv_fraction", "ramp_fraction", "flat_fraction")
-_ENDS = ("start", "end")
+# -- form of a curve -------------------------------------------------------------------------------------
 
 
-def crosses(motion: Motion, index: int) -> bool:
-    """Whether the place where the segment turns from acceleration to deceleration can be chosen."""
+def has_crossover(motion: Motion, index: int) -> bool:
+    """Whether the crossover from acceleration to deceleration can be set."""
     curve = motion.segments[index].curve
     law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
     return law is not None and law.is_symmetric and peaks(law).ca > 0.0
 
 
 def keys_of_form(motion: Motion, index: int) -> tuple[str, ...]:
-    """The entries of the segment's curve that are fields of a row each: of a curve known by its name only what its law takes."""
+    """Keys of the curve that have a field; of a named curve only those that its law has."""
     curve = motion.segments[index].curve
     law = find_law(curve.law) if isinstance(curve, NamedCurve) else None
     if law is None:
-        return _CURVE_KEYS
-    return (*(("crossover",) if crosses(motion, index) else ()), *(("flat_fraction",) if law.flat is not None else ()))
+        return CURVE_KEYS
+    return (
+        *(("crossover",) if has_crossover(motion, index) else ()),
+        *(("flat_fraction",) if law.flat is not None else ()),
+    )
 
 
 def kind_of_form(motion: Motion, index: int) -> type | None:
-    """The kind of curve whose form is shown; None where the curve takes nothing more."""
+    """Class of the curve whose form is shown; None if the curve has no settings."""
     curve = motion.segments[index].curve
     return None if isinstance(curve, NamedCurve) and not keys_of_form(motion, index) else type(curve)
 
 
 class SegmentCurveForm(QWidget):
-    """The form of one segment's curve; made anew only for another kind of curve or another segment.
+    """Form of the curve of a segment; built again only for another kind of curve or another segment.
 
-    error_changed (str): what is wrong with a point of a spline, empty when nothing is
+    ``error_changed`` (str) gives the error of a point of a spline; empty if there is none.
     """
 
     error_changed = Signal(str)
@@ -474,21 +475,21 @@ class SegmentCurveForm(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(10, 3, 6, 0)
         self._column.setSpacing(2)
-        self._place = ContentArea(session, player)
-        self._column.addWidget(self._place)
+        self._form_area = ContentArea(session, player)
+        self._column.addWidget(self._form_area)
         self.update_style()
 
     def update_style(self) -> None:
-        """One row always, so that choosing a segment moves nothing."""
+        """Keep room for at least one row, so that selecting a segment moves nothing."""
         self.setMinimumHeight(row_height(self) + 5)
 
     def show_segment(self, design: Design, index: int) -> None:
         """Show the curve of a segment."""
         motion = require_motion(design)
         kind = kind_of_form(motion, index)
-        wanted = (index, kind or motion.segments[index].curve.law, keys_of_form(motion, index))
-        if wanted != self._shown:
-            self._shown = wanted
+        shown = (index, kind or motion.segments[index].curve.law, keys_of_form(motion, index))
+        if shown != self._shown:
+            self._shown = shown
             self._build(design, index, kind)
         for field in self.fields.values():
             field.refresh(design)
@@ -499,46 +500,43 @@ class SegmentCurveForm(QWidget):
         self._paper = QWidget()
         self.fields, self.points = {}, None
         if kind is None:
-            self._nothing(design, index)
+            self._add_sentence(f"{law_label(require_motion(design).segments[index].curve.law)}: no further settings")
         else:
             FORMS[kind](self, design, index)
-        self._place.replace(self._paper)
+        self._form_area.replace(self._paper)
 
-    def _nothing(self, design: Design, index: int) -> None:
-        self._sentence(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
-
-    def _sentence(self, text: str) -> None:
+    def _add_sentence(self, text: str) -> None:
         label = QLabel(text)
         label.setWordWrap(True)
         coloured(label, SCREEN.quiet)
         self._grid().addWidget(label, 0, 0)
 
-    # -- forms --------------------------------------------------------------------------------------------
+    # -- forms of the kinds of curves --------------------------------------------------------------------
 
     def _rows(self, design: Design, index: int, keys: tuple[str, ...] = ()) -> QGridLayout:
-        """Crossover, or widths: a row each."""
+        """Add a row for each key: crossover, or widths."""
         grid, keys = self._grid(), keys or keys_of_form(require_motion(design), index)
         for entry in entries(design, "motion"):
             if segment_of(entry.path) == index and entry.path.rpartition(".")[2] in keys:
-                field = self._keep(CurveField(self._session, FieldSpec.of(entry)))
+                field = self._register(CurveField(self._session, FieldSpec.of(entry)))
                 field.add_to(grid, 2 * len(self.fields))
         grid.setColumnStretch(1, 1)
         return grid
 
     def _ends(self, design: Design, index: int) -> None:
-        """Velocity, acceleration and jerk at both ends: a row for each end, units in the headings."""
+        """Add a row for each end: velocity, acceleration and jerk, with units in the headings."""
         grid, motion = self._grid(), require_motion(design)
-        for row, end in enumerate(_ENDS, 1):
+        for row, end in enumerate(END_KEYS, 1):
             name = QLabel(f"{end.capitalize()} ")
             grid.addWidget(name, 2 * row, 0)
             for column, spec in enumerate(end_specs(motion, f"motion.segments[{index}].{end}"), 1):
-                field = self._keep(EndField(self._session, spec))
+                field = self._register(EndField(self._session, spec))
                 field.editor.setMinimumWidth(1)
                 field.editor.setAccessibleName(f"{end.capitalize()}, {spec.info.label.lower()}")
                 if row == 1:
-                    head = QLabel(f"{spec.info.label} {symbol_of(spec.unit.symbol)}")
-                    coloured(head, SCREEN.quiet)
-                    grid.addWidget(head, 0, column, Qt.AlignmentFlag.AlignRight)
+                    heading = QLabel(f"{spec.info.label} {symbol_of(spec.unit.symbol)}")
+                    coloured(heading, SCREEN.quiet)
+                    grid.addWidget(heading, 0, column, Qt.AlignmentFlag.AlignRight)
                     grid.setColumnStretch(column, 1)
                 for unused in (field.label, field.unit):
                     if unused is not None:
@@ -548,12 +546,12 @@ class SegmentCurveForm(QWidget):
                 grid.addWidget(field.message, 2 * row + 1, 0, 1, 4)
 
     def _points(self, design: Design, index: int) -> None:
-        """The points of a spline: a table."""
+        """Add the table of points of a spline."""
         self._add_points(self._grid())
 
     def _table(self, design: Design, index: int) -> None:
-        """What the curve does at its ends, where the rows leave it open, and the rows."""
-        self._add_points(self._rows(design, index, _ENDS))
+        """Add the conditions at the ends of a table, and its rows."""
+        self._add_points(self._rows(design, index, END_KEYS))
 
     def _add_points(self, grid: QGridLayout) -> None:
         self.points = PointsTable(self._session, self._player)
@@ -561,12 +559,11 @@ class SegmentCurveForm(QWidget):
         grid.addWidget(self.points, grid.rowCount(), 0, 1, -1)
 
     def _computed(self, design: Design, index: int) -> None:
-        """Nothing to type."""
-        from_files = require_motion(design).follows is not None
-        self._sentence(
-            "It follows from other files"
-            if from_files
-            else "It follows from the torque of the drives: change these, or the spring of the balance cam"
+        """Add a sentence that says what the curve follows from."""
+        self._add_sentence(
+            "This curve follows from other files"
+            if require_motion(design).follows is not None
+            else "This curve follows from the torque of the drives: change the drives, or the spring of the balance cam"
         )
 
     def _grid(self) -> QGridLayout:
@@ -576,15 +573,15 @@ class SegmentCurveForm(QWidget):
         grid.setVerticalSpacing(2)
         return grid
 
-    def _keep(self, field: Field) -> Field:
-        field.setParent(self._paper)  # goes with it
+    def _register(self, field: Field) -> Field:
+        field.setParent(self._paper)  # deleted together
         self.fields[field.spec.path] = field
         return field
 
-    # -- for the view -------------------------------------------------------------------------------------
+    # -- focus -------------------------------------------------------------------------------------------
 
     def focus_field(self, path: str) -> bool:
-        """Bring the entry of a path before the reader; False where it is not here."""
+        """Show and focus the field of a path; False if the form does not have it."""
         field = self.fields.get(path)
         if field is not None:
             field.focus()
@@ -605,4 +602,4 @@ FORMS: Mapping[type, Callable[[SegmentCurveForm, Design, int], object]] = Mappin
         ComputedCurve: SegmentCurveForm._computed,
     }
 )
-"""Kind of curve -> what lays out its form."""
+"""Class of a curve -> function that lays out its form."""

@@ -1,4 +1,4 @@
-"""Diagram under the mouse."""
+"""Diagram that is edited by mouse and keys, with the plots of the derivatives below it."""
 
 from __future__ import annotations
 
@@ -35,36 +35,58 @@ from kindyna_gui.motion.diagram import (
     LINE,
     POINT,
     Grip,
+    GripDrag,
     JoinLabel,
     MotionDiagram,
-    Pull,
     grip_at,
     join_help,
     label_text,
-    nudged,
     segment_at,
-    snapped,
+    snap,
+    step_join,
     step_name,
 )
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player, obey
 
-# -- derivatives -----------------------------------------------------------------------------------------
-
 QUANTITIES = ("velocity", "acceleration", "jerk")
-LEAST = 350  # pixels of height, from which on the three stand below the displacement
-DIAGRAM, PLOT, LAST = 34, 20, 26  # shares of the height; the last plot has the angles below it
+LEAST_HEIGHT = 350  # pixels of height from which the derivatives are shown
+DIAGRAM, PLOT, LAST = 34, 20, 26  # shares of the height; the last plot has the numbers of the angle axis
+SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
+    {
+        POINT: Qt.CursorShape.SizeAllCursor,
+        LINE: Qt.CursorShape.SizeHorCursor,
+        LEVEL: Qt.CursorShape.SizeVerCursor,
+    }
+)
+DIRECTIONS: Mapping[int, tuple[int, int]] = MappingProxyType(
+    {
+        Qt.Key.Key_Left: (-1, 0),
+        Qt.Key.Key_Right: (1, 0),
+        Qt.Key.Key_Up: (0, 1),
+        Qt.Key.Key_Down: (0, -1),
+    }
+)
+PAGES: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
+MOUSE_HELP = (
+    "Drag along the names above or the angles below to shift the whole motion.\n"
+    "Drag a point to change its angle and level, a line to change its angle, a dwell to change its level.\n"
+    "Shift keeps to one direction, Ctrl is ten times finer, Esc cancels the drag.\n"
+    "Page Up and Page Down select a segment; Alt and the arrow keys move the join at its end, with Shift in fine steps."
+)
+
+# -- derivatives -----------------------------------------------------------------------------------------
 
 
 class DerivativePlots(QWidget):
-    """The diagram, and below it the plots of ``QUANTITIES``, which are drawn only while there is room for them.
+    """The diagram, and below it the plots of ``QUANTITIES``, which are shown from ``LEAST_HEIGHT`` on.
 
-    angle_moved     (cam angle [rad]): a click into one of the plots, or the cursor drawn there
-    room_changed    there is room for the plots, or no longer
+    Signals: ``angle_moved`` (cam angle [rad]) when a plot is clicked or its cursor dragged; ``visibility_changed`` when the
+    plots are shown or hidden.
     """
 
     angle_moved = Signal(float)
-    room_changed = Signal()
+    visibility_changed = Signal()
 
     def __init__(self, diagram: MotionDiagram) -> None:
         super().__init__()
@@ -83,78 +105,53 @@ class DerivativePlots(QWidget):
             column.addWidget(plot, LAST if plot is self.plots[-1] else PLOT)
 
     @property
-    def roomy(self) -> bool:
-        """Whether the plots are there."""
+    def shows_plots(self) -> bool:
+        """Whether the plots are shown."""
         return not self.plots[0].isHidden()
 
     def show_study(self, study: Study, bands: Bands) -> None:
-        """Draw velocity, acceleration and jerk of a study, with the bands of what is made."""
-        if self.roomy:
+        """Draw velocity, acceleration and jerk of a study, with the bands of its tolerances."""
+        if self.shows_plots:
             for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
                 rows = rows_of(study, (quantity,))
                 plot.set_curves(study, rows, read=False, bands=bands.read(rows))
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
-        """The channels of the plots whose extremes are not marked yet."""
-        pairs = zip(self.plots, QUANTITIES, strict=True) if self.roomy else ()
+        """Channels of the plots whose extremes are not marked yet."""
+        pairs = zip(self.plots, QUANTITIES, strict=True) if self.shows_plots else ()
         return tuple(row for plot, quantity in pairs if plot.lacks_extremes for row in rows_of(study, (quantity,)))
 
-    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
+    def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
         """Mark the extremes of each plot, by its quantity; None: mark none."""
         for plot in self.plots:
-            if found is None or plot.lacks_extremes:  # those that were found before are not among them
-                plot.show_extremes(found)
+            if extremes is None or plot.lacks_extremes:  # extremes marked earlier are not repeated in the mapping
+                plot.show_extremes(extremes)
 
     def set_angle(self, theta: float, at_angle: Study) -> None:
         """Move the cursors to cam angle theta [rad]; at_angle: the study there."""
-        if self.roomy:
+        if self.shows_plots:
             for plot in self.plots:
                 plot.set_angle(theta, at_angle)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        roomy = self.height() >= LEAST
-        if roomy != self.roomy:
+        has_room = self.height() >= LEAST_HEIGHT
+        if has_room != self.shows_plots:
             for plot in self.plots:
-                plot.setVisible(roomy)
-            self._diagram.show_angles(not roomy)
-            self.room_changed.emit()
+                plot.setVisible(has_room)
+            self._diagram.show_angles(not has_room)
+            self.visibility_changed.emit()
 
 
 # -- editor ----------------------------------------------------------------------------------------------
 
-SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
-    {
-        POINT: Qt.CursorShape.SizeAllCursor,
-        LINE: Qt.CursorShape.SizeHorCursor,
-        LEVEL: Qt.CursorShape.SizeVerCursor,
-    }
-)
-DIRECTIONS: Mapping[int, tuple[int, int]] = MappingProxyType(
-    {
-        Qt.Key.Key_Left: (-1, 0),
-        Qt.Key.Key_Right: (1, 0),
-        Qt.Key.Key_Up: (0, 1),
-        Qt.Key.Key_Down: (0, -1),
-    }
-)
-PAGES: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
-
-HOW = (
-    "Draw along the names above or the angles below to shift the whole motion.\n"
-    "Draw at a point to move its angle and level, at a line to move its angle, at a dwell to move its level.\n"
-    "Shift keeps to one direction, Ctrl is ten times finer, Esc takes it back.\n"
-    "Page Up and Page Down choose a segment; Alt and the arrow keys move the join at its end, with Shift finely."
-)
-
 
 class MotionEditor(MotionDiagram):
-    """The diagram with its reactions.
+    """The diagram with its reactions to mouse and keys.
 
-    segment_chosen  (int): a segment was pointed at
-    menu_requested     (QPoint on the screen, cam angle [deg]): a click with the right button
-    released        Escape: nothing is being moved; what recalls the last edit is to go
-    settled         a join has been moved
+    Signals: ``segment_chosen`` (int) when a segment is clicked; ``menu_requested`` (QPoint on the screen, cam angle [deg])
+    at a click with the right button; ``released`` when Escape is pressed and nothing is dragged: the motion before the last
+    edit is hidden; ``settled`` after a join was moved.
     """
 
     segment_chosen = Signal(int)
@@ -165,43 +162,43 @@ class MotionEditor(MotionDiagram):
     def __init__(self, session: Session, player: Player, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._session, self._player = session, player
-        self._pull: Pull | None = None
-        self._from: Design | None = None  # the design before what is being moved
-        self._last: Design | None = None  # what the gesture has made of it
-        self._at = QPointF()
-        self._right = False  # join 0 is held at 360 degrees
-        self._turning = False  # the cam, by a press beside the joins
-        self._shifted: float | None = None  # by so much at present, by a press on names or angles [deg]
-        self.locked = False  # it shows another motion than the table, which cannot be drawn at
+        self._drag: GripDrag | None = None
+        self._original: Design | None = None  # the design before the drag
+        self._last: Design | None = None  # the design that the drag has led to
+        self._mouse = QPointF()
+        self._right = False  # join 0 is dragged at 360°
+        self._turning = False  # the mouse sets the cam angle
+        self._shift: float | None = None  # of the whole motion by the current drag [deg]
+        self.locked = False  # the diagram shows another motion than the table and cannot be edited
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
         self.viewport().setMouseTracking(True)
         session.restored.connect(self._forget)
 
-    # -- moving a join ------------------------------------------------------------------------------------
+    # -- dragging a join ---------------------------------------------------------------------------------
 
     @property
-    def pulling(self) -> bool:
-        """Whether something of the diagram is held with the mouse."""
-        return self._pull is not None
+    def is_dragging(self) -> bool:
+        """Whether the mouse drags a grip."""
+        return self._drag is not None
 
     def _begin(self, grip: Grip, right: bool = False) -> None:
         self._session.end_gesture()
-        self.over, self._right = grip, right
-        self._from = self._last = self._session.design
-        self.hold(True)
+        self.hovered, self._right = grip, right
+        self._original = self._last = self._session.design
+        self.fix_range(True)
 
     @property
-    def _runs(self) -> bool:
-        """A gesture has begun, and nothing else has changed the design since."""
-        return self._from is not None and self._session.design is self._last
+    def _is_valid(self) -> bool:
+        """Whether a drag has begun and nothing else has changed the design since."""
+        return self._original is not None and self._session.design is self._last
 
     def _apply(self, design: Design, text: str = "") -> bool:
-        """Show this design as what the gesture makes of the one before it; False where it cannot be."""
-        assert self._from is not None
+        """Make this the current design as a step of the drag; False where it is refused."""
+        assert self._original is not None
         if not text:
-            assert self.over is not None
-            text = step_name(self._from, design, self.over.join)
+            assert self.hovered is not None
+            text = step_name(self._original, design, self.hovered.join)
         possible = self._session.put(design, text, self._path)
         if possible:
             self._last = self._session.design
@@ -209,39 +206,39 @@ class MotionEditor(MotionDiagram):
 
     @property
     def _path(self) -> str:
-        return f"motion.joins[{self.over.join if self.over is not None else 0}]"
+        return f"motion.joins[{self.hovered.join if self.hovered is not None else 0}]"
 
     def _show_label(self, angle: float | None, level: float | None, refused: bool = False) -> None:
-        """Write beside the join where it is drawn to."""
-        assert self.over is not None
-        text = label_text(require_motion(self._session.design), angle, level, self.over.join)
+        """Show the position of the dragged join next to it."""
+        assert self.hovered is not None
+        text = label_text(require_motion(self._session.design), angle, level, self.hovered.join)
         self.label = JoinLabel(f"{text}  not possible" if refused else text, refused, self._right)
-        self.point_out()
+        self.update_highlight()
 
-    def _end(self, back: bool = False) -> None:
-        """The gesture is over; back: it leaves nothing behind."""
-        if self._from is None:
+    def _end(self, cancel: bool = False) -> None:
+        """End the drag; cancel: return to the design before it."""
+        if self._original is None:
             return
-        if back and self._runs:
-            self._apply(self._from, "" if self._shifted is None else "Shift the motion")
-        self._session.withdraw(self._path)  # what was refused last, if anything was
+        if cancel and self._is_valid:
+            self._apply(self._original, "" if self._shift is None else "Shift the motion")
+        self._session.withdraw(self._path)  # a refused last position, if any
         self._session.end_gesture()
         self._forget()
         self.settled.emit()
 
     def _forget(self) -> None:
-        """What was being moved is void."""
-        self._pull = self._from = self._last = self.label = self._shifted = None
+        """Reset the state of a drag."""
+        self._drag = self._original = self._last = self.label = self._shift = None
         self._session.end_drag()
-        self.hold(False)
-        self.point_out()
+        self.fix_range(False)
+        self.update_highlight()
 
-    # -- mouse --------------------------------------------------------------------------------------------
+    # -- mouse -------------------------------------------------------------------------------------------
 
-    def _grip(self, place: QPointF) -> Grip | None:
+    def _grip(self, position: QPointF) -> Grip | None:
         if self.motion is None or self.locked:
             return None
-        at = self.mapToScene(place.toPoint())
+        at = self.mapToScene(position.toPoint())
         return grip_at(self.motion, self.scale_now(), at.x(), at.y())
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -253,8 +250,8 @@ class MotionEditor(MotionDiagram):
         self._hover(grip)
         if self._on_angles(event.position()):
             self._session.end_gesture()
-            self._from = self._last = self._session.design
-            self._at, self._shifted = event.position(), 0.0
+            self._original = self._last = self._session.design
+            self._mouse, self._shift = event.position(), 0.0
             self._session.begin_drag(self)
             return
         if grip is None:
@@ -264,54 +261,54 @@ class MotionEditor(MotionDiagram):
                 self.segment_chosen.emit(segment_at(self.motion, self._angle_at(event.position())))
             return
         self.segment_chosen.emit(grip.segment)
-        self._at = event.position()
-        self._begin(grip, grip.join == 0 and self._angle_at(self._at) > 180.0)
-        self._pull = Pull(self.motion, grip, self.scale_now())
+        self._mouse = event.position()
+        self._begin(grip, grip.join == 0 and self._angle_at(self._mouse) > 180.0)
+        self._drag = GripDrag(self.motion, grip, self.scale_now())
         self._session.begin_drag(self)
         self._show_label(None, None)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._pull is not None:
-            self._draw_to(event)
-        elif self._shifted is not None:
+        if self._drag is not None:
+            self._drag_to(event)
+        elif self._shift is not None:
             self._shift_to(event.position())
         elif self._turning and event.buttons() & Qt.MouseButton.LeftButton:
             self._turn(event.position())
         elif not event.buttons():
             self._hover(self._grip(event.position()))
 
-    def _on_angles(self, place: QPointF) -> bool:
-        """Whether a place of the widget is among the names above the diagram, or the angles below."""
-        scale, y = self.scale_now(), self.mapToScene(place.toPoint()).y()
+    def _on_angles(self, position: QPointF) -> bool:
+        """Whether a position in the widget is on the names above the diagram, or on the angles below."""
+        scale, y = self.scale_now(), self.mapToScene(position.toPoint()).y()
         return not self.locked and not scale.top <= y <= scale.bottom
 
-    def _shift_to(self, place: QPointF) -> None:
-        """The motion so much later as the mouse has gone along the angles; where it cannot begin there it stays where it could."""
-        if not self._runs:
+    def _shift_to(self, position: QPointF) -> None:
+        """Shift the whole motion by the travel of the mouse, unless a law cannot be split where the turn would begin."""
+        if not self._is_valid:
             self._forget()
             return
-        assert self._from is not None
-        by = snapped((place.x() - self._at.x()) / self.scale_now().degree, ANGLE_STEP)
-        if by == self._shifted:
+        assert self._original is not None
+        shift = snap((position.x() - self._mouse.x()) / self.scale_now().degree, ANGLE_STEP)
+        if shift == self._shift:
             return
         try:
-            moved = shift_motion(self._from, by)
-        except KindynaError:  # a law cannot be cut where the turn would begin
+            design = shift_motion(self._original, shift)
+        except KindynaError:
             return
-        if self._apply(moved, f"Shift the motion by {shortest(by)}°"):
-            self._shifted = by
+        if self._apply(design, f"Shift the motion by {shortest(shift)}°"):
+            self._shift = shift
 
-    def _draw_to(self, event: QMouseEvent) -> None:
-        assert self._pull is not None
-        assert self._from is not None
-        if not self._runs:
+    def _drag_to(self, event: QMouseEvent) -> None:
+        assert self._drag is not None
+        assert self._original is not None
+        if not self._is_valid:
             self._forget()
             return
-        by, self._at = event.position() - self._at, event.position()
+        travel, self._mouse = event.position() - self._mouse, event.position()
         keys = event.modifiers()
         fine, one_direction = keys & Qt.KeyboardModifier.ControlModifier, keys & Qt.KeyboardModifier.ShiftModifier
-        angle, level = self._pull.move(by.x(), by.y(), bool(fine), bool(one_direction))
-        possible = self._apply(move_join(self._from, self._pull.grip.join, angle, level))
+        angle, level = self._drag.move(travel.x(), travel.y(), bool(fine), bool(one_direction))
+        possible = self._apply(move_join(self._original, self._drag.grip.join, angle, level))
         self._show_label(angle, level, not possible)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
@@ -319,7 +316,7 @@ class MotionEditor(MotionDiagram):
         if event.button() != Qt.MouseButton.LeftButton:
             return
         self._turning = False
-        if self._pull is not None or self._shifted is not None:
+        if self._drag is not None or self._shift is not None:
             self._end()
             self._hover(self._grip(event.position()))
 
@@ -327,40 +324,40 @@ class MotionEditor(MotionDiagram):
         self.mousePressEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        event.ignore()  # the axes are fixed; what is around may want to scroll
+        event.ignore()  # the axes are fixed; a surrounding area may scroll
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)
-        if self._pull is None:
+        if self._drag is None:
             self._hover(None)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         event.accept()
-        if self.motion is None or self.pulling or self.locked:
+        if self.motion is None or self.is_dragging or self.locked:
             return
         angle = self._angle_at(QPointF(event.pos()))
         self.segment_chosen.emit(segment_at(self.motion, angle))
         self.menu_requested.emit(event.globalPos(), angle)
 
     def _hover(self, grip: Grip | None) -> None:
-        """The mouse is over this."""
-        if grip != self.over:
-            self.over = grip
+        """Highlight the grip under the mouse."""
+        if grip != self.hovered:
+            self.hovered = grip
             self.viewport().setCursor(SHAPES[grip.kind] if grip is not None else Qt.CursorShape.ArrowCursor)
-            self.point_out()
+            self.update_highlight()
 
-    def _angle_at(self, place: QPointF) -> float:
-        return self.scale_now().angle(self.mapToScene(place.toPoint()).x())
+    def _angle_at(self, position: QPointF) -> float:
+        return self.scale_now().angle(self.mapToScene(position.toPoint()).x())
 
-    def _turn(self, place: QPointF) -> None:
+    def _turn(self, position: QPointF) -> None:
         self._player.play(False)
-        self._player.set_theta(radians(self._angle_at(place)))
+        self._player.set_theta(radians(self._angle_at(position)))
 
-    # -- keys ---------------------------------------------------------------------------------------------
+    # -- keys --------------------------------------------------------------------------------------------
 
     @property
     def join(self) -> int:
-        """The join that keys move: the one at the end of the chosen segment."""
+        """Join that the keys move, at the end of the selected segment."""
         assert self.motion is not None
         return (self.chosen + 1) % len(self.motion.segments)
 
@@ -378,32 +375,32 @@ class MotionEditor(MotionDiagram):
             event.ignore()
 
     def nudge(self, direction: tuple[int, int], fine: bool) -> None:
-        """Move the join at the end of the chosen segment by one step; steps in a row are one step back."""
-        if self.pulling or self.motion is None or self.locked:
+        """Move the join at the end of the selected segment by one step; successive steps are one undo step."""
+        if self.is_dragging or self.motion is None or self.locked:
             return
         grip = Grip(POINT, self.join, self.chosen)
-        if not self._runs or self.over != grip:
+        if not self._is_valid or self.hovered != grip:
             self._end()
             self._begin(grip)
-        # from where the join is now, not from where the gesture began
-        wanted = nudged(self.motion, self.join, self.scale_now(), direction, fine)
-        if wanted != (None, None):
-            possible = self._apply(move_join(self._session.design, self.join, *wanted))
-            self._show_label(*wanted, refused=not possible)
+        # from the current position of the join, not from that before the first step
+        target = step_join(self.motion, self.join, self.scale_now(), direction, fine)
+        if target != (None, None):
+            possible = self._apply(move_join(self._session.design, self.join, *target))
+            self._show_label(*target, refused=not possible)
 
     def escape(self) -> None:
-        """Take back what is being moved; else let what recalls the last edit go."""
-        if self._from is not None:
-            self._end(back=True)
+        """Cancel the drag; if there is none, hide the motion before the last edit."""
+        if self._original is not None:
+            self._end(cancel=True)
         else:
             self.released.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         super().focusOutEvent(event)
-        if self._pull is None and self._from is not None:
+        if self._drag is None and self._original is not None:
             self._end()
 
-    # -- tips ---------------------------------------------------------------------------------------------
+    # -- tips --------------------------------------------------------------------------------------------
 
     def viewportEvent(self, event: QEvent) -> bool:
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
@@ -411,15 +408,15 @@ class MotionEditor(MotionDiagram):
             return True
         return super().viewportEvent(event)
 
-    def tip(self, place: QPointF) -> str:
-        """What is at a place of the widget [pixels], and what can be done there."""
+    def tip(self, position: QPointF) -> str:
+        """Tip for a position in the widget [pixels]."""
         if self.motion is None:
             return ""
-        grip = self._grip(place)
-        if self._on_angles(place):
-            text = "Draw along here to shift the motion in the turn"
+        grip = self._grip(position)
+        if self._on_angles(position):
+            text = "Drag along here to shift the whole motion in cam angle"
         elif grip is None:
-            index = segment_at(self.motion, self._angle_at(place))
+            index = segment_at(self.motion, self._angle_at(position))
             text = f"Segment {index + 1}: {law_label(self.motion.segments[index].curve.law)}"
         elif grip.kind == LEVEL:
             text = f"Level of the dwell, segment {grip.segment + 1}"
@@ -427,4 +424,4 @@ class MotionEditor(MotionDiagram):
             joins = self._session.study.program.joins
             text = f"Segment {grip.segment + 1} ends, segment {grip.join + 1} begins\n"
             text += join_help(joins[grip.segment], self.motion)
-        return f"{text}\n\n{HOW}"
+        return f"{text}\n\n{MOUSE_HELP}"

@@ -1,4 +1,4 @@
-"""The motion in the inspector: start and stroke, and of the chosen segment law, span, rise and what its curve takes."""
+"""Page of the motion in the inspector: start, stroke, and law, span, rise and curve of the selected segment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.parameters_view import ParametersView
 from kindyna_gui.labels import law_label, segment_of, value_text
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
-from kindyna_gui.motion.head import MotionHead
+from kindyna_gui.motion.header import MotionHeader
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
@@ -28,27 +28,27 @@ SPACING = 6  # pixels between a name and its field
 
 
 class SegmentField(Field):
-    """Span or rise of a segment; its steps are called as in the table of segments."""
+    """Field of the span or rise of a segment; its undo steps have the names of the table of segments."""
 
     def _step(self, value: Any) -> str:
-        return f"Change {self._named} to {value_text(value, self.spec.unit)}"
+        return f"Change {self._name} to {value_text(value, self.spec.unit)}"
 
     @property
-    def _named(self) -> str:
+    def _name(self) -> str:
         return f"{self.spec.info.in_sentence} of segment {(segment_of(self.spec.path) or 0) + 1}"
 
 
 class LawField(SegmentField):
-    """The law of a segment, picked from pictures."""
+    """Field of the law of a segment, which opens the law picker."""
 
     def _step(self, value: Any) -> str:
-        return f"Change {self._named} to {law_label(value)}"
+        return f"Change {self._name} to {law_label(value)}"
 
     def _words(self) -> WordBox:
         return LawBox()
 
     def edit(self, value: Any, text: str) -> None:
-        """The law that is there already is no edit: what was set of it would be lost."""
+        """Change the law; the same law again is no edit, which would reset its settings."""
         if not self.obsolete and value == self.spec.read(self.session.typed):
             self.session.clear_refusal(self.spec.path)
         else:
@@ -56,26 +56,26 @@ class LawField(SegmentField):
 
 
 def _specs(design: Design, index: int) -> list[FieldSpec]:
-    """Law, span and rise of a segment."""
-    head = f"motion.segments[{index}]"
-    law = f"{head}.law"
-    of_segment = [
+    """Specifications of the fields for law, span and rise of a segment."""
+    prefix = f"motion.segments[{index}]."
+    law = f"{prefix}law"
+    span_and_rise = [
         FieldSpec.of(entry)
         for entry in entries(design, "motion")
-        if entry.path.startswith(f"{head}.") and entry.path.rpartition(".")[2].startswith(("span", "rise"))
+        if entry.path.startswith(prefix) and entry.path.rpartition(".")[2].startswith(("span", "rise"))
     ]
-    return [FieldSpec.of(Entry(law, COLUMNS[LAW].info, NO_UNIT, get(design, law), law)), *of_segment]
+    return [FieldSpec.of(Entry(law, COLUMNS[LAW].info, NO_UNIT, get(design, law), law)), *span_and_rise]
 
 
-def _name(number: int, segment: Segment) -> str:
-    """A segment as the list of them names it."""
+def _segment_name(number: int, segment: Segment) -> str:
+    """Name of a segment in the list."""
     return f"{number}  {law_label(segment.curve.law)}, {value_text(segment.span_deg, UNITS['deg'])}"
 
 
 class MotionPage(QScrollArea):
-    """The page of the motion; what it shows is made once it is in sight, and follows only while it is.
+    """Page of the motion, which is updated only while it is visible.
 
-    fields_changed   others stand there than before
+    ``fields_changed`` is emitted when the page shows other fields.
     """
 
     fields_changed = Signal()
@@ -87,31 +87,31 @@ class MotionPage(QScrollArea):
         self._shown: tuple[Motion, object, int, tuple[str, ...]] | None = None
         self._built = (-1, "")
         self.fields: dict[str, Field] = {}
-        self.head = MotionHead(session)
-        self.which = QComboBox()
-        self.which.setAccessibleName("Segment")
-        self.which.setToolTip("The segment whose law, span and rise stand below")
+        self.header = MotionHeader(session)
+        self.segment = QComboBox()
+        self.segment.setAccessibleName("Segment")
+        self.segment.setToolTip("Select the segment to edit below")
         self.curve = SegmentCurveForm(session, player)
         self.bar = SegmentBar()
-        self._place = ContentArea(session)
+        self._segment_area = ContentArea(session)
         self._rows: dict[str, Field] = {}
         label = QLabel("Segment ")
-        label.setBuddy(self.which)
+        label.setBuddy(self.segment)
         self._indent = label.sizeHint().width()
         chooser = QGridLayout()
         chooser.setContentsMargins(10, 6, 6, 0)
         chooser.setHorizontalSpacing(SPACING)
         chooser.addWidget(label, 0, 0)
-        chooser.addWidget(self.which, 0, 1)
+        chooser.addWidget(self.segment, 0, 1)
         chooser.setColumnStretch(1, 1)
         paper = QWidget()
         column = QVBoxLayout(paper)
         column.setContentsMargins(0, 0, 0, 4)
         column.setSpacing(1)
-        column.addWidget(self.head)
-        column.addWidget(self.head.troubles)
+        column.addWidget(self.header)
+        column.addWidget(self.header.errors)
         column.addLayout(chooser)
-        column.addWidget(self._place)
+        column.addWidget(self._segment_area)
         column.addWidget(self.curve)
         column.addWidget(self.bar)
         column.addStretch(1)
@@ -120,18 +120,18 @@ class MotionPage(QScrollArea):
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.which.activated.connect(session.choose_segment)
-        self.bar.wanted.connect(self._act)
+        self.segment.activated.connect(session.choose_segment)
+        self.bar.action_requested.connect(self._act)
         session.segment_chosen.connect(self._show_soon)
         DISPLAY.changed.connect(self._show_anew)
 
     @property
     def in_trouble(self) -> bool:
-        """Whether a field shows what cannot be."""
+        """Whether a field shows a value that is not possible."""
         return any(field.trouble for field in self.fields.values())
 
     def refresh(self, design: Design) -> None:
-        """Show the motion of the design as typed, as soon as the page is in sight."""
+        """Show the motion of the design as typed, once the page is visible."""
         self._show_soon()
 
     def _show_soon(self) -> None:
@@ -154,13 +154,13 @@ class MotionPage(QScrollArea):
         shown = self._shown = (motion, self._session.incomplete, index, design.assumed)
         if before is not None and before[0] is motion and before[1] is shown[1] and before[2:] == shown[2:]:
             return
-        self.head.show_motion(design)
-        names = [_name(number, segment) for number, segment in enumerate(motion.segments, 1)]
-        with QSignalBlocker(self.which):
-            if names != [self.which.itemText(i) for i in range(self.which.count())]:
-                self.which.clear()
-                self.which.addItems(names)
-            self.which.setCurrentIndex(index)
+        self.header.show_motion(design)
+        names = [_segment_name(number, segment) for number, segment in enumerate(motion.segments, 1)]
+        with QSignalBlocker(self.segment):
+            if names != [self.segment.itemText(i) for i in range(self.segment.count())]:
+                self.segment.clear()
+                self.segment.addItems(names)
+            self.segment.setCurrentIndex(index)
         if self._built != (index, motion.unit):
             self._built = index, motion.unit
             self._build(_specs(design, index))
@@ -172,9 +172,9 @@ class MotionPage(QScrollArea):
         for path, field in self._rows.items():
             field.editor.setEnabled(not fixed and not (".rise" in path and is_dwell(motion.segments[index])))
         self.curve.setEnabled(not fixed)
-        every = {**self.head.fields, **self._rows, **self.curve.fields}
-        if list(every.values()) != list(self.fields.values()):
-            self.fields = every
+        fields = {**self.header.fields, **self._rows, **self.curve.fields}
+        if list(fields.values()) != list(self.fields.values()):
+            self.fields = fields
             self.fields_changed.emit()
 
     def _build(self, specs: list[FieldSpec]) -> None:
@@ -188,10 +188,10 @@ class MotionPage(QScrollArea):
         self._rows = {}
         for spec in specs:
             field = (LawField if spec.info.choices else SegmentField)(self._session, spec)
-            field.setParent(paper)  # goes with it
+            field.setParent(paper)  # deleted together
             field.add_to(grid, grid.rowCount())
             self._rows[spec.path] = field
-        self._place.replace(paper)
+        self._segment_area.replace(paper)
 
     def _act(self, name: str, _: object) -> None:
         chosen = perform(self._session, name, self._session.segment, self._player.theta)
@@ -200,12 +200,12 @@ class MotionPage(QScrollArea):
 
     @property
     def editors(self) -> list[QWidget]:
-        """In the order of Tab."""
-        below = [field.editor for field in (*self._rows.values(), *self.curve.fields.values())]
-        heads = [field.editor for field in self.head.fields.values()]
-        return [*heads, self.which, *below, *self.bar.buttons.values()]
+        """Editors in the order of Tab."""
+        of_header = [field.editor for field in self.header.fields.values()]
+        of_segment = [field.editor for field in (*self._rows.values(), *self.curve.fields.values())]
+        return [*of_header, self.segment, *of_segment, *self.bar.buttons.values()]
 
-    # -- as the other pages of the inspector ----------------------------------------------------------------
+    # -- interface of the pages of the inspector ---------------------------------------------------------
 
     def look_for(self, words: str) -> int:
         """Nothing is hidden here; how many of the fields have all of these words in their names."""
@@ -220,18 +220,20 @@ class MotionPage(QScrollArea):
             self._session.choose_segment(index)
 
     def field_at(self, path: str) -> Field | None:
-        """The field of a path, whose segment is then shown; ``motion.start`` will do for ``motion.start_mm``. Of a segment as a whole
-        its span; None of what has none, a point of a table."""
+        """Show the segment of a path and return the field; None for a path without a field, such as a point of a table.
+
+        ``motion.start`` is enough for ``motion.start_mm``; the path of a segment gives its span.
+        """
         self.unfold(path)
         self._show()
-        named = next((field for own, field in self.fields.items() if path in (own, own.rpartition("_")[0])), None)
-        if named is None and segment_of(path) is None:
+        match = next((field for name, field in self.fields.items() if path in (name, name.rpartition("_")[0])), None)
+        if match is None and segment_of(path) is None:
             return next(iter(self.fields.values()), None)
-        return named or self.fields.get(f"{path}.span_deg")
+        return match or self.fields.get(f"{path}.span_deg")
 
 
 def inspector(session: Session, player: Player) -> ParametersView:
-    """The parameters of a design, its motion among them."""
+    """Parameters of a design, with the page of its motion."""
     return ParametersView(session, player, {"motion": MotionPage(session, player)})
 
 

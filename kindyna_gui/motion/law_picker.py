@@ -1,4 +1,4 @@
-"""Law picker."""
+"""Law picker: the motion laws as curves, with their peak coefficients and a search by name."""
 
 from __future__ import annotations
 
@@ -21,52 +21,12 @@ from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.pictures.units import short
 from kindyna_gui.rebuilt import call_soon
 
-# -- law list --------------------------------------------------------------------------------------------
-
-MOVING = 1e-9  # a velocity at an end above this is one [rise/span]
-
-
-def matching(text: str) -> dict[str, tuple[str, ...]]:
-    """The groups with those laws that have all words of a text in their name or that of their group."""
-    words = text.lower().split()
-    kept = {}
-    for name, slugs in law_groups().items():
-        hits = tuple(s for s in slugs if all(w in f"{s} {law_label(s)} {name}".lower() for w in words))
-        if hits:
-            kept[name] = hits
-    return kept
-
-
-def peaks_text(slug: str) -> str:
-    """``Cv 1.76  Ca 5.53  Cj 69.5``; what the law has instead where there are none."""
-    law = named_law(slug)
-    if law.is_dwell or not law.pieces:
-        return law.own
-    own = peaks(law)
-    rows = (("Cv", own.cv), ("Ca", own.ca), ("Cj", own.cj))
-    return "  ".join(f"{name} {short(value, 3)}" for name, value in rows)
-
-
-def law_tip(slug: str) -> str:
-    """What a law is, in a line or two."""
-    law = named_law(slug)
-    text = sentence(law.help or law.source)
-    if law.pieces and not law.is_dwell:
-        text += "\nPeaks for unit rise and span; jerk counts the inside of the law only"
-        if float(np.abs(law(np.array([0.0, 1.0]))[1]).max()) > MOVING:
-            text += "\nIt begins or ends in motion: the velocity jumps where it meets a dwell"
-        elif peaks(law).jumps_at_an_end:
-            text += "\nIts acceleration jumps where it meets a dwell"
-    return text
-
-
-# -- law picker ------------------------------------------------------------------------------------------
-
+LEAST_VELOCITY = 1e-9  # a smaller velocity at an end of a law is 0 [rise/span]
 COLUMNS = 4
 CELL = QSize(142, 106)
-PICTURE = QRect(12, 10, 118, 42)  # within a cell
+CURVE_BOX = QRect(12, 10, 118, 42)  # within a cell
 HEADING, MARGIN = 24, 6  # heights in pixels
-ROOM = 430  # height of the list, pixels
+LIST_HEIGHT = 430  # pixels
 STEPS: Mapping[int, tuple[int, int]] = MappingProxyType(
     {
         Qt.Key.Key_Left: (-1, 0),
@@ -75,18 +35,59 @@ STEPS: Mapping[int, tuple[int, int]] = MappingProxyType(
         Qt.Key.Key_Down: (0, 1),
     }
 )
+COMMAND_KEYS = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
+
+# -- search and texts ------------------------------------------------------------------------------------
+
+
+def matching_laws(text: str) -> dict[str, tuple[str, ...]]:
+    """Groups with the laws that have all words of the text in their name or in that of the group."""
+    words = text.lower().split()
+    result = {}
+    for name, slugs in law_groups().items():
+        matches = tuple(s for s in slugs if all(w in f"{s} {law_label(s)} {name}".lower() for w in words))
+        if matches:
+            result[name] = matches
+    return result
+
+
+def peaks_text(slug: str) -> str:
+    """Peak coefficients as text, such as ``Cv 1.76  Ca 5.53  Cj 69.5``; what a law without them has instead."""
+    law = named_law(slug)
+    if law.is_dwell or not law.pieces:
+        return law.own
+    peak = peaks(law)
+    return "  ".join(f"{name} {short(value, 3)}" for name, value in (("Cv", peak.cv), ("Ca", peak.ca), ("Cj", peak.cj)))
+
+
+def law_tip(slug: str) -> str:
+    """Description of a law in one to three lines."""
+    law = named_law(slug)
+    text = sentence(law.help or law.source)
+    if law.pieces and not law.is_dwell:
+        text += "\nPeaks for unit rise and span; the jerk at the ends is not included"
+        if float(np.abs(law(np.array([0.0, 1.0]))[1]).max()) > LEAST_VELOCITY:
+            text += "\nIt starts or ends with a velocity, which jumps at a dwell"
+        elif peaks(law).jumps_at_an_end:
+            text += "\nIts acceleration jumps at a dwell"
+    return text
+
+
+# -- list of laws ----------------------------------------------------------------------------------------
 
 
 @frozen
 class LawCell:
+    """A law and its cell [pixels]."""
+
     slug: str
     box: QRect
 
 
 class LawGrid(QWidget):
-    """The laws that match the search, group by group.
+    """The laws that match the search, by groups.
 
-    picked  (slug): a law was clicked
+    ``picked`` (slug) is emitted when a law is clicked.
     """
 
     picked = Signal(str)
@@ -100,14 +101,14 @@ class LawGrid(QWidget):
         self.show_laws(law_groups())
 
     def show_laws(self, rows: Mapping[str, tuple[str, ...]]) -> None:
-        """Show these laws under their headings; the current one stays where it is among them, else the first is."""
+        """Show these laws under their headings; the first becomes current if the current one is not among them."""
         cells, headings, y = [], [], 0
         for name, slugs in rows.items():
             headings.append((y, name))
             y += HEADING
             for i, slug in enumerate(slugs):
-                place = QPoint(MARGIN + i % COLUMNS * CELL.width(), y + i // COLUMNS * CELL.height())
-                cells.append(LawCell(slug, QRect(place, CELL)))
+                corner = QPoint(MARGIN + i % COLUMNS * CELL.width(), y + i // COLUMNS * CELL.height())
+                cells.append(LawCell(slug, QRect(corner, CELL)))
             y += -(-len(slugs) // COLUMNS) * CELL.height() + MARGIN
         self.cells, self._headings = tuple(cells), tuple(headings)
         if self.current not in {cell.slug for cell in cells}:
@@ -116,17 +117,17 @@ class LawGrid(QWidget):
         self.update()
 
     def box(self, slug: str) -> QRect:
-        """Where a law stands."""
+        """Cell of a law; empty if it is not shown."""
         return next((cell.box for cell in self.cells if cell.slug == slug), QRect())
 
     def choose(self, slug: str) -> None:
-        """Mark this law as the current one."""
+        """Make this law the current one."""
         if slug != self.current:
             self.current = slug
             self.update()
 
     def step(self, dx: int, dy: int) -> None:
-        """Go to the next law sideways, or to the nearest one in the row above or below."""
+        """Move to the next law sideways, or to the nearest one in the row above or below."""
         if not self.cells:
             return
         order = [cell.slug for cell in self.cells]
@@ -134,18 +135,18 @@ class LawGrid(QWidget):
         if dx:
             self.choose(order[min(max(at + dx, 0), len(order) - 1)])
             return
-        here = self.cells[at].box
-        ahead = [c for c in self.cells if (c.box.top() - here.top()) * dy > 0]
+        box = self.cells[at].box
+        ahead = [cell for cell in self.cells if (cell.box.top() - box.top()) * dy > 0]
         if ahead:
-            row = min(ahead, key=lambda c: abs(c.box.top() - here.top())).box.top()
-            inside = [c for c in ahead if c.box.top() == row]
-            self.choose(min(inside, key=lambda c: abs(c.box.left() - here.left())).slug)
+            top = min((cell.box.top() for cell in ahead), key=lambda y: abs(y - box.top()))
+            row = [cell for cell in ahead if cell.box.top() == top]
+            self.choose(min(row, key=lambda cell: abs(cell.box.left() - box.left())).slug)
 
-    def at(self, place: QPoint) -> str:
-        """The law at a place; empty where there is none."""
-        return next((cell.slug for cell in self.cells if cell.box.contains(place)), "")
+    def at(self, position: QPoint) -> str:
+        """Law at a position; empty where there is none."""
+        return next((cell.slug for cell in self.cells if cell.box.contains(position)), "")
 
-    # -- events -------------------------------------------------------------------------------------------
+    # -- events ------------------------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -165,16 +166,16 @@ class LawGrid(QWidget):
             painter.setPen(SCREEN.pen(SCREEN.chosen))
             painter.setBrush(QColor(SCREEN.chosen_row))
             painter.drawRoundedRect(QRectF(cell.box).adjusted(1.5, 1.5, -1.5, -1.5), 3.0, 3.0)
-        paint_law(painter, QRectF(PICTURE.translated(cell.box.topLeft())), cell.slug, SCREEN)
-        under = QRect(cell.box.left() + 3, cell.box.top() + PICTURE.bottom() + 5, CELL.width() - 6, 30)
+        paint_law(painter, QRectF(CURVE_BOX.translated(cell.box.topLeft())), cell.slug, SCREEN)
+        name_box = QRect(cell.box.left() + 3, cell.box.top() + CURVE_BOX.bottom() + 5, CELL.width() - 6, 30)
         painter.setFont(font(SMALL))
         painter.setPen(QColor(SCREEN.ink))
-        name = wrapped(law_label(cell.slug), under.width())
-        painter.drawText(under, Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter, name)
+        name = wrapped(law_label(cell.slug), name_box.width())
+        painter.drawText(name_box, Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter, name)
         painter.setFont(font(SMALL - 1))
         painter.setPen(QColor(SCREEN.quiet))
-        foot = QRect(cell.box.left() + 2, cell.box.bottom() - 17, CELL.width() - 4, 14)
-        painter.drawText(foot, Qt.AlignmentFlag.AlignCenter, peaks_text(cell.slug))
+        footer = QRect(cell.box.left() + 2, cell.box.bottom() - 17, CELL.width() - 4, 14)
+        painter.drawText(footer, Qt.AlignmentFlag.AlignCenter, peaks_text(cell.slug))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         slug = self.at(event.position().toPoint())
@@ -195,10 +196,9 @@ class LawGrid(QWidget):
 
 
 class LawPicker(QFrame):
-    """The laws in a window of their own that closes by itself.
+    """Pop-up window with the laws and a search line.
 
-    picked  (slug): Enter, or a click
-    closed  without a choice
+    Signals: ``picked`` (slug) at Enter or a click; ``closed`` when the window closes without a selection.
     """
 
     picked = Signal(str)
@@ -216,9 +216,9 @@ class LawPicker(QFrame):
         self.filter.setClearButtonEnabled(True)
         self.filter.textChanged.connect(self._filter)
         self.filter.installEventFilter(self)
-        self.nothing = QLabel("No law has this in its name.", alignment=Qt.AlignmentFlag.AlignCenter)
-        coloured(self.nothing, SCREEN.quiet)
-        self.nothing.hide()
+        self.no_match = QLabel("No name of a law contains this text.", alignment=Qt.AlignmentFlag.AlignCenter)
+        coloured(self.no_match, SCREEN.quiet)
+        self.no_match.hide()
         legend = QLabel(
             f"<span style='color:{SCREEN.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
             f"<span style='color:{SCREEN.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
@@ -235,20 +235,20 @@ class LawPicker(QFrame):
         column.setContentsMargins(6, 6, 6, 6)
         column.setSpacing(4)
         column.addWidget(self.filter)
-        column.addWidget(self.nothing)
+        column.addWidget(self.no_match)
         column.addWidget(self.area, 1)
         column.addWidget(legend)
         bar = self.area.verticalScrollBar().sizeHint().width()
         self.area.setFixedWidth(self.grid.width() + bar)
-        self.area.setMinimumHeight(min(ROOM, self.grid.height()))
+        self.area.setMinimumHeight(min(LIST_HEIGHT, self.grid.height()))
         self.setFocusProxy(self.filter)
         self.grid.picked.connect(self._pick)
-        self._chosen = False
+        self._is_done = False
         if typed:
             self._filter(typed)
 
     def open_at(self, cell: QRect) -> None:
-        """Open below a cell, or above it where there is no room; the cell in places of the screen."""
+        """Open below a cell [pixels on the screen], or above it where there is no room below."""
         self.adjustSize()
         room = self.screen().availableGeometry()
         x = max(room.left(), min(cell.left(), room.right() - self.width()))
@@ -264,24 +264,24 @@ class LawPicker(QFrame):
         self.area.ensureVisible(box.center().x(), box.center().y(), 0, CELL.height() // 2 + HEADING)
 
     def _filter(self, text: str) -> None:
-        rows = matching(text)
-        self.grid.show_laws(rows)
-        self.nothing.setVisible(not rows)
+        laws = matching_laws(text)
+        self.grid.show_laws(laws)
+        self.no_match.setVisible(not laws)
         self._reveal()
 
     def _pick(self, slug: str) -> None:
-        self._chosen = True
+        self._is_done = True
         self.close()
         self.picked.emit(slug)
 
     def hideEvent(self, event: QEvent) -> None:
         super().hideEvent(event)  # type: ignore[arg-type]
-        if not self._chosen:
-            self._chosen = True
+        if not self._is_done:
+            self._is_done = True
             self.closed.emit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Arrows and Enter belong to the grid, all other keys to the line."""
+        """Pass arrows and Enter to the grid, all other keys to the line."""
         if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.KeyPress:
             return False
         if event.key() in STEPS:
@@ -297,13 +297,10 @@ class LawPicker(QFrame):
         return True
 
 
-_COMMANDS = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
-
-
 class LawBox(WordBox):
-    """The name of a law; its list is the picker.
+    """Box with the name of a law, which opens the picker.
 
-    cancelled  the picker was closed without a choice
+    ``cancelled`` is emitted when the picker closes without a selection.
     """
 
     cancelled = Signal()
@@ -318,7 +315,7 @@ class LawBox(WordBox):
         self.open("")
 
     def open(self, typed: str) -> None:
-        """Open the picker, with this typed already."""
+        """Open the picker with this text in its search line."""
         if self.picker is not None:
             return
         self.picker = LawPicker(self, self.currentData(), typed)
@@ -341,7 +338,7 @@ class LawBox(WordBox):
         self.cancelled.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.text().strip() and event.text().isprintable() and not event.modifiers() & _COMMANDS:
+        if event.text().strip() and event.text().isprintable() and not event.modifiers() & COMMAND_KEYS:
             self.open(event.text())
         else:
             super().keyPressEvent(event)

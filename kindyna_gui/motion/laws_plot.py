@@ -1,4 +1,4 @@
-"""Laws compared."""
+"""New motions of machines, plots that compare motion laws, and the ranking of laws or blends in a design."""
 
 from __future__ import annotations
 
@@ -46,14 +46,35 @@ from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.requirements import NO_RANKING
 from kindyna_gui.settings import sized
 
-# -- begin dialog ----------------------------------------------------------------------------------------
+TEXT_WIDTH = 380  # of a dialog, pixels
+POINTS = 241  # of a piece of a law
+QUANTITIES = (
+    ("Displacement", "s", "displacement"),
+    ("Velocity", "v", "velocity"),
+    ("Acceleration", "a", "acceleration"),
+    ("Jerk", "j", "jerk"),
+)
+"""Name, symbol and family of each plot, in the order of the derivatives."""
+COLOURS = (BLUE, VERMILION, GREEN, BLACK, PURPLE, ORANGE, SKY)
+DASHES: tuple[tuple[float, ...], ...] = ((), (8.0, 3.0), (2.0, 2.0), (9.0, 3.0, 2.0, 3.0), (14.0, 4.0))
+REDRAW_MS, POLL_MS = 80, 20
+HEADING_MARGIN = 24  # pixels next to a heading, with room for the arrow of sorting
+NO_VALUE = "–"
 
-WIDTH = 380  # pixels
+# -- new motions -----------------------------------------------------------------------------------------
 
 
 @frozen
-class Beginning:
-    """One row: title, command of the command line, what is asked for, what makes the design of it."""
+class NewMotion:
+    """A motion that a design can begin with.
+
+    Attributes
+    ----------
+    title : name in the menu
+    command : command of the command line
+    kind : dataclass of the request
+    make : function from the request to the design
+    """
 
     title: str
     command: str
@@ -61,43 +82,46 @@ class Beginning:
     make: Callable[[Any], Design]
 
 
-BEGINNINGS: Mapping[str, Beginning] = MappingProxyType(
+NEW_MOTIONS: Mapping[str, NewMotion] = MappingProxyType(
     {
-        "indexer": Beginning("Indexer", "indexer", Indexer, indexer),
-        "flying_shear": Beginning("Flying shear", "flying-shear", FlyingShear, flying_shear),
+        "indexer": NewMotion("Indexer", "indexer", Indexer, indexer),
+        "flying_shear": NewMotion("Flying shear", "flying-shear", FlyingShear, flying_shear),
     }
 )
 
 
-class BeginDialog(RequestDialog):
-    """The form of a row of ``BEGINNINGS``."""
+class NewMotionDialog(RequestDialog):
+    """Form of a row of ``NEW_MOTIONS``."""
 
     reads = False
 
-    def __init__(self, parent: QWidget, row: Beginning) -> None:
+    def __init__(self, parent: QWidget, row: NewMotion) -> None:
         self.row, self.command, self.help_page = row, row.command, f"making#{row.title}"
         super().__init__(
-            parent, f"New {row.title[:1].lower()}{row.title[1:]}", RequestForm(row.kind), "Begin", self._tell
+            parent, f"New {row.title[:1].lower()}{row.title[1:]}", RequestForm(row.kind), "Begin", self._message
         )
-        self.summary.setFixedWidth(WIDTH)
+        self.summary.setFixedWidth(TEXT_WIDTH)
         self.summary.setMinimumHeight(6 * self.fontMetrics().lineSpacing())
-        self.form.changed.connect(self._allow)
-        self._allow()
+        self.form.changed.connect(self._enable_button)
+        self._enable_button()
 
     def command_options(self) -> tuple[str, list[str]]:
         return f"{self.command}.toml", command_words(self.row.kind, self.form.values)
 
     def design(self) -> Design:
-        """That is asked for. Raises DesignError where it cannot be."""
-        return self.row.make(self.row.kind(**self.form.values))
+        """Return the requested design; raises DesignError where it is not possible."""
+        return self._build(self.form.values)
 
-    def _tell(self, values: Mapping[str, Any]) -> str:
+    def _build(self, values: Mapping[str, Any]) -> Design:
+        return self.row.make(self.row.kind(**values))
+
+    def _message(self, values: Mapping[str, Any]) -> str:
         try:
-            return new_design_text(self.row.make(self.row.kind(**values)))
+            return new_design_text(self._build(values))
         except KindynaError as error:
             return str(error)
 
-    def _allow(self) -> None:
+    def _enable_button(self) -> None:
         try:
             self.design()
         except KindynaError:
@@ -106,50 +130,40 @@ class BeginDialog(RequestDialog):
             self.accept_button.setEnabled(True)
 
 
-def beginning_wanted(parent: QWidget, name: str) -> Design | None:
-    """Ask for what a design begins with; None where the user cancels."""
-    dialog = BeginDialog(parent, BEGINNINGS[name])
+def ask_new_motion(parent: QWidget, name: str) -> Design | None:
+    """Ask for a row of ``NEW_MOTIONS`` and return its design; None if the user cancels."""
+    dialog = NewMotionDialog(parent, NEW_MOTIONS[name])
     accepted = dialog.exec() == RequestDialog.DialogCode.Accepted
-    made = dialog.design() if accepted else None
+    design = dialog.design() if accepted else None
     dialog.deleteLater()
-    return made
+    return design
 
 
-# -- laws plot -------------------------------------------------------------------------------------------
-
-POINTS = 241  # of a piece of a law
-QUANTITIES = (
-    ("Displacement", "s", "displacement"),
-    ("Velocity", "v", "velocity"),
-    ("Acceleration", "a", "acceleration"),
-    ("Jerk", "j", "jerk"),
-)
-"""Name, letter and family of each plot, in the order of the derivatives."""
+# -- plots of laws ---------------------------------------------------------------------------------------
 
 
 @frozen
 class LineStyle:
-    """Colour and dashes of a curve, and how many times as wide as others it is."""
+    """Colour, dashes and relative width of a curve."""
 
     colour: str
     dash: tuple[float, ...]
     width: int = 1
 
 
-_COLOURS = (BLUE, VERMILION, GREEN, BLACK, PURPLE, ORANGE, SKY)
-_DASHES: tuple[tuple[float, ...], ...] = ((), (8.0, 3.0), (2.0, 2.0), (9.0, 3.0, 2.0, 3.0), (14.0, 4.0))
+def line_style(number: int) -> LineStyle:
+    """Line style of a curve by its number from 0.
 
-
-def stroke_of(number: int) -> LineStyle:
-    """The stroke of the curve of that number, from 0: all different, and neighbours in colour and dashes both, so that the curves
-    can be told apart without colour; those behind all pairs of these are wider."""
-    colours, dashes = len(_COLOURS), len(_DASHES)
-    return LineStyle(_COLOURS[number % colours], _DASHES[number % dashes], 1 + number // (colours * dashes))
+    All styles differ, and successive ones differ in colour and in dashes, so that curves can be distinguished without
+    colour; after all combinations the lines become wider.
+    """
+    colours, dashes = len(COLOURS), len(DASHES)
+    return LineStyle(COLOURS[number % colours], DASHES[number % dashes], 1 + number // (colours * dashes))
 
 
 @cache
 def _samples(law: Law) -> tuple[np.ndarray, np.ndarray]:
-    """u (n,), and s, v, a, j there (4, n): at a join inside the law both sides, so that a jump is upright."""
+    """Return u (n,) and s, v, a, j (4, n) of a law, with both sides of the joins inside, so that jumps are vertical."""
     starts = [piece.start for piece in law.pieces]
     rows = []
     for start, end in zip(starts, [*starts[1:], 1.0], strict=True):
@@ -161,14 +175,14 @@ def _samples(law: Law) -> tuple[np.ndarray, np.ndarray]:
 
 
 def show_laws(plot: XYPlot, order: int, laws: Sequence[tuple[Law, LineStyle]]) -> None:
-    """Draw one of ``QUANTITIES``, by its number, of these laws."""
-    quantity, letter, family = QUANTITIES[order]
+    """Draw a quantity of these laws; order: its number in ``QUANTITIES``."""
+    quantity, symbol, family = QUANTITIES[order]
     lines = [
         Line(_samples(law)[0], _samples(law)[1][order], style.colour, dash=style.dash, width=style.width)
         for law, style in laws
     ]
     if lines:
-        plot.name_axes("u, share of the span", f"{quantity}, {letter}")
+        plot.name_axes("u, share of the span", f"{quantity}, {symbol}")
         plot.show_lines(lines)
         plot.show_range(upwards=shown_range([line.y for line in lines], {family}, ()))
     else:
@@ -176,9 +190,9 @@ def show_laws(plot: XYPlot, order: int, laws: Sequence[tuple[Law, LineStyle]]) -
 
 
 class LawsLegend(QWidget):
-    """Names of the curves with their strokes, in as many lines as they need."""
+    """Legend with names and line styles, in as many lines as it needs."""
 
-    GAP, LINE, SAMPLE = 16, 17, 26  # pixels: between entries, height of a line, of a stroke
+    GAP, LINE, SAMPLE = 16, 17, 26  # pixels: between entries, height of a line, length of a sample
 
     def __init__(self, theme: Theme = SCREEN) -> None:
         super().__init__()
@@ -188,30 +202,30 @@ class LawsLegend(QWidget):
         self.setSizePolicy(policy)
 
     def show_laws(self, laws: Sequence[tuple[Law, LineStyle]]) -> None:
-        """Name these laws and no others."""
+        """Show these laws."""
         self.laws = list(laws)
         self.setAccessibleName("Laws drawn: " + (", ".join(law.label for law, _ in laws) or "none"))
         self._fit()
         self.update()
 
-    def _places(self) -> list[tuple[float, int]]:
+    def _positions(self) -> list[tuple[float, int]]:
         """Left edge [pixels] and line of each entry."""
         left = sized(LEFT_WIDTH)
-        made, x, line = [], left, 0
+        positions, x, line = [], left, 0
         for law, _ in self.laws:
             width = self.SAMPLE + 6.0 + text_size(law.label, SMALL)[0]
             if x > left and x + width > self.width() - RIGHT_MARGIN:
                 x, line = left, line + 1
-            made.append((x, line))
+            positions.append((x, line))
             x += width + self.GAP
-        return made
+        return positions
 
     def _fit(self) -> None:
-        lines = 1 + max((line for _, line in self._places()), default=0)
+        lines = 1 + max((line for _, line in self._positions()), default=0)
         self.setFixedHeight(round(lines * sized(self.LINE)) + 6)
 
     def update_style(self) -> None:
-        """Theme or letters have changed."""
+        """Follow a change of theme or font size."""
         self._fit()
         self.update()
 
@@ -226,9 +240,9 @@ class LawsLegend(QWidget):
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self._theme.paper))
         painter.setFont(font(SMALL))
-        for (law, stroke), (x, line) in zip(self.laws, self._places(), strict=True):
+        for (law, style), (x, line) in zip(self.laws, self._positions(), strict=True):
             middle = 4.0 + (line + 0.5) * sized(self.LINE)
-            painter.setPen(self._theme.pen(self._theme.seen(stroke.colour), 2.0 * stroke.width, stroke.dash))
+            painter.setPen(self._theme.pen(self._theme.seen(style.colour), 2.0 * style.width, style.dash))
             painter.drawLine(QPointF(x, middle), QPointF(x + self.SAMPLE, middle))
             painter.setPen(QColor(self._theme.ink))
             box = QRectF(x + self.SAMPLE + 6.0, middle - sized(self.LINE) / 2.0, self.width(), sized(self.LINE))
@@ -238,20 +252,17 @@ class LawsLegend(QWidget):
 
 # -- ranking ---------------------------------------------------------------------------------------------
 
-# A law or blend that the design cannot take says why in place of its figures.
-
-REDRAW_MS, POLL_MS = 80, 20
-BESIDE = 24  # pixels beside a heading, where the mark of sorting stands too
-NONE = "–"
-
 
 class RankingPanel(QWidget):
-    """A row for each candidate. ``offer`` says what is compared; nothing is computed of it before the table is seen.
+    """Table that ranks laws or blends in a design, computed in the background once the table is visible.
 
-    chosen (str): a row was chosen, by the name of its candidate
+    ``offer`` sets the candidates. A candidate that is not possible shows the reason instead of its figures. ``chosen`` (str)
+    gives the name of a selected candidate.
 
-    rows     what is computed so far, in the order of the candidates
-    figures  the columns
+    Attributes
+    ----------
+    rows : results so far, by the names of the candidates
+    figures : columns
     """
 
     chosen = Signal(str)
@@ -263,11 +274,11 @@ class RankingPanel(QWidget):
         self.table: RowsTable | None = None
         self._candidates: Mapping[str, Candidate] = {}
         self._design: Design | None = None
-        self._own, self._mark, self._stale = "", "", True
+        self._current, self._mark, self._stale = "", "", True
         self._shown: list[str] = []  # names, from top to bottom
-        self._sorted: tuple[int, bool] | None = (0, False)  # figure, downwards
+        self._order: tuple[int, bool] | None = (0, False)  # figure, descending
         self._work = Background(self, POLL_MS)
-        self._work.result.connect(self._answered)
+        self._work.result.connect(self._take_result)
         self._soon = QTimer(self, singleShot=True, interval=REDRAW_MS)
         self._soon.timeout.connect(self._show)
         self.bar, self.text = QProgressBar(textVisible=False), QLabel()
@@ -275,14 +286,14 @@ class RankingPanel(QWidget):
         self.bar.setFixedHeight(10)
         self.text.setWordWrap(True)
         coloured(self.text, SCREEN.quiet)
-        self.cancel, self.again = QPushButton("Cancel"), QPushButton("Go on")
-        for button, do in ((self.cancel, self._work.cancel), (self.again, self._begin)):
+        self.cancel, self.resume = QPushButton("Cancel"), QPushButton("Continue")
+        for button, do in ((self.cancel, self._work.cancel), (self.resume, self._begin)):
             button.setAutoDefault(False)
             button.clicked.connect(lambda _=False, do=do: do())
         self._table = ContentArea()
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
-        for part in (self.text, self.bar, self.cancel, self.again):
+        for part in (self.text, self.bar, self.cancel, self.resume):
             row.addWidget(part, 1 if part in (self.text, self.bar) else 0)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -292,41 +303,42 @@ class RankingPanel(QWidget):
 
     @property
     def busy(self) -> bool:
+        """Whether the ranking is still being computed."""
         return self._work.busy or self._soon.isActive()
 
-    def offer(self, design: Design, candidates: Mapping[str, Candidate], own: str = "", mark: str = "now") -> None:
-        """Compare these in a design; own: the one that is marked, and how."""
+    def offer(self, design: Design, candidates: Mapping[str, Candidate], current: str = "", mark: str = "now") -> None:
+        """Compare these candidates in a design; current: the one with the mark."""
         self.stop()
         self._mark = mark
-        self._candidates, self._own, self.rows, self._stale = dict(candidates), own, {}, True
+        self._candidates, self._current, self.rows, self._stale = dict(candidates), current, {}, True
         self._design = design
         if self.isVisible():
             self._start()
 
     def stop(self) -> None:
-        """Nothing is computed any longer."""
+        """Stop the calculation."""
         self._work.stop()
         self._soon.stop()
 
     def close_work(self) -> None:
-        """Be sure that nothing is running any longer."""
+        """Stop the calculation and wait for its end."""
         self._work.close()
 
-    # -- computing ------------------------------------------------------------------------------------------
+    # -- calculation -------------------------------------------------------------------------------------
 
     def _start(self) -> None:
-        assert self._design is not None, "what is offered is offered in a design"
+        assert self._design is not None
         self._stale = False
         self._name_columns(ranking_columns(self._design))
         self._begin()
 
     def _begin(self) -> None:
-        """Compute what is missing."""
+        """Compute the missing rows."""
         missing = [name for name in self._candidates if name not in self.rows] if self.figures else []
         self._work.start([(name, partial(ranking_row, name, self._candidates[name], self.figures)) for name in missing])
         self._show()
 
-    def _answered(self, name: str, result: RankingRow | KindynaError | Cancelled) -> None:
+    def _take_result(self, name: str, result: RankingRow | KindynaError | Cancelled) -> None:
         if isinstance(result, RankingRow):
             self.rows[name] = result
         if self._work.busy:
@@ -347,67 +359,67 @@ class RankingPanel(QWidget):
             self.stop()
             self._stale = True
 
-    # -- showing --------------------------------------------------------------------------------------------
+    # -- table -------------------------------------------------------------------------------------------
 
     def _name_columns(self, figures: tuple[RankingColumn, ...]) -> None:
         if figures == self.figures and self.table is not None:
             return
         self.figures = figures
-        self._sorted = (0, False)
+        self._order = (0, False)
         columns = [TableHeading(f"{figure.title}\n{figure.symbol}", number=True, tip=figure.help) for figure in figures]
         self.table = table = RowsTable([TableHeading("Law or blend", wide=True), *columns])
-        head = table.horizontalHeader()
+        header = table.horizontalHeader()
         for number, figure in enumerate(figures, 1):
-            head.setSectionResizeMode(number, QHeaderView.ResizeMode.Fixed)
-            head.resizeSection(number, table.fontMetrics().horizontalAdvance(figure.title) + BESIDE)
-        head.setSectionsClickable(True)
-        head.setSortIndicatorShown(True)
-        head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
-        head.sectionClicked.connect(self._sort)
+            header.setSectionResizeMode(number, QHeaderView.ResizeMode.Fixed)
+            header.resizeSection(number, table.fontMetrics().horizontalAdvance(figure.title) + HEADING_MARGIN)
+        header.setSectionsClickable(True)
+        header.setSortIndicatorShown(True)
+        header.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
+        header.sectionClicked.connect(self._sort)
         for chosen in (table.clicked, table.activated):  # by the mouse, and by Enter
             chosen.connect(lambda index: self.chosen.emit(self._shown[index.row()]))
         self._table.replace(table)
 
     def _sort(self, column: int) -> None:
-        """By a figure, upwards first; by the first column as they stand."""
+        """Sort by a figure, ascending first; the first column restores the order of the candidates."""
         number = column - 1
         if not 0 <= number < len(self.figures):
-            self._sorted = None
+            self._order = None
         else:
-            self._sorted = (number, self._sorted == (number, False))
+            self._order = (number, self._order == (number, False))
         self._show()
 
     def _show(self) -> None:
-        """What is known so far."""
-        count, of, busy = len(self.rows), len(self._candidates), self._work.busy
-        self.bar.setRange(0, max(of, 1))
+        """Show the results so far."""
+        count, total, busy = len(self.rows), len(self._candidates), self._work.busy
+        self.bar.setRange(0, max(total, 1))
         self.bar.setValue(count)
         self.bar.setVisible(busy)
         self.cancel.setVisible(busy)
-        self.again.setVisible(bool(self.figures) and not busy and count < of)
+        self.resume.setVisible(bool(self.figures) and not busy and count < total)
         if not self.figures:
             self.text.setText(linked(NO_RANKING))
         else:
-            self.text.setText(f"{count} of {of}" if count < of else "")
+            self.text.setText(f"{count} of {total}" if count < total else "")
         if self.table is None:
             return
         rows = [self.rows[name] for name in self._candidates if name in self.rows]
-        head = self.table.horizontalHeader()
-        if self._sorted is None:
-            head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
+        header = self.table.horizontalHeader()
+        if self._order is None:
+            header.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         else:
-            column, downwards = self._sorted
-            rows = sorted_rows(rows, column, downwards)
-            head.setSortIndicator(
-                column + 1, Qt.SortOrder.DescendingOrder if downwards else Qt.SortOrder.AscendingOrder
+            column, descending = self._order
+            rows = sorted_rows(rows, column, descending)
+            header.setSortIndicator(
+                column + 1, Qt.SortOrder.DescendingOrder if descending else Qt.SortOrder.AscendingOrder
             )
         self._shown = [row.name for row in rows]
         self.table.show_rows([self._row(row) for row in rows])
 
     def _row(self, row: RankingRow) -> TableRow:
         label = law_label(row.name) if row.name in LAWS else row.name
-        name = f"{label}  ◂ {self._mark}" if row.name == self._own else label
+        name = f"{label}  ◂ {self._mark}" if row.name == self._current else label
         if row.problem:
             why = sentence(row.problem)
             return TableRow((name, why, *("" for _ in self.figures[1:])), tip=why, colour=SCREEN.quiet, across=1)
-        return TableRow((name, *(NONE if value is None else digits(value, 4) for value in row.figures)), tip=label)
+        return TableRow((name, *(NO_VALUE if value is None else digits(value, 4) for value in row.figures)), tip=label)

@@ -1,4 +1,4 @@
-"""Law table."""
+"""Law table: the motion laws with peak coefficients and curves, and their ranking in the current design."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import law_label, value_text
 from kindyna_gui.look import coloured, icon, text_button
-from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, LineStyle, RankingPanel, show_laws, stroke_of
+from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, LineStyle, RankingPanel, line_style, show_laws
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import SCREEN, of_theme
 from kindyna_gui.pictures.units import digits
@@ -44,18 +44,25 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.view import View, ViewHost
 
-# -- laws model ------------------------------------------------------------------------------------------
-
 Index = QModelIndex | QPersistentModelIndex
 NAME, VELOCITY, ACCELERATION, JERK, TORQUE, ENDS = range(6)
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-NOTHING = 1e-9  # an end value below this, as a share of the peak, is 0
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+ZERO = 1e-9  # an end value below this share of the peak is 0
+EMPTY = "Tick laws in the table to draw them here"
+FIRST_TICKED = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
+"""Ticked at first, together with the law of the selected segment."""
+WIDE = 900  # pixels: from this width on the plots are in a column next to the table, else two by two below it
+LEAST_NAME_WIDTH = 160  # pixels for the names of laws
+LEAST_PLOTS_HEIGHT = 100  # pixels, so that the window fits on a small screen
+TABLE_WIDTH, TABLE_SHARE = 560, 0.42  # pixels next to the plots, share of the height above them
+
+# -- columns and rows ------------------------------------------------------------------------------------
 
 
 @frozen
 class LawsColumn:
-    """Heading, and what its numbers mean."""
+    """Heading and tip of a column."""
 
     title: str
     help: str
@@ -63,18 +70,23 @@ class LawsColumn:
 
 COLUMNS = (
     LawsColumn("Law", "Tick laws to draw them over each other"),
-    LawsColumn("Velocity", "Largest velocity: times rise / span"),
-    LawsColumn("Accel.", "Largest acceleration: times rise / span²"),
-    LawsColumn("Jerk", "Largest jerk inside the law: times rise / span³; ∞ where the acceleration jumps inside"),
-    LawsColumn("Torque", "Largest velocity times acceleration, the torque that inertia asks of the camshaft: times rise² / span³"),
-    LawsColumn("Ends", "What is not 0 where the law starts (left) and ends (right): next to a dwell it jumps there"),
+    LawsColumn("Velocity", "Largest velocity, a multiple of rise / span"),
+    LawsColumn("Accel.", "Largest acceleration, a multiple of rise / span²"),
+    LawsColumn("Jerk", "Largest jerk inside the law, a multiple of rise / span³; ∞ if the acceleration jumps inside"),
+    LawsColumn("Torque", "Largest product of velocity and acceleration (inertia torque on the camshaft), a multiple of rise² / span³"),
+    LawsColumn("Ends", "Quantities that are not 0 at the start (left) and at the end (right): they jump at a dwell"),
 )  # fmt: skip
 
 
 @frozen
 class LawRow:
-    """One law: its four peak coefficients, infinite where there is no end to it, and which of v and a do not start and
-    end at 0."""
+    """Row of a law.
+
+    Attributes
+    ----------
+    numbers : peak coefficients of velocity, acceleration, jerk and torque; infinite where the quantity is unbounded
+    starts, ends : symbols of the quantities, v and a, that are not 0 at the start and at the end
+    """
 
     law: Law
     numbers: tuple[float, float, float, float]
@@ -83,28 +95,29 @@ class LawRow:
 
     @property
     def slug(self) -> str:
+        """Key of the law."""
         return self.law.slug
 
     @property
     def ends_text(self) -> str:
-        """``a | a``: left what jumps at the start, right what jumps at the end; empty where nothing does."""
+        """Quantities that jump at the start and at the end, such as ``a | a``; empty if none does."""
         return f"{self.starts or '–'} | {self.ends or '–'}" if self.starts or self.ends else ""
 
     @property
     def ends_help(self) -> str:
-        """What jumps at the ends of the law, in a sentence."""
+        """Sentence about the ends of the law."""
         names = {"v": "velocity", "a": "acceleration"}
         parts = [
-            f"{' and '.join(names[letter] for letter in letters.split())} {verb} at 0"
-            for letters, verb in ((self.starts, "does not start"), (self.ends, "does not end"))
-            if letters
+            f"{' and '.join(names[symbol] for symbol in symbols.split())} {verb} at 0"
+            for symbols, verb in ((self.starts, "does not start"), (self.ends, "does not end"))
+            if symbols
         ]
         return "; ".join(parts).capitalize() if parts else "Starts and ends without velocity and acceleration"
 
 
 @cache
 def law_rows() -> tuple[LawRow, ...]:
-    """Every law, in the order of the table of laws."""
+    """Rows of all laws in their standard order."""
     rows = []
     for law in LAWS.values():
         peak = peaks(law)
@@ -112,9 +125,9 @@ def law_rows() -> tuple[LawRow, ...]:
         sizes = (peak.cv, peak.ca)
         starts, ends = (
             " ".join(
-                letter
-                for letter, value, size in zip("va", at_ends[:, side], sizes, strict=True)
-                if abs(value) > NOTHING * max(size, 1.0)
+                symbol
+                for symbol, value, size in zip("va", at_ends[:, side], sizes, strict=True)
+                if abs(value) > ZERO * max(size, 1.0)
             )
             for side in (0, 1)
         )
@@ -122,10 +135,13 @@ def law_rows() -> tuple[LawRow, ...]:
     return tuple(rows)
 
 
-class LawsModel(QAbstractTableModel):
-    """The laws in the order last sorted by; ticked ones have a stroke of their own.
+# -- table -----------------------------------------------------------------------------------------------
 
-    ticked   the laws that are drawn have changed
+
+class LawsModel(QAbstractTableModel):
+    """Table model of the laws in the order of the last sorting; each ticked law has its line style.
+
+    ``ticked`` is emitted when the drawn laws change.
     """
 
     ticked = Signal()
@@ -133,37 +149,37 @@ class LawsModel(QAbstractTableModel):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.rows = list(law_rows())
-        self._strokes: dict[str, int] = {}  # slug -> number of its stroke, in the order of ticking
-        self._marked: tuple[str, str] = ("", "")  # slug, and the text beside it
+        self._styles: dict[str, int] = {}  # slug -> number of its line style, in the order of ticking
+        self._marked: tuple[str, str] = ("", "")  # slug, and the text next to it
 
-    # -- what is ticked and marked --------------------------------------------------------------------------
+    # -- ticked and marked laws --------------------------------------------------------------------------
 
     @property
     def drawn(self) -> list[tuple[Law, LineStyle]]:
-        """The laws that are ticked, in the order of ticking."""
-        return [(LAWS[slug], stroke_of(number)) for slug, number in self._strokes.items()]
+        """Ticked laws with their line styles, in the order of ticking."""
+        return [(LAWS[slug], line_style(number)) for slug, number in self._styles.items()]
 
     def tick(self, slug: str, on: bool) -> None:
-        """Draw a law, or draw it no longer; it takes the first stroke that is free."""
-        if on == (slug in self._strokes):
+        """Tick or untick a law; it gets the first unused line style."""
+        if on == (slug in self._styles):
             return
         if on:
-            taken = set(self._strokes.values())
-            self._strokes[slug] = next(i for i in count() if i not in taken)
+            used = set(self._styles.values())
+            self._styles[slug] = next(i for i in count() if i not in used)
         else:
-            del self._strokes[slug]
+            del self._styles[slug]
         row = self.row_of(slug)
         self.dataChanged.emit(self.index(row, NAME), self.index(row, NAME))
         self.ticked.emit()
 
     def untick_all(self, *_: object) -> None:
-        """Draw none."""
-        self._strokes.clear()
+        """Untick all laws."""
+        self._styles.clear()
         self._all_changed()
         self.ticked.emit()
 
     def mark(self, slug: str, text: str) -> None:
-        """Show a text beside one law: which segment has it."""
+        """Show a text next to one law, such as the segment that has it."""
         if (slug, text) != self._marked:
             self._marked = (slug, text)
             self._all_changed()
@@ -172,10 +188,10 @@ class LawsModel(QAbstractTableModel):
         self.dataChanged.emit(self.index(0, 0), self.index(len(self.rows) - 1, ENDS))
 
     def row_of(self, slug: str) -> int:
-        """Where a law stands; -1 where it is none of the table."""
+        """Row of a law; -1 if it is not in the table."""
         return next((i for i, row in enumerate(self.rows) if row.slug == slug), -1)
 
-    # -- the table ------------------------------------------------------------------------------------------
+    # -- interface of the Qt model -----------------------------------------------------------------------
 
     def rowCount(self, parent: Index | None = None) -> int:
         return 0 if parent is not None and parent.isValid() else len(self.rows)
@@ -212,9 +228,9 @@ class LawsModel(QAbstractTableModel):
         if role == Qt.ItemDataRole.ForegroundRole and column == ENDS:
             return QColor(SCREEN.quiet)
         if column == NAME and role == Qt.ItemDataRole.CheckStateRole:
-            return Qt.CheckState.Checked if row.slug in self._strokes else Qt.CheckState.Unchecked
+            return Qt.CheckState.Checked if row.slug in self._styles else Qt.CheckState.Unchecked
         if column == NAME and role == Qt.ItemDataRole.DecorationRole:
-            return swatch(self._strokes.get(row.slug, -1))
+            return line_icon(self._styles.get(row.slug, -1))
         return None
 
     def _text(self, row: LawRow, column: int) -> str:
@@ -223,7 +239,7 @@ class LawsModel(QAbstractTableModel):
         return row.ends_text if column == ENDS else digits(row.numbers[column - VELOCITY], 4)
 
     def _tip(self, row: LawRow, column: int) -> str:
-        """Formula; all digits; what the ends are like."""
+        """Tip of a cell: source, number with more digits, or sentence about the ends."""
         if column == NAME:
             return f"{row.law.label}: {row.law.source}"
         if column == ENDS:
@@ -237,7 +253,7 @@ class LawsModel(QAbstractTableModel):
         return True
 
     def sort(self, column: int, order: Qt.SortOrder = Qt.SortOrder.AscendingOrder) -> None:
-        """By a column, -1: as the table of laws has them; laws alike in it stay in that order."""
+        """Sort by a column, -1 for the standard order; the sort is stable."""
         self.layoutAboutToBeChanged.emit()
         before = [(index, self.rows[index.row()].slug) for index in self.persistentIndexList()]
         self.rows = self._sorted(column, order == Qt.SortOrder.DescendingOrder)
@@ -245,56 +261,44 @@ class LawsModel(QAbstractTableModel):
             self.changePersistentIndex(index, self.index(self.row_of(slug), index.column()))
         self.layoutChanged.emit()
 
-    def _sorted(self, column: int, downwards: bool) -> list[LawRow]:
+    def _sorted(self, column: int, descending: bool) -> list[LawRow]:
         rows: Sequence[LawRow] = law_rows()
         if column == NAME:
-            return sorted(rows, key=lambda row: row.law.label.casefold(), reverse=downwards)
+            return sorted(rows, key=lambda row: row.law.label.casefold(), reverse=descending)
         if column == ENDS:
-            return sorted(rows, key=lambda row: row.ends_text, reverse=downwards)
+            return sorted(rows, key=lambda row: row.ends_text, reverse=descending)
         if column < 0:
             return list(rows)
-        return sorted(rows, key=lambda row: row.numbers[column - VELOCITY], reverse=downwards)
+        return sorted(rows, key=lambda row: row.numbers[column - VELOCITY], reverse=descending)
 
     def as_text(self) -> str:
-        """Headings and rows for the clipboard, cells apart by tabs."""
+        """Headings and rows for the clipboard, separated by tabs."""
         lines = [[column.title for column in COLUMNS]]
         lines += [[row.law.label, *(f"{n:.9g}" for n in row.numbers), row.ends_text] for row in self.rows]
         return "\n".join("\t".join(line) for line in lines)
 
 
 def _aligned(column: int) -> Qt.AlignmentFlag:
-    return _LEFT if column == NAME else _RIGHT if column < ENDS else Qt.AlignmentFlag.AlignCenter
+    return LEFT if column == NAME else RIGHT if column < ENDS else Qt.AlignmentFlag.AlignCenter
 
 
 @of_theme
-def swatch(number: int) -> QIcon:
-    """A short line in a stroke; a blank of the same size for -1, so that names stand below each other."""
-    picture = QPixmap(QSize(56, 24))
-    picture.setDevicePixelRatio(2.0)
-    picture.fill(Qt.GlobalColor.transparent)
+def line_icon(number: int) -> QIcon:
+    """Icon with a line style; for -1 empty, so that all names are aligned."""
+    pixmap = QPixmap(QSize(56, 24))
+    pixmap.setDevicePixelRatio(2.0)
+    pixmap.fill(Qt.GlobalColor.transparent)
     if number >= 0:
-        stroke = stroke_of(number)
-        painter = QPainter(picture)
-        pen = SCREEN.pen(SCREEN.seen(stroke.colour), 2.0 * stroke.width, stroke.dash)
-        painter.setPen(pen)
+        style = line_style(number)
+        painter = QPainter(pixmap)
+        painter.setPen(SCREEN.pen(SCREEN.seen(style.colour), 2.0 * style.width, style.dash))
         painter.drawLine(QPointF(1.0, 6.0), QPointF(27.0, 6.0))
         painter.end()
-    return QIcon(picture)
-
-
-# -- laws view -------------------------------------------------------------------------------------------
-
-EMPTY = "Tick laws in the table on the left to draw them here"
-FIRST = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
-"""Ticked at first, and the law of the chosen segment."""
-BESIDE = 900  # pixels: a page that is narrower has its plots two by two below the table, else in a column beside it
-LEAST_NAME = 160  # pixels for the names of laws
-PLOTS_LEAST = 100  # pixels: plots give way before the window grows beyond a small screen
-TABLE_WIDTH, TABLE_SHARE = 560, 0.42  # pixels beside, share of the height above the plots
+    return QIcon(pixmap)
 
 
 class LawsTable(QTableView):
-    """The table; Space ticks the chosen law, Enter uses it, Copy takes the whole table."""
+    """Table of the laws: Space ticks the selected law, Enter uses it, Copy copies the full table."""
 
     def __init__(self, model: LawsModel) -> None:
         super().__init__()
@@ -311,17 +315,17 @@ class LawsTable(QTableView):
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setAccessibleName("Motion laws")
         self.verticalHeader().hide()
-        head = self.horizontalHeader()
-        head.setHighlightSections(False)
-        head.setMinimumSectionSize(44)
-        head.setSortIndicatorClearable(True)
-        head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setMinimumSectionSize(44)
+        header.setSortIndicatorClearable(True)
+        header.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
         self.setSortingEnabled(True)
-        head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         self.update_style()
 
     def update_style(self) -> None:
-        """As high and wide as its letters want it."""
+        """Fit rows and columns to the font size."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         number = self.fontMetrics().horizontalAdvance("Velocity") + 12
         for column in range(NAME + 1, ENDS + 1):
@@ -329,29 +333,29 @@ class LawsTable(QTableView):
 
     @property
     def slug(self) -> str:
-        """The law of the current row; empty where there is none."""
+        """Law of the current row; empty without one."""
         row = self.currentIndex().row()
         return self._model.rows[row].slug if row >= 0 else ""
 
     def choose(self, slug: str) -> None:
-        """Make a law the current row, if the table has it."""
+        """Select the row of a law, if the table has it."""
         row = self._model.row_of(slug)
         if row >= 0:
             self.setCurrentIndex(self._model.index(row, NAME))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Names take the room that is left, but never less than they need to be told apart."""
+        """Give the remaining width to the names, but at least what they need."""
         super().resizeEvent(event)
         numbers = sum(self.columnWidth(column) for column in range(NAME + 1, ENDS + 1))
-        self.horizontalHeader().resizeSection(NAME, max(LEAST_NAME, self.viewport().width() - numbers))
+        self.horizontalHeader().resizeSection(NAME, max(LEAST_NAME_WIDTH, self.viewport().width() - numbers))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         index = self.currentIndex()
         if event.matches(QKeySequence.StandardKey.Copy):
             QApplication.clipboard().setText(self._model.as_text())
         elif event.key() == Qt.Key.Key_Space and index.isValid():
-            place = self._model.index(index.row(), NAME)
-            on = self._model.data(place, Qt.ItemDataRole.CheckStateRole) == Qt.CheckState.Checked
+            cell = self._model.index(index.row(), NAME)
+            on = self._model.data(cell, Qt.ItemDataRole.CheckStateRole) == Qt.CheckState.Checked
             self._model.tick(self.slug, not on)
         elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and index.isValid():
             self.activated.emit(index)
@@ -359,8 +363,11 @@ class LawsTable(QTableView):
             super().keyPressEvent(event)
 
 
+# -- view ------------------------------------------------------------------------------------------------
+
+
 class LawsView(View):
-    """The page of the laws. It reads the design for nothing but the chosen segment."""
+    """View of the laws: table, plots, and ranking in the design."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -376,18 +383,17 @@ class LawsView(View):
         self.all_button = text_button("In all that move", checks=True)
         self.ranking = RankingPanel()
         self.note = QLabel()
-        self._used = ""
-        self._laid: bool | None = None  # beside each other
-        self._parted = parted = QSplitter(childrenCollapsible=False)
-        parted.addWidget(self.table)
-        parted.addWidget(self._drawing())
-        parted.setStretchFactor(1, 1)
-        self.set_column(self._tools(), parted, grows=parted)
-        for slug in FIRST:
+        self._is_wide: bool | None = None
+        self._splitter = QSplitter(childrenCollapsible=False)
+        self._splitter.addWidget(self.table)
+        self._splitter.addWidget(self._plot_pages())
+        self._splitter.setStretchFactor(1, 1)
+        self.set_column(self._tools(), self._splitter, grows=self._splitter)
+        for slug in FIRST_TICKED:
             self.model.tick(slug, True)
         self.model.ticked.connect(self._draw)
         self.table.selectionModel().currentRowChanged.connect(self._name_button)
-        self.table.activated.connect(self._use_chosen)
+        self.table.activated.connect(self._use_current)
         self.ranking.chosen.connect(self.table.choose)
         self.rank_button.toggled.connect(self._choose_page)
         self.all_button.toggled.connect(self._offer)
@@ -398,7 +404,7 @@ class LawsView(View):
         super().belong_to(window)
         self.ranking.text.linkActivated.connect(window.do)
 
-    def _drawing(self) -> QWidget:
+    def _plot_pages(self) -> QWidget:
         self._paper = QWidget()
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
         self._paper.setAutoFillBackground(True)
@@ -407,7 +413,7 @@ class LawsView(View):
         self._grid.setSpacing(2)
         self._grid.addWidget(self.legend, 0, 0, 1, 2)
         pages = QWidget()
-        pages.setMinimumHeight(PLOTS_LEAST)
+        pages.setMinimumHeight(LEAST_PLOTS_HEIGHT)
         pages.setBackgroundRole(QPalette.ColorRole.Base)
         pages.setAutoFillBackground(True)
         self._pages = QStackedLayout(pages)
@@ -424,17 +430,17 @@ class LawsView(View):
         self.use_button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.use_button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         self.use_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.use_button.clicked.connect(self._use_chosen)
+        self.use_button.clicked.connect(self._use_current)
         menu = QMenu(self.use_button)
         menu.aboutToShow.connect(partial(self._fill_menu, menu))
         self.use_button.setMenu(menu)
-        self.clear_button.setToolTip("Draw no law")
+        self.clear_button.setToolTip("Remove all curves")
         self.clear_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.clear_button.clicked.connect(self.model.untick_all)
         self.rank_button.setToolTip(
-            "Each law in place of that of the chosen segment: torque, vibration and contact at this speed"
+            "Rank the laws in the selected segment by torque, vibration and contact at the current speed"
         )
-        self.all_button.setToolTip("In every segment that moves, not in the chosen one alone")
+        self.all_button.setToolTip("Put the law into every segment that moves instead of the selected one")
         coloured(self.note, SCREEN.limit)
         row.addWidget(self.use_button)
         row.addWidget(self.clear_button)
@@ -445,7 +451,7 @@ class LawsView(View):
         row.addWidget(self.note, 1)
         return row
 
-    # -- showing --------------------------------------------------------------------------------------------
+    # -- display -----------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
         motion = motion_of(self.session.typed)
@@ -460,7 +466,7 @@ class LawsView(View):
         self._offer()
 
     def _offer(self, *_: object) -> None:
-        """What is ranked: every law in place of that of the chosen segment, or of all that move."""
+        """Rank every law in the selected segment, or in all segments that move."""
         if not self.rank_button.isChecked():
             return
         design, chosen = self.session.design, self.session.segment
@@ -468,8 +474,8 @@ class LawsView(View):
         numbers = (chosen,) if chosen in moving and not self.all_button.isChecked() else moving
         motion = design.drive.motion
         laws = {motion.segments[number].curve.law for number in numbers} if motion is not None else set()
-        own = next(iter(laws)) if len(laws) == 1 else ""
-        self.ranking.offer(design, law_candidates(design, numbers) if numbers else {}, own)
+        current = next(iter(laws)) if len(laws) == 1 else ""
+        self.ranking.offer(design, law_candidates(design, numbers) if numbers else {}, current)
 
     def _choose_page(self, ranks: bool) -> None:
         self.all_button.setVisible(ranks)
@@ -478,17 +484,17 @@ class LawsView(View):
         self._draw()
 
     def _segment_chosen(self) -> None:
-        """Another segment, another mark, as for another design."""
+        """Follow the selected segment."""
         self.invalidate()
         motion = motion_of(self.session.typed)
         self.table.choose("" if motion is None else motion.segments[self.session.segment].curve.law)
 
     def _name_button(self, *_: object) -> None:
-        """What the button would do."""
+        """Name the segment on the button, and the law in its tip."""
         slug, number = self.table.slug, self.session.segment + 1
         self.use_button.setEnabled(bool(slug) and motion_of(self.session.typed) is not None)
         self.use_button.setText(f"Use in segment {number}")
-        tip = f"Give segment {number} the law {law_label(slug)}; the arrow lists the other segments" if slug else ""
+        tip = f"Use {law_label(slug)} in segment {number}; the arrow lists the other segments" if slug else ""
         self.use_button.setToolTip(tip)
         self.use_button.setStatusTip(tip)
 
@@ -507,10 +513,10 @@ class LawsView(View):
     def leave(self) -> None:
         self.ranking.close_work()
 
-    # -- using ----------------------------------------------------------------------------------------------
+    # -- use of a law ------------------------------------------------------------------------------------
 
     def use(self, number: int | None = None) -> None:
-        """Give a segment, by its number from 0, or the chosen one, the current law; where that is refused, show why."""
+        """Use the current law in a segment by its number from 0, by default the selected one; show why if it is refused."""
         slug, index = self.table.slug, self.session.segment if number is None else number
         if not slug or motion_of(self.session.typed) is None:
             return
@@ -524,12 +530,12 @@ class LawsView(View):
         text = f"Change law of segment {index + 1} to {law_label(slug)}"
         if self.session.incomplete is not None:
             done = self.session.edit(path, slug, text)
-        else:  # nothing was typed that would have to stay
+        else:
             done = self.session.put(edited(self.session.design, path, slug), text, path)
         self.session.refused.disconnect(listen)
         self.session.end_gesture()
         if not done:
-            self.session.withdraw(path)  # no field holds what was refused
+            self.session.withdraw(path)  # no field shows the refused value
         self._show_text("" if done else f"Not in segment {index + 1}: {'; '.join(reasons)}")
         self.status_message.emit(
             f"Segment {index + 1}: {law_label(slug)}" if done else f"Refused: {'; '.join(reasons)}"
@@ -548,16 +554,16 @@ class LawsView(View):
             action.setChecked(number == self.session.segment)
             action.triggered.connect(partial(self._use_in, number))
 
-    def _use_chosen(self, *_: object) -> None:
+    def _use_current(self, *_: object) -> None:
         self.use()
 
     def _use_in(self, number: int, *_: object) -> None:
         self.use(number)
 
-    # -- as a file, and sizes -------------------------------------------------------------------------------
+    # -- picture, and layout -----------------------------------------------------------------------------
 
     def picture(self, ending: str) -> bytes:
-        """The plots with their legend; the page as it is where nothing is drawn."""
+        """Picture of the plots with their legend; of the full page if no law is drawn or the ranking is shown."""
         from kindyna_gui.pictures.painter import png, svg
 
         self.pull()
@@ -566,36 +572,36 @@ class LawsView(View):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        beside = self.width() >= BESIDE
-        if beside != self._laid:
-            self._laid = beside
-            self._lay(beside)
+        is_wide = self.width() >= WIDE
+        if is_wide != self._is_wide:
+            self._is_wide = is_wide
+            self._arrange(is_wide)
 
-    def _lay(self, beside: bool) -> None:
-        """Table and plots beside each other or one above the other."""
+    def _arrange(self, is_wide: bool) -> None:
+        """Arrange table and plots side by side, or one above the other."""
         for order, plot in enumerate(self.plots):
-            row, column = (order, 0) if beside else divmod(order, 2)
-            self._grid.addWidget(plot, 1 + row, column, 1, 2 if beside else 1)
-            plot.show_numbers(order == 3 or (not beside and order == 2))
+            row, column = (order, 0) if is_wide else divmod(order, 2)
+            self._grid.addWidget(plot, 1 + row, column, 1, 2 if is_wide else 1)
+            plot.show_numbers(order == 3 or (not is_wide and order == 2))
         for row in range(1, 5):
-            self._grid.setRowStretch(row, 1 if beside or row < 3 else 0)
-        if beside:
-            self._parted.setOrientation(Qt.Orientation.Horizontal)
-            self._parted.setSizes([TABLE_WIDTH, self.width() - TABLE_WIDTH])
+            self._grid.setRowStretch(row, 1 if is_wide or row < 3 else 0)
+        if is_wide:
+            self._splitter.setOrientation(Qt.Orientation.Horizontal)
+            self._splitter.setSizes([TABLE_WIDTH, self.width() - TABLE_WIDTH])
         else:
-            self._parted.setOrientation(Qt.Orientation.Vertical)
+            self._splitter.setOrientation(Qt.Orientation.Vertical)
             table = round(TABLE_SHARE * self.height())
-            self._parted.setSizes([table, self.height() - table])
+            self._splitter.setSizes([table, self.height() - table])
 
 
 def segment_texts(motion: Motion) -> list[str]:
-    """``2  Modified sine, 35° … 76.5°, −150 mm`` for each segment."""
-    texts, at = [], 0.0
+    """Text of each segment, such as ``2  Modified sine, 35° … 76.5°, −150 mm``."""
+    texts, start = [], 0.0
     for number, segment in enumerate(motion.segments, 1):
-        end = at + segment.span_deg
+        end = start + segment.span_deg
         rise = f", {value_text(segment.rise, UNITS[motion.unit])}" if segment.rise else ""
         texts.append(
-            f"{number}  {law_label(segment.curve.law)}, {shortest(round(at, 9))}° … {shortest(round(end, 9))}°{rise}"
+            f"{number}  {law_label(segment.curve.law)}, {shortest(round(start, 9))}° … {shortest(round(end, 9))}°{rise}"
         )
-        at = end
+        start = end
     return texts

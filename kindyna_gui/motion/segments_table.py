@@ -1,4 +1,4 @@
-"""Segments."""
+"""Table of the segments of a motion: model, cells and keys."""
 
 from __future__ import annotations
 
@@ -43,30 +43,34 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox, parsed
 from kindyna_gui.forms.tables import CellDelegate, CellTable
 from kindyna_gui.labels import law_label, no_number, sentence, value_text
-from kindyna_gui.motion.diagram import FIRST, Parts, join_help, join_text, marks, variants
+from kindyna_gui.motion.diagram import FIRST_FAULT, Parts, join_help, join_marks, join_text, mark_variants
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox, law_tip
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.settings import DISPLAY, number_text, point, size_of, symbol_of
 
-# -- segments model --------------------------------------------------------------------------------------
-
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
-_SEGMENT: Mapping[str, Info] = MappingProxyType({f.name: i for f in fields(Segment) if (i := info_of(f))})
-LONGEST = 7  # characters of a number that are all shown
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-_SHOWN = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
-_EDITED = _SHOWN | Qt.ItemFlag.ItemIsEditable
-STILL = Motion(0.0, (Segment(360.0, 0.0),))
-"""What stands in the place of a motion where a kind of design has none."""
+SEGMENT_INFO: Mapping[str, Info] = MappingProxyType({f.name: i for f in fields(Segment) if (i := info_of(f))})
+LONGEST = 7  # characters of a number that is not rounded
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+READ_ONLY = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+EDITABLE = READ_ONLY | Qt.ItemFlag.ItemIsEditable
+NO_MOTION = Motion(0.0, (Segment(360.0, 0.0),))
+"""Shown for a design without a motion."""
+LEAST_ROWS, MOST_ROWS = 5, 12
+GAP = 6  # between the marks of a join, pixels
+INSET = 4  # between a text and the sides of its cell, pixels
+ALT = Qt.KeyboardModifier.AltModifier
+
+# -- model -----------------------------------------------------------------------------------------------
 
 
 @frozen
 class SegmentColumn:
-    """One row of the table of columns: heading, what it means, and the key of the file that it edits."""
+    """Column of the table: heading, tip, and the key of the file that it edits."""
 
     title: str
     help: str
@@ -77,28 +81,36 @@ class SegmentColumn:
 COLUMNS = (
     SegmentColumn("Law", "motion law of the segment", "law", Info("Law", choices=tuple(EVERY_LAW))),
     SegmentColumn(
-        "From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]
+        "From",
+        "cam angle where the segment starts; moves the end of the previous segment",
+        "",
+        SEGMENT_INFO["span_deg"],
     ),
     SegmentColumn(
-        "To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]
+        "To", "cam angle where the segment ends; the next segment takes the difference", "", SEGMENT_INFO["span_deg"]
     ),
     SegmentColumn(
-        "Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]
+        "Span",
+        "duration of the segment in cam angle; the next segment takes the difference",
+        "span_deg",
+        SEGMENT_INFO["span_deg"],
     ),
     SegmentColumn(
-        "Rise", "end minus start; the next segment that moves brings the follower back", "rise", _SEGMENT["rise"]
+        "Rise", "end minus start; the next segment that moves brings the follower back", "rise", SEGMENT_INFO["rise"]
     ),
-    SegmentColumn("Join", "what is continuous at the end of the segment, and how far the rest jumps", "", Info("")),
+    SegmentColumn(
+        "Join", "quantities that are continuous at the end of the segment, and the jumps of the others", "", Info("")
+    ),
 )
 
 
 def difference(to: float, start: float) -> float:
-    """to - start, as a reader would compute it: 76.5 - 35 is 41.5 and nothing else."""
+    """To - start in decimals, so that 76.5 - 35 is exactly 41.5."""
     return float(Decimal(shortest(to)) - Decimal(shortest(start)))
 
 
 def readable(value: float, unit: Unit = NO_UNIT) -> str:
-    """A number for a narrow column, as it is shown: all its digits where they are few, else those that matter."""
+    """Number for a narrow column: all digits if they are few, else rounded."""
     text = number_text(value, unit)
     return (
         text if len(text) <= LONGEST else shortest(float(f"{value / size_of(unit.symbol):.5g}")).replace(".", point())
@@ -106,15 +118,20 @@ def readable(value: float, unit: Unit = NO_UNIT) -> str:
 
 
 def _ends(motion: Motion) -> tuple[float, ...]:
-    """The cam angle where each segment begins, and where the last one ends [deg]."""
+    """Cam angles [deg] where each segment starts, and where the last one ends."""
     begins = join_angles(motion)
     return (*begins, balance(begins[-1], (-motion.segments[-1].span_deg,)))
 
 
 @frozen
 class SegmentCell:
-    """A cell as it is painted: its text, with a short one for narrow columns; of a join the variants of its marks, the
-    longest first."""
+    """Contents of a cell.
+
+    Attributes
+    ----------
+    short : text for a narrow column
+    variants : texts of the marks of a join, the longest first
+    """
 
     text: str
     colour: str | None
@@ -126,9 +143,9 @@ class SegmentCell:
 
 
 class SegmentsModel(QAbstractTableModel):
-    """The segments in order. What is typed is an edit of the session; what it refuses stays in its cell, in red.
+    """Table model of the segments; a text that the session refuses stays in its cell, in red.
 
-    error_changed (str): what is wrong with the last edit, empty when nothing is
+    ``error_changed`` (str) gives the error of the last edit; empty if there is none.
     """
 
     error_changed = Signal(str)
@@ -136,10 +153,10 @@ class SegmentsModel(QAbstractTableModel):
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._session = session
-        self._motion, self._assumed = motion_of(session.typed) or STILL, session.typed.assumed
+        self._motion, self._assumed = motion_of(session.typed) or NO_MOTION, session.typed.assumed
         self._angles = _ends(self._motion)
         self._joins: tuple[Join, ...] = ()
-        self._faulty: frozenset[str] = frozenset()  # paths of what does not fit together
+        self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
         self._shown = False
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._cells: dict[tuple[int, int], SegmentCell] = {}
@@ -147,28 +164,30 @@ class SegmentsModel(QAbstractTableModel):
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
         session.restored.connect(self.withdraw)
-        DISPLAY.changed.connect(self._told)
+        DISPLAY.changed.connect(self._update_units)
 
-    def _told(self) -> None:
-        """Other units: heads and cells say so."""
+    def _update_units(self) -> None:
+        """Show headings and cells in other units."""
         self._all_changed()
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
 
-    # -- from the session ---------------------------------------------------------------------------------
+    # -- design ------------------------------------------------------------------------------------------
 
     def show(self, design: Design, joins: tuple[Join, ...], faulty: frozenset[str] = frozenset()) -> None:
-        """Show the motion of a design, its joins where it is whole enough to have any, and mark what is amiss at these
-        paths; where another part of the design has changed there is nothing to do."""
+        """Show the motion of a design, its joins (none for an incomplete motion), and mark the values at faulty paths.
+
+        Does nothing if only another part of the design has changed.
+        """
         motion, assumed = require_motion(design), design.assumed
         if self._shown and (motion, assumed, faulty) == (self._motion, self._assumed, self._faulty):
             return
-        same = self._shown and len(motion.segments) == len(self._motion.segments)
-        if not same:
+        same_rows = self._shown and len(motion.segments) == len(self._motion.segments)
+        if not same_rows:
             self.beginResetModel()
         self._cells.clear()
         self._motion, self._assumed, self._joins, self._faulty = motion, assumed, joins, faulty
         self._angles, self._shown = _ends(motion), True
-        if same:
+        if same_rows:
             self._all_changed()
         else:
             self._wrong.clear()
@@ -192,7 +211,7 @@ class SegmentsModel(QAbstractTableModel):
             self.withdraw()
 
     def withdraw(self) -> bool:
-        """Forget what was refused; False where nothing was."""
+        """Discard a refused text; False if there is none."""
         if not self._wrong:
             return False
         wrong, self._wrong = self._wrong, {}
@@ -202,15 +221,15 @@ class SegmentsModel(QAbstractTableModel):
             self._session.clear_refusal(path)
         return True
 
-    # -- the table ----------------------------------------------------------------------------------------
+    # -- interface of the Qt model -----------------------------------------------------------------------
 
     @property
     def unit(self) -> Unit:
-        """Of the motion."""
+        """Unit of the motion."""
         return UNITS[self._motion.unit]
 
     def unit_of(self, column: int) -> Unit:
-        """The unit that a column is counted in."""
+        """Unit of a column."""
         return self.unit if column == RISE else UNITS["deg"]
 
     def rowCount(self, parent: Index | None = None) -> int:
@@ -228,14 +247,14 @@ class SegmentsModel(QAbstractTableModel):
             return column.title + unit
         if role == Qt.ItemDataRole.ToolTipRole:
             return sentence(column.help)
-        return (_LEFT if section in (LAW, JOIN) else _RIGHT) if role == Qt.ItemDataRole.TextAlignmentRole else None
+        return (LEFT if section in (LAW, JOIN) else RIGHT) if role == Qt.ItemDataRole.TextAlignmentRole else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         row, column = index.row(), index.column()
-        return _SHOWN if self.fixed(row, column) else _EDITED
+        return READ_ONLY if self.is_fixed(row, column) else EDITABLE
 
-    def fixed(self, row: int, column: int) -> bool:
-        """Whether a cell cannot be edited: it follows from others, or has a single possible value."""
+    def is_fixed(self, row: int, column: int) -> bool:
+        """Whether a cell cannot be edited, since it follows from others or has a single possible value."""
         return (
             column == JOIN
             or (column == FROM and row == 0)
@@ -244,12 +263,12 @@ class SegmentsModel(QAbstractTableModel):
         )
 
     def is_dwell(self, row: int) -> bool:
-        """Whether the follower rests in the segment of this row."""
+        """Whether the segment of this row is a dwell."""
         law = find_law(self._motion.segments[row].curve.law)
         return law is not None and law.is_dwell
 
     def path(self, row: int, column: int) -> str:
-        """What a cell edits; empty where it edits nothing."""
+        """Path that a cell edits; empty if it edits none."""
         if column in (FROM, TO):
             row, column = (row - 1 if column == FROM else row), SPAN
         key = COLUMNS[column].key
@@ -257,7 +276,7 @@ class SegmentsModel(QAbstractTableModel):
         return f"motion.segments[{row}].{key}" if key and row >= 0 else ""
 
     def value(self, row: int, column: int) -> Any:
-        """What the design has there: slug, number, or text."""
+        """Value of a cell in the design: slug, number, or text."""
         segment = self._motion.segments[row]
         if column == JOIN:
             return join_text(self._joins[row], self._motion) if self._joins else ""
@@ -270,9 +289,9 @@ class SegmentsModel(QAbstractTableModel):
             return None
         row, column = index.row(), index.column()
         if role == Qt.ItemDataRole.TextAlignmentRole:
-            return _LEFT if column in (LAW, JOIN) else _RIGHT
+            return LEFT if column in (LAW, JOIN) else RIGHT
         if role == Qt.ItemDataRole.EditRole:
-            wrong = self._wrong.get(self.path(row, column)) if self.refused(row, column) else None
+            wrong = self._wrong.get(self.path(row, column)) if self.is_refused(row, column) else None
             return self.value(row, column) if wrong is None else wrong
         if role == Qt.ItemDataRole.ToolTipRole:
             return self._tip(row, column)
@@ -288,18 +307,18 @@ class SegmentsModel(QAbstractTableModel):
         return None
 
     def cell(self, row: int, column: int) -> SegmentCell:
-        """A cell as it is painted; made once for each state of the motion, for a table is painted often."""
+        """Contents of a cell, cached until the motion changes, since a table is painted often."""
         cell = self._cells.get((row, column))
         if cell is None:
             cell = self._cells[row, column] = self._make_cell(row, column)
         return cell
 
     def _make_cell(self, row: int, column: int) -> SegmentCell:
-        refused, assumed = self.refused(row, column), self.assumed(row, column)
+        refused, assumed = self.is_refused(row, column), self.is_assumed(row, column)
         value = self._wrong[self.path(row, column)] if refused else self.value(row, column)
         if column == JOIN:
-            rows = variants(marks(self._joins[row], self._motion)) if self._joins else ()
-            return SegmentCell(value, SCREEN.quiet, False, variants=rows)
+            texts = mark_variants(join_marks(self._joins[row], self._motion)) if self._joins else ()
+            return SegmentCell(value, SCREEN.quiet, False, variants=texts)
         text = (
             law_label(value)
             if column == LAW
@@ -307,14 +326,14 @@ class SegmentsModel(QAbstractTableModel):
             if isinstance(value, float)
             else value
         )
-        refused = refused or self.faulty(row, column)
+        refused = refused or self.is_faulty(row, column)
         colour = (
             SCREEN.limit
             if refused
             else SCREEN.assumed
             if assumed
             else SCREEN.quiet
-            if self.fixed(row, column)
+            if self.is_fixed(row, column)
             else None
         )
         return SegmentCell(
@@ -325,25 +344,25 @@ class SegmentsModel(QAbstractTableModel):
         if column == JOIN:
             return join_help(self._joins[row], self._motion) if self._joins else ""
         text = law_tip(self.value(row, LAW)) if column == LAW else COLUMNS[column].help
-        mark = "\nAssumed, not taken from a source" if self.assumed(row, column) else ""
+        mark = "\nAssumed, not taken from a source" if self.is_assumed(row, column) else ""
         return sentence(text) + mark
 
-    def assumed(self, row: int, column: int) -> bool:
-        """Whether the value of a cell is marked as a guess."""
+    def is_assumed(self, row: int, column: int) -> bool:
+        """Whether the value of a cell is marked as assumed."""
         return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
 
-    def refused(self, row: int, column: int) -> bool:
-        """What stands in the cell is not in the design."""
+    def is_refused(self, row: int, column: int) -> bool:
+        """Whether the text typed into a cell was refused."""
         return column not in (FROM, TO) and self.path(row, column) in self._wrong
 
-    def faulty(self, row: int, column: int) -> bool:
-        """What stands in the cell does not fit to the rest."""
+    def is_faulty(self, row: int, column: int) -> bool:
+        """Whether the value of a cell contradicts others."""
         return column not in (FROM, TO, JOIN) and self.path(row, column) in self._faulty
 
-    # -- to the session -----------------------------------------------------------------------------------
+    # -- edits -------------------------------------------------------------------------------------------
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
-        """Enter a slug, or a text that should be a number; False where the session refuses it."""
+        """Enter a law or the text of a number; False if the session refuses it."""
         row, column = index.row(), index.column()
         path = self.path(row, column)
         self._trying = str(value)
@@ -360,38 +379,34 @@ class SegmentsModel(QAbstractTableModel):
         return self._session.edit(path, number, text)
 
     def _move_join(self, row: int, path: str, angle: float) -> bool:
-        """Put the start of a segment at a cam angle [deg]."""
+        """Move the start of a segment to a cam angle [deg]."""
         low, high = self.value(row - 1, FROM), self.value(row, TO)
         span = difference(angle, low)
         self._trying = shortest(span)
         if not low < angle < high:
-            end, *ends = (value_text(each, UNITS["deg"]) for each in (angle, low, high))
+            end, above, below = (value_text(value, UNITS["deg"]) for value in (angle, low, high))
             self._session.refuse(
-                path, f"an end at {end} lies beyond a neighbour; allowed: above {ends[0]} ... below {ends[1]}"
+                path, f"{end} is outside the neighbouring segments; allowed: above {above} ... below {below}"
             )
             return False
         return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
 
 
-# -- the table of segments on the screen: editors in the cells, and keys ---------------------------------
-
-LEAST_ROWS, MOST_ROWS = 5, 12
-GAP = 6  # between the marks of a join, pixels
-INSET = 4  # of a text from the sides of its cell, pixels
+# -- cells -----------------------------------------------------------------------------------------------
 
 
 class SegmentDelegate(CellDelegate):
-    """The picker of laws, or a number that steps live, in the cell; a red frame around what was refused.
+    """Editors and painting of the cells: law picker, number box, red frame around a refused text.
 
-    Cells are painted from ``SegmentsModel.cell``: a drawn join repaints the whole table at every move of the mouse,
-    and the usual delegate reads seven roles of the model per cell.
+    Cells are painted from ``SegmentsModel.cell``, since a dragged join repaints the table at every move of the mouse and
+    Qt's delegate reads seven roles of the model per cell.
     """
 
     def __init__(self, session: Session, model: SegmentsModel, table: QTableView) -> None:
         super().__init__(session, model, table)
         self._model, self._table = model, table
 
-    # -- editors ------------------------------------------------------------------------------------------
+    # -- editors -----------------------------------------------------------------------------------------
 
     def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
         if index.column() == LAW:
@@ -418,7 +433,7 @@ class SegmentDelegate(CellDelegate):
         if isinstance(editor, LawBox):
             editor.setCurrentIndex(editor.findData(self._model.value(index.row(), LAW)))
         elif isinstance(editor, NumberBox):
-            wrong = self._model.refused(index.row(), index.column())
+            wrong = self._model.is_refused(index.row(), index.column())
             if not (wrong and editor.pending):
                 editor.show_value(self._model.value(index.row(), index.column()))
                 if wrong:
@@ -427,20 +442,20 @@ class SegmentDelegate(CellDelegate):
             editor.set_refused(wrong)
 
     def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
-        """What is in place already is no edit, but takes back what was refused there."""
+        """Enter a changed value; the unchanged one only discards a refused text."""
         if isinstance(editor, LawBox):
             value, changed = editor.currentData(), editor.currentData() != self._model.value(index.row(), LAW)
         elif isinstance(editor, NumberBox):
             value, changed = editor.text(), editor.pending
         else:
             return
-        if changed:  # else the parameters of a law would be lost
+        if changed:  # the same law again would reset its settings
             model.setData(index, value)
-        elif self._model.refused(index.row(), index.column()):
+        elif self._model.is_refused(index.row(), index.column()):
             self._model.withdraw()
 
     def updateEditorGeometry(self, editor: QWidget, option: QStyleOptionViewItem, index: Index) -> None:
-        """Wide enough for its contents, even where the column is not; never outside of the table."""
+        """Make the editor wide enough for its contents, within the table."""
         room = self._table.viewport().rect()
         box = QRect(option.rect)
         box.setWidth(min(max(box.width(), editor.sizeHint().width()), room.width()))
@@ -449,7 +464,7 @@ class SegmentDelegate(CellDelegate):
         box.moveLeft(max(0, min(box.left(), room.right() - box.width())))
         editor.setGeometry(box)
 
-    # -- painting -----------------------------------------------------------------------------------------
+    # -- painting ----------------------------------------------------------------------------------------
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         row, column = index.row(), index.column()
@@ -482,7 +497,7 @@ class SegmentDelegate(CellDelegate):
         painter.drawText(box, side | Qt.AlignmentFlag.AlignVCenter, text)
 
     def _paint_marks(self, painter: QPainter, box: QRect, variants: tuple[Parts, ...], light: bool) -> None:
-        """Paint the longest variant that fits."""
+        """Paint the longest variant for which there is room."""
         painter.setFont(self._font(False))
         metrics = painter.fontMetrics()
         row = next((parts for parts in variants if parts_width(parts, metrics) <= box.width()), variants[-1])
@@ -501,16 +516,19 @@ class SegmentDelegate(CellDelegate):
 
 
 def parts_width(parts: Parts, metrics: QFontMetrics) -> int:
-    """Pixels that the marks of a join take, the gaps between them included."""
+    """Width of the marks of a join with the gaps between them [pixels]."""
     return sum(metrics.horizontalAdvance(text) for text, _ in parts) + GAP * (len(parts) - 1)
 
 
-class SegmentsTable(CellTable):
-    """The table; keys: Enter or F2 edits, Insert and Delete add and take segments, Alt and the arrows move the join at
-    the end of the chosen segment, Escape drops what was refused.
+# -- table -----------------------------------------------------------------------------------------------
 
-    nudge_requested   (direction in angle and level, finely): Alt and an arrow
-    dropped   Escape, and nothing had been refused
+
+class SegmentsTable(CellTable):
+    """Table of the segments.
+
+    Enter or F2 edits a cell, Insert and Delete add and remove segments, Alt and the arrow keys move the join at the end of
+    the selected segment, Escape discards a refused text. Signals: ``nudge_requested`` (direction in angle and level, fine)
+    at Alt and an arrow key; ``dropped`` at Escape without a refused text.
     """
 
     nudge_requested = Signal(tuple, bool)
@@ -530,7 +548,7 @@ class SegmentsTable(CellTable):
             | QAbstractItemView.EditTrigger.AnyKeyPressed
         )
         self.setAccessibleName("Segments of the motion")
-        self.setTabKeyNavigation(False)  # arrows go from cell to cell, Tab on to what comes next
+        self.setTabKeyNavigation(False)  # arrow keys move between cells, Tab leaves the table
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
         self.setWordWrap(False)
@@ -540,40 +558,42 @@ class SegmentsTable(CellTable):
         rows.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         rows.setDefaultAlignment(Qt.AlignmentFlag.AlignCenter)
         rows.setHighlightSections(False)
-        head = self.horizontalHeader()
-        head.setHighlightSections(False)
-        head.setMinimumSectionSize(30)
-        head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
-        head.setSectionResizeMode(LAW, QHeaderView.ResizeMode.Stretch)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setMinimumSectionSize(30)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        header.setSectionResizeMode(LAW, QHeaderView.ResizeMode.Stretch)
         model.modelReset.connect(self.fit_columns)
         model.dataChanged.connect(self.fit_columns)
         self.update_style()
 
     def update_style(self) -> None:
-        """As high and wide as its letters want it."""
+        """Fit rows and columns to the font size."""
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.verticalHeader().setFixedWidth(self.fontMetrics().horizontalAdvance("99") + 6)
         self._lengths = ()
         self.fit_columns()
 
-    # -- widths -------------------------------------------------------------------------------------------
+    # -- widths ------------------------------------------------------------------------------------------
 
     def fit_columns(self, *_: object) -> None:
-        """Columns as wide as their texts; done here, for a header that does it itself lays all of them out anew at
-        every change. In a narrow table the names of the laws come before the joins, in a wide one both share the rest."""
+        """Fit the widths of the columns to their texts, without Qt's own layout of the header at every change.
+
+        In a narrow table the names of the laws get their width before the joins; in a wide one both share the rest.
+        """
         rows, room = range(self._model.rowCount()), self.viewport().width()
         cells = [self._model.cell(row, column) for row in rows for column in range(len(COLUMNS))]
         lengths = (room, *(len(cell.text) if cell.right or cell.variants else cell.text for cell in cells))
-        if lengths == self._lengths:  # texts as long as before, as mostly while a join is drawn
+        if lengths == self._lengths:  # as usual while a join is dragged
             return
         self._lengths = lengths
         metrics = self.fontMetrics()
-        widths = [self._wanted(column, metrics, FIRST) for column in range(len(COLUMNS))]
+        widths = [self._needed_width(column, metrics, FIRST_FAULT) for column in range(len(COLUMNS))]
         room -= sum(widths[FROM:JOIN])
         laws = [self._model.cell(row, LAW) for row in rows]
         least = max((metrics.horizontalAdvance(cell.short or cell.text) for cell in laws), default=0) + 2 * INSET
         if room - widths[JOIN] < least:
-            widths[JOIN] = max(room - least, self._wanted(JOIN, metrics, -1))
+            widths[JOIN] = max(room - least, self._needed_width(JOIN, metrics, -1))
         widths[JOIN] += max((room - widths[JOIN] - widths[LAW]) * 2 // 3, 0)
         if widths != self._widths:
             self._widths = widths
@@ -581,54 +601,47 @@ class SegmentsTable(CellTable):
                 if column != LAW:
                     self.setColumnWidth(column, width)
 
-    def _wanted(self, column: int, metrics: QFontMetrics, variant: int) -> int:
-        """The width of a column; variant: which of the variants of the marks of joins."""
-        head = self._model.headerData(column, Qt.Orientation.Horizontal)
-        wanted = metrics.horizontalAdvance(str(head))
+    def _needed_width(self, column: int, metrics: QFontMetrics, variant: int) -> int:
+        """Return the width of a column with this variant of the marks of joins [pixels]."""
+        needed = metrics.horizontalAdvance(str(self._model.headerData(column, Qt.Orientation.Horizontal)))
         for row in range(self._model.rowCount()):
             cell = self._model.cell(row, column)
             width = (
                 parts_width(cell.variants[variant], metrics) if cell.variants else metrics.horizontalAdvance(cell.text)
             )
-            wanted = max(wanted, width)
-        return wanted + 2 * INSET + 1
+            needed = max(needed, width)
+        return needed + 2 * INSET + 1
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self.fit_columns()
 
     def height_of(self, rows: int) -> int:
-        """Pixels for the head and so many rows."""
+        """Height of the heading and a number of rows [pixels]."""
         return self.horizontalHeader().sizeHint().height() + rows * self.verticalHeader().defaultSectionSize() + 4
 
     def sizeHint(self) -> QSize:
-        """All rows, where they are not too many: what is left is the diagram's."""
+        """Size for all rows up to ``MOST_ROWS``; the diagram gets the rest."""
         return QSize(360, self.height_of(min(self._model.rowCount(), MOST_ROWS)))
 
     def minimumSizeHint(self) -> QSize:
         return QSize(200, self.height_of(min(self._model.rowCount(), LEAST_ROWS)))
 
-    # -- keys ---------------------------------------------------------------------------------------------
+    # -- keys --------------------------------------------------------------------------------------------
 
     def currentChanged(self, current: Index, previous: Index) -> None:
         super().currentChanged(current, previous)
-        self.viewport().update()  # the whole row of the chosen segment is tinted
-
-    def _drop(self) -> None:
-        if not self._model.withdraw():
-            self.dropped.emit()
+        self.viewport().update()  # the row of the selected segment is tinted
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        held = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
-        fine = bool(held & Qt.KeyboardModifier.ShiftModifier)
+        modifiers = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
+        fine = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
         if self.state() == QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
-        elif event.key() in DIRECTIONS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
+        elif event.key() in DIRECTIONS and modifiers & ~Qt.KeyboardModifier.ShiftModifier == ALT:
             self.nudge_requested.emit(DIRECTIONS[event.key()], fine)
         elif event.key() == Qt.Key.Key_Escape:
-            self._drop()
+            if not self._model.withdraw():
+                self.dropped.emit()
         else:
             super().keyPressEvent(event)
-
-
-_ALT = Qt.KeyboardModifier.AltModifier

@@ -1,4 +1,4 @@
-"""Motion view."""
+"""Motion view: diagram, table of the segments, and the actions on a segment."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
-from kindyna_gui.motion.diagram import ANGLE_STEP, snapped, snapped_angle
+from kindyna_gui.motion.diagram import ANGLE_STEP, snap, snap_angle
 from kindyna_gui.motion.editor import DerivativePlots, MotionEditor
-from kindyna_gui.motion.head import NO_STROKE, MotionHead
+from kindyna_gui.motion.header import NO_STROKE, MotionHeader
 from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
@@ -59,22 +59,33 @@ from kindyna_gui.rebuilt import call_soon
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
-# -- actions ---------------------------------------------------------------------------------------------
+PATH = "motion.segments"
+"""Path of the edits of whole segments."""
+COLUMN_OF_KEY = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
+TABLE_WIDTH = 420  # pixels, of the table with the form next to it
+WIDE = 700  # pixels: from this width on the form is next to the table, else below it
+FORM_SHARE = 0.2  # of the height, for the form below the table
+LEAST_FORM_HEIGHT, MOST_FORM_HEIGHT = 66, 200  # pixels
+UNLIMITED = 16777215  # pixels, Qt's value for no limit
 
 Change = Callable[[Design, int, float | None], Design]
-"""The design with a segment changed; a cam angle [deg] where that matters."""
+"""Function that changes a segment of a design, at a cam angle [deg] if needed."""
+
+# -- actions ---------------------------------------------------------------------------------------------
 
 
 @frozen
 class SegmentAction:
-    """One row.
+    """An action on a segment.
 
-    text    of a button; entry: of a menu
-    step    name of the step of the undo stack; {n} is the segment's number
-    able    whether it makes sense for a segment
-    after   which segment is chosen then: so many further on
-    whole   it takes a motion that is whole
-    button  it has one below the table; else it stands in menus only
+    Attributes
+    ----------
+    text, entry : texts of the button and of the menu entry
+    step : name of the undo step; {n} is the number of the segment
+    is_possible : whether the action is possible for a segment
+    after : how many segments further on the selection is then
+    needs_complete : whether the motion must be complete
+    has_button : whether the action has a button below the table; else it is in menus only
     """
 
     text: str
@@ -83,25 +94,21 @@ class SegmentAction:
     icon: str
     step: str
     change: Change
-    able: Callable[[Design, int], bool]
+    is_possible: Callable[[Design, int], bool]
     after: int = 0
-    whole: bool = False
-    button: bool = True
+    needs_complete: bool = False
+    has_button: bool = True
 
-    def makes_sense(self, design: Design, index: int) -> bool:
-        """Whether it can be done with a segment of a design, whose motion need not be whole."""
+    def is_enabled(self, design: Design, index: int) -> bool:
+        """Whether the action can be done with a segment of a design."""
         motion = motion_of(design)
         if motion is None or motion.follows is not None or index >= len(motion.segments):
-            return False  # none, or one that is changed in other files
-        return not (self.whole and missing_of_motion(design)) and self.able(design, index)
+            return False  # no segment, or a motion that follows from other files
+        return not (self.needs_complete and missing_of_motion(design)) and self.is_possible(design, index)
 
 
-def _span(design: Design, index: int) -> float:
-    return require_motion(design).segments[index].span_deg
-
-
-def _has_room(design: Design, index: int) -> bool:
-    return _span(design, index) > 2.0 * LEAST_CUT
+def _can_be_divided(design: Design, index: int) -> bool:
+    return require_motion(design).segments[index].span_deg > 2.0 * LEAST_CUT
 
 
 ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
@@ -109,61 +116,61 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
         "insert": SegmentAction(
             "Insert",
             "Insert segment",
-            "A dwell behind the chosen segment, of half its span (Ins)",
+            "Insert a dwell of half its span after the selected segment (Ins)",
             "insert",
-            "Insert segment behind segment {n}",
+            "Insert segment after segment {n}",
             lambda design, index, _: insert_segment(design, index),
-            _has_room,
+            _can_be_divided,
             after=1,
         ),
         "insert_before": SegmentAction(
             "Insert before",
             "Insert before",
-            "A dwell before the chosen segment, of half its span",
+            "Insert a dwell of half its span before the selected segment",
             "insert",
             "Insert segment before segment {n}",
             lambda design, index, _: insert_segment(design, index, before=True),
-            _has_room,
-            button=False,
+            _can_be_divided,
+            has_button=False,
         ),
         "split": SegmentAction(
             "Split",
             "Split segment",
-            "Cut the chosen segment where the cam stands, or in its middle. A dwell, constant velocity, a polynomial "
-            "and a spline go on as before; of any other law both parts run from rest to rest, and the follower stands "
-            "at the cut where it stood before",
+            "Split the selected segment at the current cam angle, or in its middle. A dwell, constant velocity, a polynomial "
+            "and a spline keep their motion; with any other law both parts run from rest to rest, and the level at the "
+            "split does not change",
             "split",
             "Split segment {n}",
             split_segment,
-            _has_room,
-            whole=True,
+            _can_be_divided,
+            needs_complete=True,
         ),
         "duplicate": SegmentAction(
             "Duplicate",
             "Duplicate segment",
-            "A copy behind the chosen segment: both take half of its span and half of its rise, so no other join moves",
+            "Insert a copy after the selected segment; each gets half of its span and rise, so that no other join moves",
             "duplicate",
             "Duplicate segment {n}",
             lambda design, index, _: copy_segment(design, index),
-            _has_room,
+            _can_be_divided,
             after=1,
-            whole=True,
+            needs_complete=True,
         ),
         "mirror": SegmentAction(
             "Mirror",
             "Mirror stroke",
-            "The next stroke the other way becomes the mirror image of this one: its curves backwards, its spans, its "
-            "rises turned round. The dwells give or take the difference",
+            "Make the next stroke in the opposite direction the mirror image of this one: curves in reverse order, the "
+            "same spans, opposite rises. The dwells take the difference",
             "mirror",
             "Mirror the stroke of segment {n}",
             lambda design, index, _: mirror_stroke(design, index),
             lambda design, index: mirror_stroke(design, index) is not design,
-            whole=True,
+            needs_complete=True,
         ),
         "delete": SegmentAction(
             "Delete",
             "Delete segment",
-            "Take the chosen segment away; the one before it gets its span (Del)",
+            "Delete the selected segment; the previous one gets its span (Del)",
             "delete",
             "Delete segment {n}",
             lambda design, index, _: remove_from_incomplete(design, index),
@@ -173,19 +180,17 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
 )
 
 
-PATH = "motion.segments"
-"""At which edits of whole segments are made, and refused."""
-
-
 def perform(session: Session, name: str, index: int, theta: float) -> int | None:
-    """Do one of ``ACTIONS`` with a segment as one step, at a cam angle [rad]; the number of the segment that is to be chosen then, None
-    where it makes no sense or is refused."""
+    """Do one of ``ACTIONS`` with a segment at a cam angle [rad], as one undo step.
+
+    Returns the segment to select then; None if the action is not possible or refused.
+    """
     action, design = ACTIONS[name], session.typed
-    if not action.makes_sense(design, index):
+    if not action.is_enabled(design, index):
         return None
     session.end_gesture()
     try:
-        changed = action.change(design, index, snapped_angle(degrees(theta)))
+        changed = action.change(design, index, snap_angle(degrees(theta)))
     except KindynaError as error:
         session.refuse(PATH, reason(design, error))
         return None
@@ -194,23 +199,23 @@ def perform(session: Session, name: str, index: int, theta: float) -> int | None
     return index + action.after if done else None
 
 
-# -- a row of buttons for what can be done with the chosen segment ---------------------------------------
+# -- buttons ---------------------------------------------------------------------------------------------
 
 
 class SegmentBar(QWidget):
-    """The rows of ``ACTIONS`` as buttons; without their texts where there is no room for these.
+    """Buttons for ``ACTIONS``, without texts in a narrow dock.
 
-    wanted             (name, cam angle [deg] or None): a button was clicked, or an entry of ``menu``
-    abilities_changed  (dict: name -> whether it makes sense now)
+    Signals: ``action_requested`` (name, cam angle [deg] or None) at a click of a button or an entry of ``menu``;
+    ``abilities_changed`` (dict: name -> whether it is possible).
     """
 
-    wanted = Signal(str, object)
+    action_requested = Signal(str, object)
     abilities_changed = Signal(dict)
 
     def __init__(self) -> None:
         super().__init__()
-        self._able: dict[str, bool] = {}
-        self.buttons = {name: self._button(name) for name, row in ACTIONS.items() if row.button}
+        self._enabled: dict[str, bool] = {}
+        self.buttons = {name: self._button(name) for name, row in ACTIONS.items() if row.has_button}
         row = QHBoxLayout(self)
         row.setContentsMargins(4, 1, 4, 3)
         row.setSpacing(0)
@@ -228,7 +233,7 @@ class SegmentBar(QWidget):
         button.setToolTip(row.tip)
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setIconSize(QSize(16, 16))
-        button.clicked.connect(lambda: self.wanted.emit(name, None))
+        button.clicked.connect(lambda: self.action_requested.emit(name, None))
         return button
 
     def minimumSizeHint(self) -> QSize:
@@ -246,38 +251,31 @@ class SegmentBar(QWidget):
             button.setToolButtonStyle(style)
 
     def show_segment(self, design: Design, index: int) -> None:
-        """Grey what makes no sense for a segment."""
-        able = {name: action.makes_sense(design, index) for name, action in ACTIONS.items()}
-        if able != self._able:
-            self._able = able
+        """Enable the buttons of the actions that are possible for a segment."""
+        enabled = {name: action.is_enabled(design, index) for name, action in ACTIONS.items()}
+        if enabled != self._enabled:
+            self._enabled = enabled
             for name, button in self.buttons.items():
-                button.setEnabled(able[name])
-            self.abilities_changed.emit(able)
+                button.setEnabled(enabled[name])
+            self.abilities_changed.emit(enabled)
 
     def menu(self, parent: QWidget, angle: float | None = None) -> QMenu:
-        """The same as a menu, which goes when it closes; angle: the cam angle that was pointed at [deg]."""
-        made = QMenu(parent)
-        made.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        """Return the actions as a menu; angle: cam angle under the mouse [deg]."""
+        menu = QMenu(parent)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         for name, row in ACTIONS.items():
-            entry = made.addAction(icon(row.icon), row.entry, partial(self.wanted.emit, name, angle))
-            entry.setEnabled(self._able.get(name, False))
-        return made
+            entry = menu.addAction(icon(row.icon), row.entry, partial(self.action_requested.emit, name, angle))
+            entry.setEnabled(self._enabled.get(name, False))
+        return menu
 
 
-# -- segments view ---------------------------------------------------------------------------------------
-
-_KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
-TABLE_WIDTH = 420  # pixels, of the table where the form of the chosen segment stands beside it
-BESIDE = 700  # from this width on it does
-BELOW = 0.2  # of the height, for the form where it stands below the table
-LEAST_BELOW, MOST_BELOW = 66, 200  # pixels
-FREE = 16777215  # pixels, Qt's own word for no limit
+# -- view ------------------------------------------------------------------------------------------------
 
 
 class SegmentForm(QScrollArea):
-    """What stands below the table of segments, or beside it: the form of the chosen one, and what is missing or wrong.
+    """Area below or next to the table: form of the selected segment, and error texts.
 
-    Its height is that of the view's alone, or of the table's, so that no text moves the rows above it, nor the buttons below.
+    Its height depends on the view alone, so that no text moves the table or the buttons.
     """
 
     def __init__(self, *parts: QWidget) -> None:
@@ -294,26 +292,26 @@ class SegmentForm(QScrollArea):
         column.addStretch(1)
         self.setWidget(paper)
 
-    def take_height(self, whole: int) -> None:
-        """Its part of a view's height [pixels]; of none what there is."""
-        height = round(min(max(BELOW * whole, LEAST_BELOW), MOST_BELOW))
-        self.setMinimumHeight(height if whole else LEAST_BELOW)
-        self.setMaximumHeight(height if whole else FREE)
+    def set_view_height(self, view_height: int) -> None:
+        """Take a share of the height of the view [pixels]; 0: no limit."""
+        height = round(min(max(FORM_SHARE * view_height, LEAST_FORM_HEIGHT), MOST_FORM_HEIGHT))
+        self.setMinimumHeight(height if view_height else LEAST_FORM_HEIGHT)
+        self.setMaximumHeight(height if view_height else UNLIMITED)
 
-    def bring(self, part: QWidget) -> None:
-        """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
-        call_soon(part, partial(self._bring, part))
+    def reveal(self, part: QWidget) -> None:
+        """Scroll to a text once it is laid out, unless the keyboard focus is in the form."""
+        call_soon(part, partial(self._reveal, part))
 
-    def _bring(self, part: QWidget) -> None:
+    def _reveal(self, part: QWidget) -> None:
         focused = self.focusWidget()
         if part.isVisible() and (focused is None or not focused.hasFocus()):
             self.ensureWidgetVisible(part, 0, 0)
 
 
 class SegmentsView(MarkedView):
-    """The motion editor.
+    """View that edits the motion.
 
-    abilities_changed   (dict: name of an action -> whether it makes sense now)
+    ``abilities_changed`` (dict) gives for each action whether it is possible.
     """
 
     abilities_changed = Signal(dict)
@@ -327,21 +325,21 @@ class SegmentsView(MarkedView):
         self.diagram.setMinimumSize(240, 90)
         self.derivatives = DerivativePlots(self.diagram)
         self.curve = SegmentCurveForm(session, player)
-        self.head = MotionHead(session)
+        self.header = MotionHeader(session)
         self.incomplete_bar = IncompleteBar()
         self.message = QLabel(wordWrap=True)
         self.message.setMargin(6)
         coloured(self.message, SCREEN.limit)
         self.message.hide()
         self.bar = SegmentBar()
-        self.below = SegmentForm(self.curve, self.incomplete_bar, self.head.troubles, self.message)
-        self._parted = False  # by the user
-        self._act_refused = False
-        self._forgotten = False  # the motion before the last edit is not to be seen
-        self._recalled: Design | None = None
-        self._recalled_values: np.ndarray | None = None
-        self._sharing = QTimer(self, singleShot=True, interval=0)  # once all has its place
-        self._sharing.timeout.connect(self._share)
+        self.form = SegmentForm(self.curve, self.incomplete_bar, self.header.errors, self.message)
+        self._is_divided = False  # by the user
+        self._action_refused = False
+        self._hides_before = False  # the motion before the last edit
+        self._before: Design | None = None
+        self._displacement_before: np.ndarray | None = None
+        self._sharing = QTimer(self, singleShot=True, interval=0)  # after the layout
+        self._sharing.timeout.connect(self._divide_height)
         self._lay_out()
         self._connect()
 
@@ -350,14 +348,14 @@ class SegmentsView(MarkedView):
         self._parts = QBoxLayout(QBoxLayout.Direction.TopToBottom, lower)
         self._parts.setContentsMargins(0, 0, 0, 0)
         self._parts.setSpacing(1)
-        form = QWidget()
-        column = QVBoxLayout(form)
+        lower_form = QWidget()
+        column = QVBoxLayout(lower_form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
-        column.addWidget(self.below)
+        column.addWidget(self.form)
         column.addWidget(self.bar)
         self._parts.addWidget(self.table, 1)
-        self._parts.addWidget(form)
+        self._parts.addWidget(lower_form)
         self.splitter = QSplitter(Qt.Orientation.Vertical)
         self.splitter.setChildrenCollapsible(False)
         self.splitter.addWidget(self.derivatives)
@@ -368,7 +366,7 @@ class SegmentsView(MarkedView):
         layout = QVBoxLayout()
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
-        layout.addWidget(self.head)
+        layout.addWidget(self.header)
         layout.addWidget(self.splitter, 1)
         self.set_content_layout(layout)
 
@@ -377,7 +375,7 @@ class SegmentsView(MarkedView):
         self.curve.error_changed.connect(self._show_text)
         self.table.insert_requested.connect(partial(self.act, "insert"))
         self.table.delete_requested.connect(partial(self.act, "delete"))
-        self.bar.wanted.connect(self.act)
+        self.bar.action_requested.connect(self.act)
         self.bar.abilities_changed.connect(self.abilities_changed)
         self.table.nudge_requested.connect(self.diagram.nudge)
         self.table.dropped.connect(self.diagram.escape)
@@ -387,10 +385,10 @@ class SegmentsView(MarkedView):
         self.diagram.segment_chosen.connect(self._choose_row)
         self.diagram.menu_requested.connect(self._open_diagram_menu)
         self.diagram.settled.connect(self._draw)
-        self.diagram.released.connect(self._forget_before)
+        self.diagram.released.connect(self._hide_before)
         self.derivatives.angle_moved.connect(self._turn)
-        self.derivatives.room_changed.connect(self._draw_derivatives)
-        self.splitter.splitterMoved.connect(self._part)
+        self.derivatives.visibility_changed.connect(self._draw_derivatives)
+        self.splitter.splitterMoved.connect(self._splitter_moved)
         self.incomplete_bar.close_requested.connect(self.session.close_motion)
         self.incomplete_bar.drop_requested.connect(partial(self.session.drop_incomplete, motion_alone=True))
         self.session.incomplete_changed.connect(self.invalidate)
@@ -400,10 +398,10 @@ class SegmentsView(MarkedView):
 
     @property
     def fields(self) -> dict[str, Field]:
-        """Start and stroke, and what the curve of the chosen segment takes, by their paths."""
-        return {**self.head.fields, **self.curve.fields}
+        """Fields of start and stroke and of the curve of the selected segment, by path."""
+        return {**self.header.fields, **self.curve.fields}
 
-    # -- showing ------------------------------------------------------------------------------------------
+    # -- display -----------------------------------------------------------------------------------------
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
@@ -413,8 +411,8 @@ class SegmentsView(MarkedView):
 
     def refresh(self, study: Study) -> None:
         require_motion_of_view(study.design)
-        self._show_draft()
-        if not self.head.fields:  # the first motion: only now it is known what its table needs
+        self._show_incomplete()
+        if not self.header.fields:  # the first motion: the height of its table was unknown
             self._sharing.start()
         if self.session.drag_source:
             self._draw_diagram(study)
@@ -425,31 +423,31 @@ class SegmentsView(MarkedView):
             self._draw()
 
     def _show_tables(self) -> None:
-        """Head, table and fields, unless something else is in place by now."""
+        """Show header, table and fields, unless the design has changed again."""
         if not self.up_to_date:
             return
         study, typed = self.session.study, self.session.typed
-        before = list(self.head.fields.values())
-        self.head.show_motion(typed)
-        if list(self.head.fields.values()) != before:
-            heads = (field.editor for field in self.head.fields.values())
-            in_tab_order(*heads, self.diagram, self.table, *self.bar.buttons.values())
-        at, count = self.table.currentIndex(), self.model.rowCount()
-        place = (at.row(), at.column())
+        before = list(self.header.fields.values())
+        self.header.show_motion(typed)
+        if list(self.header.fields.values()) != before:
+            editors = (field.editor for field in self.header.fields.values())
+            in_tab_order(*editors, self.diagram, self.table, *self.bar.buttons.values())
+        current, count = self.table.currentIndex(), self.model.rowCount()
+        cell = (current.row(), current.column())
         waits = motion_waits(self.session)
         joins = joins_of(require_motion_of_view(typed)) if waits else study.program.joins
         self.model.show(typed, joins, waiting_paths(self.session))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
-            self.choose(*place)
+            self.choose(*cell)
             self.table.updateGeometry()
-            if not self._parted:
+            if not self._is_divided:
                 self._sharing.start()
         self._show_chosen()
-        if self._act_refused:  # something else has been done since
+        if self._action_refused:  # another edit was made since
             self.session.withdraw(PATH)
 
-    def _show_draft(self) -> None:
-        """Show what is missing of a motion that does not fit; meanwhile the diagram shows the last that did, and cannot be drawn at."""
+    def _show_incomplete(self) -> None:
+        """Show what an incomplete motion misses; the diagram then shows the last complete one and cannot be edited."""
         waits = motion_waits(self.session)
         follows = require_motion_of_view(self.session.typed).follows is not None
         self.diagram.locked = waits or follows
@@ -458,16 +456,16 @@ class SegmentsView(MarkedView):
             misfit_sentences(self.session) if waits else [], closing_text(self.session) if waits else ""
         )
         if waits:
-            self.below.bring(self.incomplete_bar)
+            self.form.reveal(self.incomplete_bar)
 
     def follow(self, theta: float) -> None:
         self.diagram.set_angle(theta)
-        if self.derivatives.roomy:
+        if self.derivatives.shows_plots:
             self.derivatives.set_angle(theta, self.session.at(theta))
             self.extremes.resume()
 
     def _draw_derivatives(self) -> None:
-        """The plots below the diagram have come, and are to be what it is."""
+        """Draw the plots below the diagram once they are shown."""
         if self.up_to_date and not self.in_trouble:
             self._show_derivatives(self.session.study)
             self.follow(self.player.theta)
@@ -477,10 +475,10 @@ class SegmentsView(MarkedView):
         self.player.set_theta(theta)
 
     def _draw(self) -> None:
-        """The diagram, with the motion before the last edit where there is one to be seen."""
+        """Draw diagram, figures of the turn and derivatives."""
         study = self.session.study
         self._draw_diagram(study)
-        self.head.show_cycle(study)
+        self.header.show_cycle(study)
         self._show_derivatives(study)
 
     def _draw_diagram(self, study: Study) -> None:
@@ -490,26 +488,26 @@ class SegmentsView(MarkedView):
 
     def _show_derivatives(self, study: Study) -> None:
         self.derivatives.show_study(study, self.bands)
-        self.look_for_extremes(study)
+        self.request_extremes(study)
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.derivatives.lacking(study)
 
-    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
-        self.derivatives.show_extremes(found)
+    def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
+        self.derivatives.show_extremes(extremes)
 
     @staticmethod
     def _channel(study: Study) -> Quantity:
         return rows_of(study, ("displacement",))[0]
 
     def _values_before(self, study: Study) -> np.ndarray | None:
-        """The displacement before the last edit (n,), where the motion was another one and has not been let go."""
+        """Return the displacement before the last edit (n,); None if the motion is the same or the curve is hidden."""
         before = self.session.before
-        if before is not self._recalled:
-            self._recalled, self._forgotten = before, False
-            self._recalled_values = self._displacement(before)
-        same = before is None or motion_of(before) == motion_of(study.design)
-        return None if same or self._forgotten else self._recalled_values
+        if before is not self._before:
+            self._before, self._hides_before = before, False
+            self._displacement_before = self._displacement(before)
+        is_same = before is None or motion_of(before) == motion_of(study.design)
+        return None if is_same or self._hides_before else self._displacement_before
 
     def _displacement(self, design: Design | None) -> np.ndarray | None:
         if design is None or motion_of(design) is None:
@@ -520,58 +518,57 @@ class SegmentsView(MarkedView):
         except KindynaError:
             return None  # a spline whose points contradict each other
 
-    def _forget_before(self) -> None:
-        self._forgotten = True
+    def _hide_before(self) -> None:
+        self._hides_before = True
         self._draw()
 
     def _show_text(self, text: str) -> None:
         self.message.setText(text)
         self.message.setVisible(bool(text))
         if text:
-            self.below.bring(self.message)
+            self.form.reveal(self.message)
 
     def _refused(self, refusal: Refusal) -> None:
         if refusal.path == PATH:
-            self._act_refused = True
+            self._action_refused = True
             self._show_text(refusal.at(PATH))
 
     def _accepted(self, path: str) -> None:
-        if path == PATH and self._act_refused:
-            self._act_refused = False
+        if path == PATH and self._action_refused:
+            self._action_refused = False
             self._show_text("")
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        wide = self.width() >= BESIDE
+        wide = self.width() >= WIDE
         direction = QBoxLayout.Direction.LeftToRight if wide else QBoxLayout.Direction.TopToBottom
-        self.below.take_height(0 if wide else self.height())
+        self.form.set_view_height(0 if wide else self.height())
         if direction != self._parts.direction():
             self._parts.setDirection(direction)
             self._parts.setStretch(1, int(wide))
-            self.table.setMaximumWidth(TABLE_WIDTH if wide else FREE)
-            self._parted = False
-        if not self._parted:
+            self.table.setMaximumWidth(TABLE_WIDTH if wide else UNLIMITED)
+            self._is_divided = False
+        if not self._is_divided:
             self._sharing.start()
 
-    def _part(self, *_: object) -> None:
-        """The user has drawn the line between diagram and table."""
-        self._parted = True
+    def _splitter_moved(self, *_: object) -> None:
+        self._is_divided = True
 
-    def _share(self) -> None:
-        """The table gets what its rows need, the diagram the rest."""
-        wanted = self._lower.sizeHint().height()
-        self.splitter.setSizes([max(self.splitter.height() - wanted, 1), wanted])
+    def _divide_height(self) -> None:
+        """Give the table the height of its rows, and the rest to the diagram."""
+        needed = self._lower.sizeHint().height()
+        self.splitter.setSizes([max(self.splitter.height() - needed, 1), needed])
 
-    # -- choosing -----------------------------------------------------------------------------------------
+    # -- selection ---------------------------------------------------------------------------------------
 
     @property
     def chosen(self) -> int:
-        """The chosen segment; the last one where none is."""
+        """Number of the selected segment; the last one if none is selected."""
         row = self.table.currentIndex().row()
         return row if row >= 0 else self.model.rowCount() - 1
 
     def choose(self, row: int, column: int = LAW) -> None:
-        """Choose a cell."""
+        """Select a cell."""
         row = max(0, min(row, self.model.rowCount() - 1))
         self.table.setCurrentIndex(self.model.index(row, max(0, column)))
 
@@ -580,26 +577,26 @@ class SegmentsView(MarkedView):
             self.choose(row, self.table.currentIndex().column())
 
     def _segment_chosen(self) -> None:
-        """In another view."""
+        """Follow the selection of another view."""
         self._choose_row(self.session.segment)
 
     def _row_chosen(self, *_: object) -> None:
         if self.up_to_date and self.table.currentIndex().isValid():
             self.diagram.chosen = self.chosen
-            self.diagram.point_out()
+            self.diagram.update_highlight()
             self._show_chosen()
 
     def _show_chosen(self) -> None:
-        """What belongs to the chosen segment: its curve, and what can be done with it."""
+        """Show the curve of the selected segment, and enable its actions."""
         design, row = self.session.typed, self.chosen
         self.session.choose_segment(row)
         self.curve.show_segment(design, row)
         self.bar.show_segment(design, row)
 
-    # -- changing -----------------------------------------------------------------------------------------
+    # -- edits -------------------------------------------------------------------------------------------
 
     def act(self, name: str, angle: float | None = None) -> None:
-        """One of ``ACTIONS`` on the chosen segment; angle: a cam angle [deg], where the cam stands if None."""
+        """Do one of ``ACTIONS`` with the selected segment at a cam angle [deg], by default the current one."""
         self.pull()
         chosen = perform(self.session, name, self.chosen, self.player.theta if angle is None else radians(angle))
         if chosen is not None:
@@ -607,24 +604,26 @@ class SegmentsView(MarkedView):
             self.choose(chosen, self.table.currentIndex().column())
 
     def focus_field(self, path: str) -> bool:
-        """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``.
-        False where there is none."""
+        """Show and focus the field or cell of a path; False if there is none.
+
+        ``motion.start`` is enough for ``motion.start_mm``.
+        """
         self.pull()
-        if self.in_trouble:  # there is no motion, as the view shows
+        if self.in_trouble:  # without a motion
             return False
-        if self.head.focus_field(path):
-            if path.startswith("motion.stroke") and not self.head.moves:
+        if self.header.focus_field(path):
+            if path.startswith("motion.stroke") and not self.header.has_stroke:
                 self.status_message.emit(NO_STROKE)
             return True
-        self.choose(segment_of(path) or 0, _KEYS.get(path.rpartition(".")[2], LAW))
+        self.choose(segment_of(path) or 0, COLUMN_OF_KEY.get(path.rpartition(".")[2], LAW))
         if not self.curve.focus_field(path):
             self.table.setFocus(Qt.FocusReason.OtherFocusReason)
         return path.startswith("motion")
 
-    # -- menus --------------------------------------------------------------------------------------------
+    # -- menus -------------------------------------------------------------------------------------------
 
-    def _open_menu(self, place: QPoint) -> None:
-        index = self.table.indexAt(place)
+    def _open_menu(self, position: QPoint) -> None:
+        index = self.table.indexAt(position)
         path = self.model.path(index.row(), index.column()) if index.isValid() else ""
         menu = self.bar.menu(self.table)
         if path and index.column() in (LAW, SPAN, RISE):
@@ -637,10 +636,10 @@ class SegmentsView(MarkedView):
             assumed.setChecked(on)
         if path:
             add_vary(menu, self.session, path)
-        menu.popup(self.table.viewport().mapToGlobal(place))
+        menu.popup(self.table.viewport().mapToGlobal(position))
 
-    def _open_diagram_menu(self, place: QPoint, angle: float) -> None:
-        self.bar.menu(self.diagram, snapped(angle, ANGLE_STEP)).popup(place)
+    def _open_diagram_menu(self, position: QPoint, angle: float) -> None:
+        self.bar.menu(self.diagram, snap(angle, ANGLE_STEP)).popup(position)
 
     def _assume(self, path: str, on: bool) -> None:
         key, number = path.rpartition(".")[2].partition("_")[0], segment_of(path) or 0

@@ -61,17 +61,17 @@ MOTIONS = (
         "Begin with the motion of a carriage that moves with its material: length, synchronous window, return",
     ),
 )
-"""Name in ``motion.laws_plot.BEGINNINGS``, entry of the menu and its tip."""
+"""Name in ``motion.laws_plot.NEW_MOTIONS``, entry of the menu and its tip."""
 
 
 def new_motion(window: Window, name: str) -> None:
     """Begin a design with the motion of a dialog, which is imported only here."""
-    from kindyna_gui.motion.laws_plot import BEGINNINGS, beginning_wanted
+    from kindyna_gui.motion.laws_plot import NEW_MOTIONS, ask_new_motion
 
     if window.documents.may_leave():
-        design = beginning_wanted(window, name)
+        design = ask_new_motion(window, name)
         if design is not None:
-            window.documents.begin(design, BEGINNINGS[name].title)
+            window.documents.begin(design, NEW_MOTIONS[name].title)
 
 
 def new_shaft(window: Window) -> None:
@@ -321,7 +321,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("I&mport linkage...", "designing.import_linkage", None, None,
                  "Import a linkage of Pyslvs, PMKS+ or Linkage from text, web address or file; parts that cannot be imported are listed"),
             Item("Import &controller table...", "designing.import_controller", None, None,
-                 "Import the table of a servo controller as the motion that the controller makes of it"),
+                 "Import a servo controller's table: calculates the motion that the controller makes of it"),
             Submenu("Expor&t", fill_exports, "exports"),
             Item("Re&port...", "exports.report", None, "Ctrl+P",
                  "Write a report as PDF or HTML: inputs, drawings, curves, extremes, findings, certificate, equations"),
@@ -340,8 +340,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Pin this variant", "pin", None, "Ctrl+Shift+P",
                  "Pin the current design: dashed in plots, grey in the drawing, listed in What changed"),
             Item("Compare with the &last step", "pin_before", None, None,
-                 "Shows the design before the last change, dashed, in every plot"),
-            Item("Compare with another &file...", "pin_file", None, None, "Shows the design of another file, dashed, in every plot"),
+                 "Show the design before the last change, dashed, in every plot"),
+            Item("Compare with another &file...", "pin_file", None, None, "Show the design of another file, dashed, in every plot"),
             Item("Unp&in", "unpin", None, None, "Stop comparing with the pinned variant"),
             _view("compare"),
             Item("&Explain a number", "explain_here", None, "Shift+F1", VIEWS["explain"].tip),
@@ -383,10 +383,10 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Motion from a desig&n or file...", "designing.take_motion", None, None,
                  "Replace the motion by that of another design's drive, or of a motion file"),
             Item("Motion that follo&ws from files...", "designing.follow_files", None, None,
-                 "Motion from linked files: a table, a sum of motions, or the inverse of a linkage; updated when the files change"),
+                 "Link the motion to files: a table, a sum of motions, or the inverse of a linkage; updated when the files change"),
             SEPARATOR,
-            _field("&Start", "motion.start", "Position of the follower at cam angle 0"),
-            _field("S&troke", "motion.stroke", "Highest minus lowest position of the follower"),
+            _field("&Start", "motion.start", "Edit the position of the follower at cam angle 0"),
+            _field("S&troke", "motion.stroke", "Edit the stroke: highest minus lowest position of the follower"),
         ),
     ),
     (
@@ -406,12 +406,12 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
                  "Begin with another follower, cam form or linkage, chosen from images; the motion is kept"),
             SEPARATOR,
-            _field("&Follower", "follower", "Dimensions of the follower"),
-            _field("&Cam", "cam", "Base circle and roller"),
+            _field("&Follower", "follower", "Edit the dimensions of the follower"),
+            _field("&Cam", "cam", "Edit base circle and roller"),
             Submenu("&Layout", fill_layouts, "layouts"),
             Submenu("Driv&er", _later("window.linkage_menus", "fill_drivers"), "drivers"),
             Submenu("Cam &roller", _later("window.linkage_menus", "fill_rollers"), "rollers"),
-            _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
+            _field("Lin&kage", "linkage", "Edit dimensions, driver and assembly of the linkage"),
             SEPARATOR,
             _view("centres"),
             Item("Fit cen&tres", "fit_centres", None, None,
@@ -432,14 +432,14 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             _view("pressure_angle"),
             _view("curvature"),
-            _field("Li&mits", "limits", "Your limits of pressure angle, radius of curvature and contact force"),
+            _field("Li&mits", "limits", "Edit your limits of pressure angle, radius of curvature and contact force"),
             _view("find"),
             _view("study"),
             Submenu("C&olour the profile", fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
                  "Compare a measured table of lift with the profile: deviations, the largest one, in or out of tolerance"),
             SEPARATOR,
-            Item("P&lay", "player.play", None, "F5", "Play the motion: turns the cam", checkable=True, name="play"),
+            Item("P&lay", "player.play", None, "F5", "Play or stop the motion", checkable=True, name="play"),
             Item("Step &forward", "player.step", 1.0, "F7", "Turn one degree forward"),
             Item("Step &back", "player.step", -1.0, "F6", "Turn one degree back"),
             Item("&Reverse", "reverse", None, "F8", "Play backwards", checkable=True),
@@ -449,7 +449,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&Dyna",
         (
             _view("drives"),
-            _field("&Loads", "loads", "Masses, springs and forces"),
+            _field("&Loads", "loads", "Edit masses, springs and forces"),
             Submenu("&Add to the loads", _later("window.linkage_menus", "fill_added"), "load rows"),
             Submenu("Remo&ve from the loads", _later("window.linkage_menus", "fill_taken"), "taken load rows"),
             Item("Find closing sprin&g", "show_search", "spring", None,
@@ -487,7 +487,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Add a s&haft", "designing.give_shaft", None, None,
                  "Add a shaft to a linkage, with flywheel and motor; with a cam, stability is calculated too"),
             SEPARATOR,
-            _field("Camshaft &data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),
+            _field("Camshaft &data", "shaft", "Edit speed, sense of rotation, flywheel and motor of the camshaft"),
         ),
     ),
     (

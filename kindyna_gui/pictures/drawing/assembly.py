@@ -227,7 +227,7 @@ class Assembly(QGraphicsScene):
         self.overlay = Overlay(theme, self.addItem)
         self.overlay.angle_name = "machine angle"
 
-    # -- drives and layers --------------------------------------------------------------------------------------
+    # -- drives and layers -----------------------------------------------------------------------------
 
     def show_shaft(
         self, shaft: Camshaft[Study], selected: int, about_shaft: bool, layers: Collection[str] = ("loads",)
@@ -333,7 +333,7 @@ class Assembly(QGraphicsScene):
         layouts = [_grid([cell.rect for cell in cells], columns) for columns in range(1, len(cells) + 1)]
         return min(layouts, key=lambda layout: max(layout[1].real / self._aspect, layout[1].imag))[0]
 
-    # -- motion ---------------------------------------------------------------------------------------------
+    # -- motion ----------------------------------------------------------------------------------------
 
     def set_machine(self, machine: float) -> None:
         """Move all drives to a machine angle [rad]."""
@@ -377,7 +377,7 @@ class Assembly(QGraphicsScene):
                 break
         self.overlay.show_reading(text)
 
-    # -- view ----------------------------------------------------------------------------------------------
+    # -- view ------------------------------------------------------------------------------------------
 
     def fit_rect(self) -> QRectF:
         """Rectangle that contains all drives over the turn [mm]."""
@@ -439,7 +439,7 @@ def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex
 
 
 def _rows(shaft: Camshaft[Study], theme: Theme) -> Iterator[tuple[int, str, Study | None, ShaftPosition, bool, str]]:
-    """Number, name, study (None without a solution), position, mirrored and colour of each drive and the balance cam."""
+    """Number, name, study (None without a solution), position, mirroring, colour of each drive and the balance cam."""
     for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
         solved: Study | None = study
         try:

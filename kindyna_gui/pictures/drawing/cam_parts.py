@@ -42,7 +42,7 @@ from kindyna_gui.pictures.style import (
 )
 from kindyna_gui.pictures.units import readable, short, with_unit
 
-# -- cam and shaft ---------------------------------------------------------------------------------------
+# -- cam and shaft -------------------------------------------------------------------------------------
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0
 RIM = 1.2  # width of the plate of a grooved cam outside the groove, in units
@@ -226,7 +226,7 @@ CENTRE_LINES: Mapping[str, Callable[[Joint, Geometry], tuple[complex, complex]]]
 """Line that contains the instant centre (Kennedy), by the kind of pair between follower and frame."""
 
 
-# -- coloured profile ------------------------------------------------------------------------------------
+# -- coloured profile ----------------------------------------------------------------------------------
 
 COLOURS = 24  # colours of a scale
 WIDTH = 4.0  # width of the coloured line, pixels
@@ -447,7 +447,7 @@ def bar_width(scale: ColourScale) -> float:
     return least
 
 
-# -- values at a point of the profile --------------------------------------------------------------------
+# -- values at a point of the profile ------------------------------------------------------------------
 
 PROFILES: Mapping[str, str] = MappingProxyType({INNER: "Profile", OUTER: "Outer flank", SECOND: "Second cam"})
 STRAIGHT = 1e4  # a radius of curvature above this many cam radii counts as straight

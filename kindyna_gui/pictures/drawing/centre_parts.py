@@ -52,7 +52,7 @@ from kindyna_gui.pictures.style import (
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.settings import sized
 
-# -- instant centres -------------------------------------------------------------------------------------
+# -- instant centres -----------------------------------------------------------------------------------
 
 Z_LINES, Z_PATHS, Z_COUPLER, Z_CENTRES = 7.0, 0.5, 6.8, 13.0  # coupler curves are in front of the links
 DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance and length of an arrow at the edge, pixels
@@ -225,7 +225,7 @@ def ghost_poses(geometry: Geometry, theme: Theme, layer: str) -> Iterator[DrawnP
     yield DrawnPart(f"{layer}.all", Outline(path, theme.pen(theme.quiet, THIN)), (layer,), Z_PATHS)
 
 
-# -- velocity ratios -------------------------------------------------------------------------------------
+# -- velocity ratios -----------------------------------------------------------------------------------
 
 Z_RATIOS = 9.0
 COLOURS = (BLUE, VERMILION, PURPLE, "#8C6D1F", "#00796B")  # colours of the ratios in turn
@@ -371,7 +371,7 @@ class RatioDimensions:
         direction = direction / abs(direction)
         return direction if direction.real > 0.0 or (direction.real == 0.0 and direction.imag > 0.0) else -direction
 
-    # -- the list ---------------------------------------------------------------------------------------------
+    # -- the list --------------------------------------------------------------------------------------
 
     @property
     def height(self) -> float:
@@ -391,7 +391,7 @@ class RatioDimensions:
             space.take(QRectF(x, y + LINE * number, tag.size[0], LINE))
 
 
-# -- layers of a general linkage -------------------------------------------------------------------------
+# -- layers of a general linkage -----------------------------------------------------------------------
 
 
 class Construct:
@@ -458,7 +458,7 @@ class Construct:
             self.kennedy.emphasise(target if step is not None else None)
             self.kennedy.hidden = step == 0
 
-    # -- layers ---------------------------------------------------------------------------------------------
+    # -- layers ----------------------------------------------------------------------------------------
 
     def _centres(self, layer: str) -> Iterator[DrawnPart]:
         self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._viewport, self.space)
@@ -497,7 +497,7 @@ _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = Mapping
 )
 
 
-# -- circle diagram --------------------------------------------------------------------------------------
+# -- circle diagram ------------------------------------------------------------------------------------
 
 _TINTS = (BLUE, GREEN)  # tints of the two triangles
 

@@ -299,7 +299,7 @@ def test_a_rise_alone_is_marked_with_what_it_misses_and_what_would_close_it(user
     view, whole = user.motion(), user.design.drive.motion
     assert stroke(whole) == 0.0
     assert view.diagram.motion == whole, "drawings keep the last whole motion"
-    assert view.model.faulty(1, RISE)
+    assert view.model.is_faulty(1, RISE)
     assert view.incomplete_bar.isVisible()
     assert view.incomplete_bar.trouble.text() == "Segment 2, rise: the follower ends 40 mm above its start"
     assert "-40 mm" in view.incomplete_bar.remedy.text()
@@ -323,7 +323,7 @@ def test_the_button_closes_it_and_undo_opens_it_again(user: User) -> None:
 def test_the_diagram_of_the_last_whole_motion_cannot_be_drawn_at(user: User) -> None:
     user.enter_cell(1, SPAN, "300")
     view, draft = user.motion(), user.session.incomplete
-    place = view.diagram.place_of_join(1).toPoint()
+    place = view.diagram.position_of_join(1).toPoint()
     QTest.mousePress(view.diagram.viewport(), Qt.MouseButton.LeftButton, pos=place)
     QTest.mouseMove(view.diagram.viewport(), place + QPoint(30, 0))
     QTest.mouseRelease(view.diagram.viewport(), Qt.MouseButton.LeftButton, pos=place + QPoint(30, 0))
@@ -364,7 +364,7 @@ def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) ->
 
 @pytest.mark.parametrize(
     ("button", "height", "left"),
-    spread([("Close it and save", 40.0, False), ("Save the last that fits", 0.0, True)], 1),
+    spread([("Close it and save", 40.0, False), ("Save the last valid version", 0.0, True)], 1),
 )
 def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     user: User, tmp_path: Path, button: str, height: float, left: bool
@@ -374,7 +374,7 @@ def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     rise_alone(user)
     asked = user.clicks(button)
     user.choose("File", "Save")
-    assert asked == ["What is typed does not fit together yet."]
+    assert asked == ["The typed values do not fit together yet."]
     assert stroke(load(path).drive.motion) == height
     assert (user.session.incomplete is not None) is left
     assert user.window.isWindowModified() is left

@@ -9,12 +9,12 @@ from kindyna_gui.motion.diagram import (
     POINT,
     DiagramScale,
     Grip,
-    Pull,
+    GripDrag,
     grip_at,
-    nudged,
     segment_at,
-    snapped,
-    snapped_angle,
+    snap,
+    snap_angle,
+    step_join,
 )
 
 DWELL, SINE = NamedCurve("dwell"), NamedCurve("modified-sine")
@@ -80,14 +80,14 @@ def test_a_segment_is_found_by_its_angle() -> None:
 
 
 def test_an_angle_that_was_pointed_at_is_rounded() -> None:
-    assert [snapped_angle(a) for a in (50.0, 50.12, 34.615384, 34.8, 49.99999999999)] == [50.0, 50.12, 34.5, 34.8, 50.0]
+    assert [snap_angle(a) for a in (50.0, 50.12, 34.615384, 34.8, 49.99999999999)] == [50.0, 50.12, 34.5, 34.8, 50.0]
 
 
 # -- pulls ------------------------------------------------------------------------------------------------
 
 
-def pull(kind: str, join: int) -> Pull:
-    return Pull(LIFT, Grip(kind, join, max(join - 1, 0)), SCALE)
+def pull(kind: str, join: int) -> GripDrag:
+    return GripDrag(LIFT, Grip(kind, join, max(join - 1, 0)), SCALE)
 
 
 def test_a_point_moves_in_both_directions() -> None:
@@ -137,7 +137,7 @@ def test_an_angle_stays_between_its_neighbours() -> None:
 @pytest.mark.parametrize(("value", "way", "wanted"), [(76.3, 0, 76.5), (76.5, 1, 77.0), (76.5, -1, 76.0),
                                                       (76.3, 1, 76.5), (76.3, -1, 76.0), (0.1, -1, 0.0)])  # fmt: skip
 def test_steps_lead_to_round_values(value: float, way: int, wanted: float) -> None:
-    assert snapped(value, 0.5, way) == wanted
+    assert snap(value, 0.5, way) == wanted
 
 
 def test_levels_step_by_what_a_hand_can_aim_at() -> None:
@@ -149,8 +149,8 @@ def test_levels_step_by_what_a_hand_can_aim_at() -> None:
 
 
 def test_keys_move_by_one_step() -> None:
-    assert nudged(LIFT, 2, SCALE, (1, 0)) == (77.0, None)
-    assert nudged(LIFT, 2, SCALE, (0, -1)) == (None, -2.0)
-    assert nudged(LIFT, 2, SCALE, (-1, 0), fine=True) == (76.45, None)
-    assert nudged(LIFT, 0, SCALE, (1, 0)) == (None, None)
-    assert nudged(LIFT, 0, SCALE, (0, 1), fine=True) == (None, 150.2)
+    assert step_join(LIFT, 2, SCALE, (1, 0)) == (77.0, None)
+    assert step_join(LIFT, 2, SCALE, (0, -1)) == (None, -2.0)
+    assert step_join(LIFT, 2, SCALE, (-1, 0), fine=True) == (76.45, None)
+    assert step_join(LIFT, 0, SCALE, (1, 0)) == (None, None)
+    assert step_join(LIFT, 0, SCALE, (0, 1), fine=True) == (None, 150.2)

@@ -45,10 +45,10 @@ def type_into(user: User, path: str, text: str) -> None:
 
 def test_law_span_and_rise_of_a_chosen_segment_are_typed_there(user: User) -> None:
     shown = page(user)
-    shown.which.setFocus()
+    shown.segment.setFocus()
     user.press(Qt.Key.Key_Down)  # the second
     assert user.session.segment == 1
-    assert shown.which.currentText() == "2  Modified sine, 110°"
+    assert shown.segment.currentText() == "2  Modified sine, 110°"
     type_into(user, "motion.segments[1].span_deg", "100")
     type_into(user, "motion.segments[1].rise_deg", "20")
     assert [s.span_deg for s in user.design.drive.motion.segments] == [60.0, 100.0, 70.0, 130.0]
@@ -83,7 +83,7 @@ def test_a_dwell_has_no_rise_to_type_and_buttons_act_on_the_chosen_segment(user:
     assert user.session.segment == 3
     QTest.mouseClick(shown.bar.buttons["delete"], Qt.MouseButton.LeftButton)
     assert len(user.design.drive.motion.segments) == 4
-    assert user.steps == ["Insert segment behind segment 3", "Delete segment 4"]
+    assert user.steps == ["Insert segment after segment 3", "Delete segment 4"]
 
 
 def test_a_refused_value_marks_the_page_and_stays(user: User) -> None:
@@ -123,7 +123,7 @@ def test_a_click_on_a_segment_brings_its_fields_to_the_front(user: User) -> None
     assert "motion.segments[3].span_deg" in shown.fields
     view.show_section("cam")
     diagram = user.motion().diagram
-    QTest.mouseClick(diagram.viewport(), Qt.MouseButton.LeftButton, pos=diagram.place_of(110.0, 3.0).toPoint())
+    QTest.mouseClick(diagram.viewport(), Qt.MouseButton.LeftButton, pos=diagram.position_of(110.0, 3.0).toPoint())
     settle()
     assert view.tabs.currentWidget() is shown
     assert "motion.segments[1].span_deg" in shown.fields

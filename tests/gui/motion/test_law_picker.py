@@ -15,7 +15,7 @@ from core.laws import EVERY_LAW, LAWS, law_groups, peaks
 from core.project import load
 from kindyna_gui.labels import law_label, name_of
 from kindyna_gui.motion.curve_fields import EndField, OptionalBox, PointsTable
-from kindyna_gui.motion.law_picker import LawBox, LawPicker, law_tip, matching, peaks_text
+from kindyna_gui.motion.law_picker import LawBox, LawPicker, law_tip, matching_laws, peaks_text
 from kindyna_gui.motion.segments_table import LAW
 from kindyna_gui.pictures.plots.quantities import curves_of, paint_law, prescribed
 from kindyna_gui.pictures.style import LIGHT
@@ -78,16 +78,16 @@ def test_peaks_read_as_in_the_books() -> None:
 
 
 def test_laws_are_found_by_words_of_name_and_group() -> None:
-    assert [s for slugs in matching("3-4-5").values() for s in slugs] == ["3-4-5"]
-    assert set(matching("blending return")) == {"Elementary curves for blending: return"}
-    assert [s for slugs in matching("CYCL return").values() for s in slugs] == ["c3", "c4", "c6"]
-    assert matching("wobble") == {}
-    assert matching("  ") == law_groups()
+    assert [s for slugs in matching_laws("3-4-5").values() for s in slugs] == ["3-4-5"]
+    assert set(matching_laws("blending return")) == {"Elementary curves for blending: return"}
+    assert [s for slugs in matching_laws("CYCL return").values() for s in slugs] == ["c3", "c4", "c6"]
+    assert matching_laws("wobble") == {}
+    assert matching_laws("  ") == law_groups()
 
 
 def test_a_tip_says_where_a_law_would_jump() -> None:
-    assert "acceleration jumps where it meets a dwell" in law_tip("simple-harmonic")
-    assert "velocity jumps where it meets a dwell" in law_tip("c1")
+    assert "acceleration jumps at a dwell" in law_tip("simple-harmonic")
+    assert "velocity, which jumps at a dwell" in law_tip("c1")
     assert "jumps" not in law_tip("cycloidal")
     assert law_tip("dwell") == "S = 0"
     assert all(law_tip(slug) for slug in EVERY_LAW)
@@ -193,7 +193,7 @@ def test_a_law_is_found_by_typing(user: User) -> None:
 def test_what_is_not_found_is_told(user: User) -> None:
     shown = picker(user)
     user.type("wobble")
-    assert shown.nothing.isVisible()
+    assert shown.no_match.isVisible()
     user.press(Qt.Key.Key_Return)
     assert shown.isVisible()
     user.press(Qt.Key.Key_Escape)
@@ -299,13 +299,13 @@ def test_a_jerk_is_left_free(user: User) -> None:
     user.press(Qt.Key.Key_Delete, Qt.Key.Key_Return)
     assert curve(user) == PolynomialCurve()
     assert box.text() == ""
-    assert user.steps[-1] == "Leave segment 2, start jerk free"
+    assert user.steps[-1] == "Leave segment 2, start jerk open"
     user.type("much")
     user.press(Qt.Key.Key_Return)
-    assert field.trouble == "A number is wanted, or nothing"
+    assert field.trouble == "Not a number; enter a number, or nothing to leave it open"
     user.press(Qt.Key.Key_Escape)
     assert (box.text(), field.trouble) == ("", "")
-    user.choose("Edit", "Undo Leave segment 2, start jerk free")
+    user.choose("Edit", "Undo Leave segment 2, start jerk open")
     assert box.text() == "0.02"
 
 
@@ -370,7 +370,7 @@ def test_points_are_typed(user: User) -> None:
     assert there[1] == pytest.approx(-0.005 * 180.0 / math.pi, abs=1e-9)
     enter_point(user, 0, 1, "")
     assert curve(user) == SplineCurve((SplinePoint(15.0, None, -5.0),))
-    assert user.steps[-1] == "Leave segment 2, point 1 value free"
+    assert user.steps[-1] == "Leave segment 2, point 1 value open"
 
 
 @pytest.mark.stress
@@ -381,7 +381,7 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     enter_point(user, 0, 0, "50")
     assert curve(user) == good
     assert "point 1 angle: beyond its segment; allowed: 0 ... 41.5°" in user.motion().incomplete_bar.trouble.text()
-    assert points(user).model.faulty(0, 0)
+    assert points(user).model.is_faulty(0, 0)
     enter_point(user, 0, 1, "")  # a point that says nothing
     assert (
         user.motion().incomplete_bar.trouble.text().endswith("has no value; allowed: value, velocity or acceleration")

@@ -15,7 +15,7 @@ from window_user import Alone, Open, User, settle
 
 from core.laws import LAWS, peaks
 from kindyna_gui.documents.session import Session
-from kindyna_gui.motion.laws_plot import QUANTITIES, stroke_of
+from kindyna_gui.motion.laws_plot import QUANTITIES, line_style
 from kindyna_gui.motion.laws_view import (
     ACCELERATION,
     COLUMNS,
@@ -190,7 +190,7 @@ def test_a_jump_inside_a_law_is_upright(laws: LawsView) -> None:
 
 
 def test_strokes_can_be_told_apart_without_colour() -> None:
-    strokes = [stroke_of(i) for i in range(3 * len(LAWS))]
+    strokes = [line_style(i) for i in range(3 * len(LAWS))]
     assert len(set(strokes)) == len(strokes)
     for one, other in pairwise(strokes):
         assert one.colour != other.colour

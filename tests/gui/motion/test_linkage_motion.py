@@ -45,7 +45,7 @@ def test_the_table_is_the_linkages_motion(user: User) -> None:
     assert not view.in_trouble
     assert [user.cell(row, LAW) for row in range(4)] == ["Dwell", "Cycloidal", "Dwell", "Cycloidal"]
     assert [user.cell(row, SPAN) for row in range(4)] == ["60", "100", "60", "140"]
-    assert set(view.head.fields) == {"motion.start_deg", "motion.stroke_deg"}
+    assert set(view.header.fields) == {"motion.start_deg", "motion.stroke_deg"}
     assert view.diagram.motion == motion_of(COUPLER)
 
 
@@ -66,7 +66,7 @@ def test_a_typed_span_moves_the_cam_and_is_undone_by_name(user: User) -> None:
     ("entry", "count", "step"),
     spread(
         [
-            ("Insert segment", 5, "Insert segment behind segment 2"),
+            ("Insert segment", 5, "Insert segment after segment 2"),
             ("Split segment", 5, "Split segment 2"),
             ("Duplicate segment", 5, "Duplicate segment 2"),
             ("Mirror stroke", 4, "Mirror the stroke of segment 2"),

@@ -12,8 +12,8 @@ from core.project import load
 from core.study import findings_of
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.motion.diagram import places
-from kindyna_gui.motion.laws_plot import BeginDialog
+from kindyna_gui.motion.diagram import join_positions
+from kindyna_gui.motion.laws_plot import NewMotionDialog
 from kindyna_gui.window.tasks import TASKS
 
 
@@ -47,7 +47,7 @@ def test_every_view_shows_it_or_says_why_not(user: User) -> None:
 
 
 def test_its_advance_is_a_field_beside_start_and_stroke(user: User) -> None:
-    assert set(user.motion().head.fields) == {"motion.start_mm", "motion.advance_mm", "motion.stroke_mm"}
+    assert set(user.motion().header.fields) == {"motion.start_mm", "motion.advance_mm", "motion.stroke_mm"}
     user.enter("motion.advance_mm", "280")
     assert [s.rise for s in user.design.drive.motion.segments] == [150.0, 0.0, 130.0, 0.0]
     user.choose("File", "Save")
@@ -55,7 +55,7 @@ def test_its_advance_is_a_field_beside_start_and_stroke(user: User) -> None:
     # the diagram goes on to where the next turn begins
     diagram = user.motion().diagram
     scale = diagram.scale_now()
-    *_, (join, x, y) = places(user.design.drive.motion, scale)
+    *_, (join, x, y) = join_positions(user.design.drive.motion, scale)
     assert (join, x, y) == (0, scale.x(360.0), scale.y(290.0))
 
 
@@ -92,7 +92,7 @@ def test_the_ends_of_a_table_are_chosen_above_its_rows(same_window: Open, tmp_pa
 
 
 def test_an_indexer_is_begun(user: User) -> None:
-    def act(dialog: BeginDialog) -> None:
+    def act(dialog: NewMotionDialog) -> None:
         dialog.form.boxes["stops"].setValue(8)
         dialog.form.boxes["dwell_deg"].setValue(100.0)
         assert not dialog.accept_button.isEnabled()
@@ -103,7 +103,7 @@ def test_an_indexer_is_begun(user: User) -> None:
         next(b for b in dialog.findChildren(QPushButton) if b.text() == "Copy as command").click()
         dialog.accept_button.click()
 
-    with answering(BeginDialog, act):
+    with answering(NewMotionDialog, act):
         user.choose("File", "New of a kind", "Indexer...")
     words = "kindyna --headless indexer --stops 8 --index 260.0 --dwell 100.0 --out indexer.toml"
     assert QApplication.clipboard().text() == words
@@ -113,7 +113,7 @@ def test_an_indexer_is_begun(user: User) -> None:
 
 
 def test_a_flying_shear_runs_with_its_material(user: User) -> None:
-    with answering(BeginDialog, lambda dialog: dialog.accept_button.click()):
+    with answering(NewMotionDialog, lambda dialog: dialog.accept_button.click()):
         user.choose("File", "New of a kind", "Flying shear...")
     study = user.session.study.full_turn
     theta = np.rad2deg(study.theta)
@@ -123,11 +123,11 @@ def test_a_flying_shear_runs_with_its_material(user: User) -> None:
 
 
 def test_the_figures_of_a_turn_stand_above_the_diagram(user: User) -> None:
-    text = user.motion().head.cycle.text()
+    text = user.motion().header.cycle.text()
     assert text.startswith(
         "Mean speed 300 mm/s; index error 0 mm; rms 64.6254 N; energy 15.0283 J a turn, 10.5 J with recovery"
     )
-    assert user.motion().head.cycle.isVisible()
+    assert user.motion().header.cycle.isVisible()
 
 
 def test_the_drawing_goes_on_turn_by_turn_or_comes_back(user: User) -> None:

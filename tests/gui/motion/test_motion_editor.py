@@ -16,7 +16,7 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
-from kindyna_gui.motion.diagram import LEVEL, LINE, POINT, marks, numbered, rooms_beside, variants
+from kindyna_gui.motion.diagram import LEVEL, LINE, POINT, join_marks, mark_spaces, mark_variants, segment_labels
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, TO
 from kindyna_gui.pictures.plots.plot import spans as spans_of
@@ -83,12 +83,12 @@ class Hand:
 
 def take(user: User, join: int, keys: Qt.KeyboardModifier = NONE) -> Hand:
     """Take hold of the point of a join."""
-    return Hand(user, diagram(user).place_of_join(join), keys)
+    return Hand(user, diagram(user).position_of_join(join), keys)
 
 
 def take_line(user: User, angle: float, level: float = 75.0, keys: Qt.KeyboardModifier = NONE) -> Hand:
     """Take hold of what is at a cam angle and a level."""
-    return Hand(user, diagram(user).place_of(angle, level), keys)
+    return Hand(user, diagram(user).position_of(angle, level), keys)
 
 
 def shown_before(user: User) -> bool:
@@ -125,14 +125,14 @@ def test_diagram_and_table_stand_together(user: User) -> None:
 
 def test_segments_are_numbered_and_named_where_there_is_room() -> None:
     rows = spans_of(LIFT.drive.motion)
-    assert [text for _, text in numbered(rows, 900.0)] == [
+    assert [text for _, text in segment_labels(rows, 900.0)] == [
         "1  Dwell",
         "2  Modified sine",
         "3  Dwell",
         "4  Modified sine",
         "5  Dwell",
     ]
-    assert [text for _, text in numbered(rows, 300.0)] == ["1", "2", "3  Dwell", "4", "5"]
+    assert [text for _, text in segment_labels(rows, 300.0)] == ["1", "2", "3  Dwell", "4", "5"]
 
 
 def test_the_diagram_shows_the_displacement(user: User) -> None:
@@ -147,40 +147,43 @@ def test_marks_are_green_where_all_is_smooth_and_red_where_it_is_not() -> None:
     """s v a j at each join; a jump of jerk is usual and stays quiet."""
     design = edited(LIFT, "motion.segments[1].law", "constant-velocity")
     joins, motion = Study(design).program.joins, design.drive.motion
-    assert [mark.colour for mark in marks(joins[0], motion)] == [LIGHT.good, LIGHT.limit, LIGHT.good, LIGHT.good]
-    assert [mark.sized for mark in marks(joins[0], motion)] == ["", "207 mm/rad", "", ""]
-    assert [mark.colour for mark in marks(joins[2], motion)] == [LIGHT.good, LIGHT.good, LIGHT.good, LIGHT.quiet]
-    assert [mark.letter for mark in marks(joins[4], motion)] == list("svaj")
-    told = ["".join(text for text, _ in words).replace("\u00a0", " ") for words in variants(marks(joins[0], motion))]
+    assert [mark.colour for mark in join_marks(joins[0], motion)] == [LIGHT.good, LIGHT.limit, LIGHT.good, LIGHT.good]
+    assert [mark.size_with_unit for mark in join_marks(joins[0], motion)] == ["", "207 mm/rad", "", ""]
+    assert [mark.colour for mark in join_marks(joins[2], motion)] == [LIGHT.good, LIGHT.good, LIGHT.good, LIGHT.quiet]
+    assert [mark.symbol for mark in join_marks(joins[4], motion)] == list("svaj")
+    told = [
+        "".join(text for text, _ in words).replace("\u00a0", " ")
+        for words in mark_variants(join_marks(joins[0], motion))
+    ]
     assert told == ["sΔv 207 mm/radaj", "sΔv 207 mm/radaj", "sΔv 207aj", "sΔv 207aj", "sΔvaj"]
 
 
 def test_marks_that_face_each_other_share_the_segment() -> None:
-    assert rooms_beside([0.0, 90.0, 180.0, 360.0]) == [(False, 90.0), (False, 90.0), (True, 90.0)]
-    assert rooms_beside([0.0, 200.0, 210.0, 360.0]) == [(True, 200.0), (False, 75.0), (True, 75.0)]
-    assert rooms_beside([0.0, 360.0]) == [(True, 360.0)]
+    assert mark_spaces([0.0, 90.0, 180.0, 360.0]) == [(False, 90.0), (False, 90.0), (True, 90.0)]
+    assert mark_spaces([0.0, 200.0, 210.0, 360.0]) == [(True, 200.0), (False, 75.0), (True, 75.0)]
+    assert mark_spaces([0.0, 360.0]) == [(True, 360.0)]
 
 
 def test_tips_say_what_is_there_and_what_can_be_done(user: User) -> None:
     paper = diagram(user)
-    tip = paper.tip(paper.place_of_join(2))
+    tip = paper.tip(paper.position_of_join(2))
     assert tip.startswith("Segment 2 ends, segment 3 begins\nContinuous in displacement, velocity, acceleration\n")
-    assert "Draw at a point to move its angle and level" in tip
-    assert paper.tip(paper.place_of(180.0, 0.0)).startswith("Level of the dwell, segment 3\n")
-    assert paper.tip(paper.place_of(60.0, 100.0)).startswith("Segment 2: Modified sine\n")
+    assert "Drag a point to change its angle and level" in tip
+    assert paper.tip(paper.position_of(180.0, 0.0)).startswith("Level of the dwell, segment 3\n")
+    assert paper.tip(paper.position_of(60.0, 100.0)).startswith("Segment 2: Modified sine\n")
 
 
 def test_the_mouse_shows_what_can_be_drawn(user: User) -> None:
     paper = diagram(user)
     for place, kind, shape in (
-        (paper.place_of_join(2), POINT, Qt.CursorShape.SizeAllCursor),
-        (paper.place_of(76.5, 75.0), LINE, Qt.CursorShape.SizeHorCursor),
-        (paper.place_of(180.0, 0.0), LEVEL, Qt.CursorShape.SizeVerCursor),
-        (paper.place_of(180.0, 75.0), None, Qt.CursorShape.ArrowCursor),
+        (paper.position_of_join(2), POINT, Qt.CursorShape.SizeAllCursor),
+        (paper.position_of(76.5, 75.0), LINE, Qt.CursorShape.SizeHorCursor),
+        (paper.position_of(180.0, 0.0), LEVEL, Qt.CursorShape.SizeVerCursor),
+        (paper.position_of(180.0, 75.0), None, Qt.CursorShape.ArrowCursor),
     ):
         QTest.mouseMove(paper.viewport(), place.toPoint())
         settle()
-        assert (paper.over.kind if paper.over is not None else None) == kind
+        assert (paper.hovered.kind if paper.hovered is not None else None) == kind
         assert paper.viewport().cursor().shape() == shape
 
 
@@ -549,7 +552,7 @@ def test_a_stroke_is_mirrored(user: User, way: str) -> None:
 
 def test_the_diagram_cuts_where_it_was_clicked(user: User) -> None:
     paper = diagram(user)
-    place = paper.place_of(200.2, 60.0).toPoint()
+    place = paper.position_of(200.2, 60.0).toPoint()
     QTest.mouseClick(paper.viewport(), Qt.MouseButton.RightButton, NONE, place)
     paper.menu_requested.emit(paper.mapToGlobal(place), 200.2)
     menu = paper.findChild(QMenu)
@@ -612,7 +615,7 @@ def test_a_rise_and_its_return_are_laid_out_by_the_mouse_alone(user: User) -> No
     view, paper = user.motion(), diagram(user)
     assert (spans(user), rises(user)) == ([360.0], [0.0])
     for angle in (60.0, 120.0, 210.0, 300.0):
-        Hand(user, paper.place_of(angle, 20.0)).release()
+        Hand(user, paper.position_of(angle, 20.0)).release()
         QTest.mouseClick(view.bar.buttons["split"], Qt.MouseButton.LeftButton)
         settle()
     assert [round(a) for a in spans(user)] == pytest.approx([60, 60, 90, 90, 60], abs=1)

@@ -23,18 +23,18 @@ def user(same_window: Open, tmp_path: Path) -> User:
 
 def test_a_motion_that_follows_from_files_is_shown_greyed_and_can_be_made_its_own(user: User, tmp_path: Path) -> None:
     view = user.motion()
-    assert view.head.origin.text() == "Sum of the motions of a.toml, b.toml"
+    assert view.header.origin.text() == "Sum of the motions of a.toml, b.toml"
     assert not view.table.isEnabled()
-    assert not any(field.editor.isEnabled() for field in view.head.fields.values())
+    assert not any(field.editor.isEnabled() for field in view.header.fields.values())
     assert not any(button.isEnabled() for button in view.bar.buttons.values())
     assert not user.session.modified
     user.choose("File", "Save")
     assert (tmp_path / "sum.toml").read_text(encoding="utf-8").count("a.toml") == 1
-    view.head.own_button.click()
+    view.header.unlink_button.click()
     settle()
-    assert user.steps == ["Make the motion its own"]
+    assert user.steps == ["Unlink the motion from its files"]
     assert view.table.isEnabled()
-    assert view.head.own_button.isHidden() or not view.head.own_button.isVisible()
+    assert view.header.unlink_button.isHidden() or not view.header.unlink_button.isVisible()
     user.choose("File", "Save")
     assert load(tmp_path / "sum.toml").drive.motion.follows is None
     assert load(tmp_path / "sum.toml").drive.motion.advance == 400.0
@@ -140,5 +140,5 @@ def test_a_table_is_picked_that_the_motion_follows_from(same_window: Open, tmp_p
     user = same_window(tmp_path / "stroke.toml")
     user.picks("motion_files_to_open", [tmp_path / "lift.csv"])
     user.choose("Make", "Motion that follows from files...")
-    assert user.motion().head.origin.text().endswith("lift.csv")
+    assert user.motion().header.origin.text().endswith("lift.csv")
     assert max(user.session.study.drive.displacement[0]) == pytest.approx(0.02, abs=1e-7)

@@ -141,10 +141,10 @@ def test_the_ranking_is_cancelled_and_goes_on(open_user: Open) -> None:
     click(panel.cancel)
     wait_for(lambda: not panel.busy)
     assert len(panel.rows) < panel.bar.maximum()
-    assert panel.again.isVisible()
+    assert panel.resume.isVisible()
     missing = panel.bar.maximum() - len(panel.rows)
     before = evaluations["ranking"]
-    click(panel.again)
+    click(panel.resume)
     wait_for(lambda: evaluations["ranking"] > before)
     click(panel.cancel)
     wait_for(lambda: not panel.busy)

@@ -205,7 +205,7 @@ def test_a_wrong_span_stays_in_its_cell_in_red(user: User) -> None:
     view = user.motion()
     assert user.design == LIFT
     assert user.cell(1, SPAN) == "400"
-    assert view.model.refused(1, SPAN)
+    assert view.model.is_refused(1, SPAN)
     assert view.message.isVisible()
     assert view.message.text().startswith("Outside its range; allowed: ")
     view.table.setFocus()
@@ -219,7 +219,7 @@ def test_a_span_its_neighbour_cannot_give_stays_until_it_is_mended(user: User) -
     view = user.motion()
     assert user.design == LIFT
     assert column(user, SPAN) == ["35", "300", "207", "41.5", "35"]
-    assert view.model.faulty(1, SPAN)
+    assert view.model.is_faulty(1, SPAN)
     assert "258.5° more than a turn" in view.incomplete_bar.trouble.text()
     user.enter_cell(1, SPAN, "45")
     assert spans(user) == [35.0, 45.0, 203.5, 41.5, 35.0]
@@ -238,7 +238,7 @@ def test_a_decimal_comma_is_told_apart_and_the_number_in_place_takes_it_back(use
     assert "with a decimal point and no comma" in view.message.text()
     assert "Refused: Segment 2, span" in user.window.status.currentMessage()
     user.enter_cell(1, SPAN, "41.5")
-    assert (user.cell(1, SPAN), view.model.refused(1, SPAN), view.message.isVisible()) == ("41.5", False, False)
+    assert (user.cell(1, SPAN), view.model.is_refused(1, SPAN), view.message.isVisible()) == ("41.5", False, False)
     assert user.window.status.currentMessage() == ""
     assert user.design == LIFT
 
@@ -248,7 +248,7 @@ def test_an_end_beyond_a_neighbour_is_told_with_what_is_allowed(user: User, text
     user.enter_cell(1, TO, text)
     assert user.design == LIFT
     told = user.motion().message.text()
-    assert "lies beyond a neighbour" in told
+    assert "is outside the neighbouring segments" in told
     assert "allowed: above 35° ... below 283.5°" in told
 
 
@@ -260,7 +260,7 @@ def test_a_refused_cell_is_forgotten_when_segments_come_or_go(user: User) -> Non
     view.choose(0)
     user.choose("Make", "Insert segment")
     assert column(user, SPAN) == ["17.5", "17.5", "41.5", "207", "41.5", "35"]
-    assert not any(view.model.refused(row, SPAN) for row in range(6))
+    assert not any(view.model.is_refused(row, SPAN) for row in range(6))
     assert (view.message.text(), view.message.isVisible()) == ("", False)
 
 
@@ -323,7 +323,7 @@ def test_insert_and_delete_by_the_menu(user: User) -> None:
     assert user.motion().chosen == 3
     user.choose("Make", "Delete segment")
     assert user.design == LIFT
-    assert user.steps == ["Insert segment behind segment 3", "Delete segment 4"]
+    assert user.steps == ["Insert segment after segment 3", "Delete segment 4"]
 
 
 def test_insert_and_delete_by_keys_and_buttons(user: User) -> None:
@@ -365,15 +365,15 @@ def test_a_cell_is_marked_as_assumed_by_its_menu(user: User) -> None:
     menu.close()
     assert user.design.assumed == ("motion.segments[1].law", *LIFT.assumed)
     assert user.steps == ["Mark law of segment 2 as assumed"]
-    assert view.model.assumed(1, LAW)
-    assert not view.model.assumed(1, SPAN)
+    assert view.model.is_assumed(1, LAW)
+    assert not view.model.is_assumed(1, SPAN)
 
 
 def test_the_motion_of_another_file_takes_the_place(user: User) -> None:
     user.motion()
     user.choose("File", "Examples", "Card picker")
     assert column(user, LAW) == ["Dwell", *(LAWS[slug].label for slug in ("c1", "cv1", "h2", "p2")), "Dwell"]
-    assert not user.motion().model.assumed(1, LAW)
+    assert not user.motion().model.is_assumed(1, LAW)
 
 
 def test_enter_in_a_cell_that_cannot_be_edited_does_nothing(user: User) -> None:
@@ -397,7 +397,7 @@ def test_a_wrong_number_that_the_focus_leaves_is_entered_once(user: User) -> Non
     user.window.bar.setFocus()
     settle()
     assert view.table.state() != EDITING
-    assert view.model.refused(1, SPAN)
+    assert view.model.is_refused(1, SPAN)
     assert user.cell(1, SPAN).strip() == "4000"
 
 

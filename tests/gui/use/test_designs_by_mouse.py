@@ -124,7 +124,7 @@ class Editor:
         for attempt in range(TRIES):
             if abs(value() - wanted) < 1e-9:
                 return
-            scale, grip = diagram.scale_now(), diagram.place_of_join(first).toPoint()
+            scale, grip = diagram.scale_now(), diagram.position_of_join(first).toPoint()
             pixels = (wanted - value()) * (scale.degree if way.x() else -scale.unit)
             step = round(pixels) + (0, 1, -1, 2, -2, 5, -7)[attempt % 7]
             if 0 < abs(step) <= 3:

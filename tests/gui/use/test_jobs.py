@@ -366,11 +366,11 @@ def test_the_rocker_cam_is_designed_in_inspector_and_drawing_without_a_menu_but_
     hand.tab("Motion")
     shown: Any = user.window.view("parameters").pages["motion"]  # type: ignore[union-attr]
     for number, key, text in ((1, "span_deg", "110"), (2, "span_deg", "60")):
-        hand.reveal(shown.which)
-        hand.choose(shown.which, number)
+        hand.reveal(shown.segment)
+        hand.choose(shown.segment, number)
         hand.enter(f"motion.segments[{number}].{key}", text)
-    hand.reveal(shown.which)
-    hand.choose(shown.which, 3)
+    hand.reveal(shown.segment)
+    hand.choose(shown.segment, 3)
     hand.click(hand.field("motion.segments[3].law"))
     wait_for(lambda: shown.fields["motion.segments[3].law"].editor.picker is not None)
     hand.type("cycloidal")

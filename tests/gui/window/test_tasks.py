@@ -442,7 +442,7 @@ def test_the_motion_table_shows_its_rows_in_every_task(open_user: Open, size: tu
 
 def where(view: SegmentsView) -> list[QPoint]:
     """Of what the mouse may be over: the rows, the diagram, the fields above, the buttons below."""
-    heads = [field.editor for field in view.head.fields.values()]
+    heads = [field.editor for field in view.header.fields.values()]
     widgets = [view.table.viewport(), view.diagram, *heads, *view.bar.buttons.values(), view.derivatives]
     at = [widget.mapTo(view.window(), QPoint(0, 0)) for widget in widgets]
     sizes = [QPoint(widget.width(), widget.height()) for widget in widgets if widget is not view.table.viewport()]
@@ -472,7 +472,7 @@ def test_no_text_moves_what_is_under_the_mouse(open_user: Open, task: str) -> No
     user.session.drop_incomplete()
     user.enter("motion.stroke_mm", "-3")
     rest(user)
-    assert view.head.fields["motion.stroke_mm"].message.isVisible()
+    assert view.header.fields["motion.stroke_mm"].message.isVisible()
     assert where(view) == before, "a stroke is refused"
     user.press(Qt.Key.Key_Escape)
     for law in ("polynomial", "spline"):
@@ -525,14 +525,14 @@ def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis
     scale = view.diagram.scale_now()
     for angle in (0.0, 120.0, 360.0):
         over = {round(plot.mapTo(view, plot.pixel_at(angle).toPoint()).x()) for plot in view.derivatives.plots}
-        here = view.diagram.mapTo(view, view.diagram.place_of(angle, (scale.low + scale.high) / 2.0).toPoint()).x()
+        here = view.diagram.mapTo(view, view.diagram.position_of(angle, (scale.low + scale.high) / 2.0).toPoint()).x()
         assert all(abs(x - here) <= 1 for x in over), angle
     plot = view.derivatives.plots[1]
     QTest.mouseClick(plot.viewport(), Qt.MouseButton.LeftButton, pos=plot.pixel_at(90.0).toPoint())
     assert user.window.player.theta == pytest.approx(1.5708, abs=0.03)
     user.window.docks["motion"].setFloating(True)
     user.window.docks["motion"].resize(384, 420)
-    wait_for(lambda: not view.derivatives.roomy)
+    wait_for(lambda: not view.derivatives.shows_plots)
     before = view.derivatives.plots[0].angle
     user.turn(200.0)
     assert view.derivatives.plots[0].angle == before, "what cannot be seen rests"

@@ -1,4 +1,4 @@
-"""Start and stroke of the motion, and its advance where no cam brings it back, side by side."""
+"""Start and stroke of the motion, its advance if no cam returns it, and the figures of a turn."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ from kindyna_gui.rebuilt import ContentArea
 
 STROKE = Info(
     "Stroke",
-    "highest minus lowest position; start and rises grow along",
+    "highest minus lowest position; a new stroke scales start and rises",
     0.0,
     LONGEST_MM,
     open_low=True,
     step=1.0,
     weight=MAIN,
 )
-NO_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
-LEAST, MOST = 74, 150  # width of a number, pixels
+NO_STROKE = "The motion has no stroke yet: give a segment a law and a rise first."
+LEAST_WIDTH, MOST_WIDTH = 74, 150  # of a number, pixels
 
 
 def stroke_of(design: Design) -> float:
-    """Highest minus lowest position; of a motion that is not whole, of the ends of its segments."""
+    """Highest minus lowest position; of an incomplete motion, of the ends of its segments."""
     motion = require_motion(design)
     try:
         return true_stroke(motion) if span_gap(motion) == 0.0 else stroke(motion)
@@ -54,122 +54,123 @@ def stroke_of(design: Design) -> float:
 
 
 def _shown_stroke(design: Design) -> float:
-    """To the digits that extremes are sure of: a stroke that was typed is read as it was."""
+    """Stroke without rounding errors, so that a typed stroke is shown as typed."""
     return float(f"{stroke_of(design):.11g}")
 
 
 def stroke_entry(design: Design) -> Entry:
-    """The stroke as an entry of the motion's table; where nothing moves it is 0."""
+    """The stroke as an entry of the motion; 0 if no segment moves."""
     unit = require_motion(design).unit
     path = f"motion.stroke_{unit}"
     return Entry(path, STROKE, UNITS[unit], _shown_stroke(design), path)
 
 
 def origin_texts(follows: Follows) -> tuple[str, str]:
-    """Where a motion follows from, in a line, and its files."""
+    """Line that says what a motion follows from, and the list of its files."""
     files = ", ".join(os.path.basename(name) for name in follows.origin.names)
     inverse = follows.origin.inverse
     rows = {
         "from": f"Follows from the table {files}",
         "sum": f"Sum of the motions of {files}",
-        "inverse": f"Makes output {inverse.output if inverse else ''} of {files} do what its file asks",
+        "inverse": f"Makes output {inverse.output if inverse else ''} of {files} follow the motion in its file",
     }
     return rows[follows.origin.key], "\n".join(follows.files)
 
 
 class StrokeField(Field):
-    """The stroke: all levels grow with it."""
+    """Field of the stroke, which scales all levels."""
 
     def __init__(self, session: Session, spec: FieldSpec) -> None:
         super().__init__(session, spec)
-        self.editor.setProperty(FIELD, None)  # no value of the file
+        self.editor.setProperty(FIELD, None)  # not in the file
         self.editor.setProperty(HELP, "making#Stroke, above the diagram")
 
     def edit(self, value: Any, text: str) -> None:
         if not self.obsolete:
-            design, now = self.session.typed, stroke_of(self.session.typed)
-            changed = with_motion(design, with_stroke(require_motion(design), value, now))
+            design = self.session.typed
+            changed = with_motion(design, with_stroke(require_motion(design), value, stroke_of(design)))
             self.session.lay_out(changed, text, self.spec.path)
 
 
-class MotionHead(QWidget):
-    """The fields that belong to no segment; made anew where the motion has another unit.
+class MotionHeader(QWidget):
+    """The fields that belong to no segment; built again when the motion has another unit.
 
-    troubles   what is wrong with them, for a place where it pushes nothing aside
+    ``errors`` is a separate widget with their error texts, so that these do not move the fields.
     """
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
         self.fields: dict[str, Field] = {}
-        self.moves = False  # there is a stroke to be changed
-        self._place, self.troubles = ContentArea(session), ContentArea(session)
+        self.has_stroke = False
+        self._fields_area, self.errors = ContentArea(session), ContentArea(session)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self._place)
-        self.origin, self.own_button = QLabel(), QPushButton("Make it a motion of its own")
-        self.own_button.setToolTip("Then it can be edited, and no longer follows from these files")
-        self.own_button.clicked.connect(self._make_own)
+        column.addWidget(self._fields_area)
+        self.origin, self.unlink_button = QLabel(), QPushButton("Make it a motion of its own")
+        self.unlink_button.setToolTip("Unlink the motion from these files, so that you can edit it here")
+        self.unlink_button.clicked.connect(self._unlink)
         self._following = QWidget()
         row = QHBoxLayout(self._following)
         row.setContentsMargins(10, 2, 6, 4)
         row.addWidget(self.origin, 1)
-        row.addWidget(self.own_button)
+        row.addWidget(self.unlink_button)
         self._following.hide()
         self.cycle = QLabel()
         self.cycle.setContentsMargins(10, 0, 6, 3)
-        self.cycle.setToolTip("Over a turn; energy with recovery: less what braking gives back")
+        self.cycle.setToolTip("Figures of one turn; energy with recovery is reduced by the energy of braking")
         self.cycle.hide()
         column.addWidget(self._following)
         column.addWidget(self.cycle)
 
     def show_motion(self, design: Design) -> None:
-        """Show them of a design's motion."""
+        """Show the values of a design's motion."""
         motion = require_motion(design)
         specs = self._specs(design)
         if [spec.path for spec in specs] != list(self.fields):
             self._build(specs)
         for field in self.fields.values():
             field.refresh(design)
-        self.moves = stroke_of(design) != 0.0
-        field = self.fields[f"motion.stroke_{motion.unit}"]
-        field.editor.setEnabled(self.moves)
-        field.editor.setToolTip(field.label.toolTip() if self.moves else NO_STROKE)
+        self.has_stroke = stroke_of(design) != 0.0
+        stroke_field = self.fields[f"motion.stroke_{motion.unit}"]
+        stroke_field.editor.setToolTip(stroke_field.label.toolTip() if self.has_stroke else NO_STROKE)
         self._following.setVisible(motion.follows is not None)
         if motion.follows is not None:
             text, tip = origin_texts(motion.follows)
             self.origin.setText(text)
             self.origin.setToolTip(tip)
-        for each in self.fields.values():
-            each.editor.setEnabled(motion.follows is None and (self.moves or each is not field))
+        for field in self.fields.values():
+            field.editor.setEnabled(motion.follows is None and (self.has_stroke or field is not stroke_field))
 
     def show_cycle(self, study: Study) -> None:
-        """The figures of a turn of a motion that no cam makes."""
+        """Show the figures of a turn of a motion without a cam."""
         text = cycle_line(study) if has_cycle(study) else ""
         self.cycle.setText(text[:1].upper() + text[1:])
         self.cycle.setVisible(bool(text))
 
-    def _make_own(self) -> None:
+    def _unlink(self) -> None:
         from core.project.origins import with_unlinked_motion
 
-        self._session.put(with_unlinked_motion(self._session.design), "Make the motion its own", "motion.segments")
+        self._session.put(
+            with_unlinked_motion(self._session.design), "Unlink the motion from its files", "motion.segments"
+        )
 
     @staticmethod
     def _specs(design: Design) -> list[FieldSpec]:
         motion = require_motion(design)
         unit = motion.unit
-        comes_back = design.drive.cam is not None and motion.advance is None
+        returns = design.drive.cam is not None and motion.advance is None
         start = [
             FieldSpec.of(e)
             for e in entries(design, "motion")
-            if segment_of(e.path) is None and not (comes_back and e.path == f"motion.advance_{unit}")
+            if segment_of(e.path) is None and not (returns and e.path == f"motion.advance_{unit}")
         ]
         path = f"motion.stroke_{unit}"
         return [*start, FieldSpec(path, STROKE, UNITS[unit], _shown_stroke, can_be_assumed=False)]
 
     def _build(self, specs: list[FieldSpec]) -> None:
-        paper, troubles = QWidget(), QWidget()
-        below = QVBoxLayout(troubles)
+        paper, errors = QWidget(), QWidget()
+        below = QVBoxLayout(errors)
         below.setContentsMargins(0, 0, 0, 0)
         row = QHBoxLayout(paper)
         row.setContentsMargins(10, 5, 6, 2)
@@ -177,27 +178,27 @@ class MotionHead(QWidget):
         self.fields = {}
         for spec in specs:
             field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)
-            field.setParent(paper)  # goes with it
+            field.setParent(paper)  # deleted together
             grid = QGridLayout()
             grid.setHorizontalSpacing(5)
             grid.setVerticalSpacing(2)
             grid.setColumnStretch(1, 1)
             field.add_to(grid, 0, below)
-            field.editor.setMinimumWidth(LEAST)  # both stand side by side in a narrow dock
-            field.editor.setMaximumWidth(MOST)
+            field.editor.setMinimumWidth(LEAST_WIDTH)  # two fit next to each other in a narrow dock
+            field.editor.setMaximumWidth(MOST_WIDTH)
             row.addLayout(grid, 1)
             self.fields[spec.path] = field
         row.addStretch(2)
-        self._place.replace(paper)
-        self.troubles.replace(troubles)
+        self._fields_area.replace(paper)
+        self.errors.replace(errors)
 
     def focus_field(self, path: str) -> bool:
-        """Bring the field of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
-        for own, field in self.fields.items():
-            if own == path or own.rpartition("_")[0] == path:
+        """Show and focus the field of a path; ``motion.start`` is enough for ``motion.start_mm``."""
+        for field_path, field in self.fields.items():
+            if path in (field_path, field_path.rpartition("_")[0]):
                 field.focus()
                 return True
         return False
 
 
-__all__ = ["MotionHead"]
+__all__ = ["MotionHeader"]
