@@ -181,16 +181,16 @@ class StatusLine(QStatusBar):
     def _show_pending(self) -> None:
         """Show the button that stops a long calculation, or starts it again."""
         pending = self._session.pending
-        self.pending.setText("Calculate again" if pending.given_up else "Stop calculating the steady response")
+        self.pending.setText("Calculate again" if pending.is_cancelled else "Stop calculating the steady response")
         self.pending.setToolTip("Calculating the shaft's steady response for an open view")
-        self.pending.setVisible(pending.busy or pending.given_up)
+        self.pending.setVisible(pending.busy or pending.is_cancelled)
 
     def _stop_or_restart(self) -> None:
         pending = self._session.pending
-        if pending.given_up:
+        if pending.is_cancelled:
             pending.again()
         else:
-            pending.give_up()
+            pending.cancel()
 
     def _edit_corrected(self, *_: object) -> None:
         if self._refusal and self.currentMessage() == self._refusal:
