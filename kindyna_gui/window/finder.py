@@ -133,20 +133,20 @@ def _plain(text: str) -> str:
 def _fields(window: Window) -> Iterator[Match]:
     """Fields of the current drive, then of the other drives on its shaft."""
     session = window.session
-    design, whole = session.typed, session.typed_full_design
+    design, full = session.typed, session.typed_full_design
     for table in design.tables:
         holder = session.holder(table)
         if table == "motion":
             stroke = stroke_entry(design)
             yield _field(window, design, stroke, stroke.path, "")
         yield from (_field(window, holder, row, row.path, "") for row in rows_of(holder, table))
-    for i in range(len(whole.drives) if whole.listed else 0):
+    for i in range(len(full.drives) if full.listed else 0):
         if i != session.chosen:
-            drive = only(whole, i)
+            drive = only(full, i)
             for table in drive.tables:
                 if table != "shaft":
                     for row in rows_of(drive, table):
-                        yield _field(window, drive, row, path_of(i, row.path), f"{whole.drives[i].name}: ")
+                        yield _field(window, drive, row, path_of(i, row.path), f"{full.drives[i].name}: ")
 
 
 def _field(window: Window, design: Design, row: Entry, path: str, drive: str) -> Match:

@@ -181,16 +181,16 @@ class StatusLine(QStatusBar):
     def _show_awaited(self) -> None:
         """Show the button that stops a long calculation, or starts it again."""
         awaited = self._session.pending
-        self.awaited.setText("Calculate again" if awaited.given_up else "Stop calculating the steady response")
+        self.awaited.setText("Calculate again" if awaited.is_cancelled else "Stop calculating the steady response")
         self.awaited.setToolTip("Calculating the shaft's steady response for an open view")
-        self.awaited.setVisible(awaited.busy or awaited.given_up)
+        self.awaited.setVisible(awaited.busy or awaited.is_cancelled)
 
     def _end_or_begin(self) -> None:
         awaited = self._session.pending
-        if awaited.given_up:
+        if awaited.is_cancelled:
             awaited.again()
         else:
-            awaited.give_up()
+            awaited.cancel()
 
     def _mended(self, *_: object) -> None:
         if self._refusal and self.currentMessage() == self._refusal:

@@ -376,7 +376,7 @@ def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
     user.enter("follower.slider_arm_mm", "130.2")
     asked = user.clicks("Save as typed")
     user.choose("File", "Save")
-    assert asked == ["What is typed does not fit together yet."]
+    assert asked == ["The typed values do not fit together yet."]
     typed = edited(LIFT, "follower.slider_arm_mm", 130.2)
     assert load(path) == typed
     assert not user.session.modified
@@ -384,7 +384,7 @@ def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
     assert user.session.modified
     user.session.stack.undo()
     assert not user.session.modified
-    user.clicks("Save the last that fits")
+    user.clicks("Save the last valid version")
     user.choose("File", "Save")
     assert (load(path), user.session.modified) == (LIFT, True)
     assert user.number("follower.slider_arm_mm").text() == "130.2"
