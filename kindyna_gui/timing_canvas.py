@@ -36,7 +36,14 @@ from core.frozen import frozen
 from core.output.lines import shortest
 from kindyna_gui.forms.number_box import RedFrame, parsed
 from kindyna_gui.labels import no_number, sentence
-from kindyna_gui.pictures.paper.timing_chart import AXES, DEGREES, ChartHighlights, TimingChart, plain, spoken
+from kindyna_gui.pictures.paper.timing_chart import (
+    AXES,
+    DEGREES,
+    ChartHighlights,
+    TimingChart,
+    accessible_text,
+    event_text,
+)
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.settings import sized
@@ -210,7 +217,7 @@ class TimingCanvas(QWidget):
                 self.typed.hide()
             bands = 0 if design is None else len(design.drives)
             if QAccessible.isActive():
-                self.setAccessibleDescription("" if design is None else spoken(design))
+                self.setAccessibleDescription("" if design is None else accessible_text(design))
             self.setMinimumHeight(round(sized(max(LEAST_HEIGHT, bands * LEAST_BAND + 26))))
         self.update()
 
@@ -281,7 +288,7 @@ class TimingCanvas(QWidget):
 
     def _grip(self, place: QPointF) -> tuple[int, int | None] | None:
         """Drive and join at a place; the join is None where the band is meant. A drive alone has no others to be turned against."""
-        if self._design is None or place.y() > self.chart.height - self.chart.foot:
+        if self._design is None or place.y() > self.chart.height - self.chart.footer_height:
             return None
         join = self.chart.join_at(place)
         if join is not None:
@@ -351,7 +358,7 @@ class TimingCanvas(QWidget):
             self.label += "  not possible"
         elif stop is not None:
             row = held.design.timing[stop]
-            self.label += f"   stops: {plain(row.second)} {short(row.least_deg)}° after {plain(row.first)}"
+            self.label += f"   stops: {event_text(row.second)} {short(row.least_deg)}° after {event_text(row.first)}"
         self._stopped = -1 if stop is None else stop
         self.update()
 
@@ -369,18 +376,18 @@ class TimingCanvas(QWidget):
     def _name(self, held: DraggedDrive) -> str:
         assert held.join is not None
         events = events_at(held.design, held.drive, held.join)
-        return plain(events[0]) if events else f"join {held.join + 1} of {self.chart.bands[held.drive].name}"
+        return event_text(events[0]) if events else f"join {held.join + 1} of {self.chart.bands[held.drive].name}"
 
     def _text(self, held: DraggedDrive, by: float) -> str:
         what = f"{self.chart.bands[held.drive].name} phase" if held.join is None else self._name(held)
-        return f"{what}  {self.chart.both(round(held.at + by, 9) % 360.0)}"
+        return f"{what}  {self.chart.degrees_and_ms(round(held.at + by, 9) % 360.0)}"
 
     def _draw_link(self, place: QPointF) -> None:
         assert self._link is not None
         self._link = self._link[0], place
         names = self._link_names()
         self.label = (
-            f"{plain(names[1])} after {plain(names[0])}"
+            f"{event_text(names[1])} after {event_text(names[0])}"
             if names is not None
             else "to another point: what must come after this"
         )
@@ -422,7 +429,7 @@ class TimingCanvas(QWidget):
         assert self._design is not None
         band = self.chart.bands[drive]
         at = self._design.drives[drive].phase_deg % 360.0 if join is None else band.joins[join]
-        place = event.position() if join is None else self.chart.place(drive, join)
+        place = event.position() if join is None else self.chart.join_position(drive, join)
         self.typed.ask(drive, join, self.chart.value(at), self.unit, place)
 
     def _enter(self, drive: int, join: int | None, value: float) -> None:
@@ -544,13 +551,14 @@ class TimingCanvas(QWidget):
             drive, join = grip
             events = events_at(self._design, drive, join or 0)
             what = "\n".join(
-                f"{plain(event)}: {self.chart.both(self.chart.bands[drive].joins[join or 0])}" for event in events
+                f"{event_text(event)}: {self.chart.degrees_and_ms(self.chart.bands[drive].joins[join or 0])}"
+                for event in events
             )
         elif row is not None:
             timing = self._design.timing[row]
-            what = f"{plain(timing.second)} after {plain(timing.first)}: {self.chart.at_least(row)}"
+            what = f"{event_text(timing.second)} after {event_text(timing.first)}: {self.chart.condition_text(row)}"
         elif grip is not None:
-            what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.both(self._design.drives[grip[0]].phase_deg % 360.0)}"
+            what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.degrees_and_ms(self._design.drives[grip[0]].phase_deg % 360.0)}"
         else:
             return HOW
         return f"{what}\n\n{HOW}"

@@ -42,7 +42,7 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, no_number
 from kindyna_gui.look import MessageLabel, coloured
-from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, plain
+from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, event_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
@@ -149,7 +149,7 @@ class TimingRows(QWidget):
         self._row = row
         rows = [
             TableRow(
-                (plain(each.first), plain(each.second), chart.text(at.after_deg), chart.text(each.least_deg)),
+                (event_text(each.first), event_text(each.second), chart.text(at.after_deg), chart.text(each.least_deg)),
                 tip=""
                 if at.kept
                 else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
@@ -189,7 +189,7 @@ class TimingRows(QWidget):
             if [box.itemData(i) for i in range(box.count())] != names:
                 box.clear()
                 for name in names:
-                    box.addItem(plain(name), name)
+                    box.addItem(event_text(name), name)
             box.setCurrentIndex(names.index(named_event(design, event)))
         if self.least is None:
             entry = entry_at(design, f"timing[{row}].least_deg")
@@ -387,7 +387,7 @@ class TimingView(View):
         text = ""
         if self.canvas.pair:
             both = fsum(end - begin for begin, end in together(self._whole, *self.canvas.pair))
-            text = self.canvas.chart.both(round(both, 9)) if both else "never"
+            text = self.canvas.chart.degrees_and_ms(round(both, 9)) if both else "never"
         self.overlap.setText(text)
 
     # -- by the user ----------------------------------------------------------------------------------------
@@ -442,7 +442,7 @@ class TimingView(View):
         row = TimingRow(first, second, 0.0)
         self._one_step(
             with_timing(self._whole, len(self._whole.timing), row),
-            f"Let {plain(second)} follow {plain(first)}",
+            f"Let {event_text(second)} follow {event_text(first)}",
             len(self._whole.timing),
         )
 
@@ -458,7 +458,7 @@ class TimingView(View):
             self._add_between(first, min(others, key=lambda event: (at[event] - at[first]) % 360.0))
 
     def _change_row(self, number: int, row: TimingRow) -> None:
-        label = f"Let {plain(row.second)} follow {plain(row.first)} by {short(row.least_deg)}°"
+        label = f"Let {event_text(row.second)} follow {event_text(row.first)} by {short(row.least_deg)}°"
         if not self._put(with_timing(self._whole, number, row), label, f"{PATH}[{number}]"):
             self.rows.refuse("allowed: -360 ... 360°")
             self.session.withdraw(f"{PATH}[{number}]")

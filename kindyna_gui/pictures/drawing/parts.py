@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from core.stability import SteadyTurn
 
 
-# -- layers ----------------------------------------------------------------------------------------------
+# -- layers --------------------------------------------------------------------------------------------
 
 
 @frozen
@@ -143,7 +143,7 @@ def available_layers(study: Study) -> tuple[str, ...]:
     return tuple(name for name in rows if name not in without)
 
 
-# -- links and pairs -------------------------------------------------------------------------------------
+# -- links and pairs -----------------------------------------------------------------------------------
 
 BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # size of a slider, in units
 STEM = 0.65  # half the width of a stem, by the radius of an eye
@@ -355,7 +355,7 @@ JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[DrawnPart]]] = 
 )
 
 
-# -- flexible shaft --------------------------------------------------------------------------------------
+# -- flexible shaft ------------------------------------------------------------------------------------
 
 # The pulley is ahead of the cam by the wind-up of the steady response times a round magnification, which a text gives.
 
@@ -440,7 +440,7 @@ def _spiral(inner: float, outer: float, span: float) -> QPainterPath:
     return polyline((inner + (outer - inner) * part) * np.exp(1j * np.deg2rad(span) * part))
 
 
-# -- wheels ----------------------------------------------------------------------------------------------
+# -- wheels --------------------------------------------------------------------------------------------
 
 Z_WHEELS = 0.6
 

@@ -53,7 +53,7 @@ class Hand:
         self.said.clear()
 
     def join(self, drive: int, join: int) -> QPoint:
-        return self.canvas.chart.place(drive, join).toPoint()
+        return self.canvas.chart.join_position(drive, join).toPoint()
 
     def band(self, drive: int, angle: float) -> QPoint:
         """A place of a band where nothing else is."""

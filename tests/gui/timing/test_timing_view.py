@@ -81,7 +81,7 @@ def test_a_drag_is_one_step_and_the_other_drives_are_not_computed_anew(same_wind
     assert user.steps == ["Turn Clamp to 234.5°"]
     assert session.study is study, "the feed, which is shown, has not moved"
     assert not session.drag_source
-    place = view.canvas.chart.place(FEED, 3).toPoint()
+    place = view.canvas.chart.join_position(FEED, 3).toPoint()
     draw(view, place, -20.0)
     assert events(session.full_design)["Feed.return.1.end"] == pytest.approx(206.0, abs=0.5)
     assert len(user.steps) == 2
@@ -111,7 +111,7 @@ def test_an_edit_that_leaves_the_timing_as_it_is_leaves_the_chart(same_window: O
     assert session.edit("shaft.speed_rpm", 25.0, "Change speed")
     settle()
     view.set_unit("ms")
-    assert view.canvas.chart.both(90.0).endswith("600.0 ms")
+    assert view.canvas.chart.degrees_and_ms(90.0).endswith("600.0 ms")
     view.set_unit("deg")
 
 
@@ -212,7 +212,7 @@ def test_one_drive_alone_has_a_chart_of_its_motion(same_window: Open) -> None:
     user = same_window()
     view = seen(user)
     assert not view.rows.isVisible()
-    draw(view, view.canvas.chart.place(0, 1).toPoint(), -10.0)
+    draw(view, view.canvas.chart.join_position(0, 1).toPoint(), -10.0)
     assert user.design.drive.motion is not None
     assert user.design.drive.motion.segments[0].span_deg == pytest.approx(25.0, abs=0.6)
     assert len(user.steps) == 1
