@@ -621,10 +621,10 @@ class CurvesView(View):
         if not self.data.series:
             self.status_message.emit(self.no_picture)
             return
-        from kindyna_gui.background import beside
+        from kindyna_gui.background import in_background
 
         data, image = self.data, self.plot.grab().toImage()
-        numbers = beside(self, "Copying the numbers", lambda: numbers_csv(data, "\t"))
+        numbers = in_background(self, "Copying the numbers", lambda: numbers_csv(data, "\t"))
         if numbers is None:
             self.status_message.emit("Cancelled; the clipboard has not changed")
             return

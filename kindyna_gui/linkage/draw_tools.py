@@ -61,7 +61,7 @@ def grid_step(scale: float) -> float:
     return next(k * power for k in (1.0, 2.0, 5.0, 10.0) if k * power >= least * (1.0 - 1e-9))
 
 
-def on_grid(at: complex, scale: float) -> complex:
+def grid_point(at: complex, scale: float) -> complex:
     """Return the nearest crossing of the grid."""
     step = grid_step(scale)
     digits = max(0, -math.floor(math.log10(step)))
@@ -85,7 +85,7 @@ def edges(corners: Sequence[complex]) -> Iterator[tuple[complex, complex]]:
         yield from zip(corners, [*corners[1:], corners[0]], strict=True)
 
 
-def inside(at: complex, corners: Sequence[complex]) -> bool:
+def is_inside(at: complex, corners: Sequence[complex]) -> bool:
     """Whether a position is inside a face."""
     odd = False
     for first, second in edges(corners) if len(corners) > 2 else ():
@@ -102,7 +102,7 @@ def faces_at(linkage: Linkage, positions: PointPositions, at: complex, scale: fl
     for link in reversed(linkage.links):
         corners = outline(link, positions)
         near = any(abs(at - nearest_on_segment(at, first, second)) * scale <= FACE for first, second in edges(corners))
-        if link.number != FRAME_LINK and (near or inside(at, corners)):
+        if link.number != FRAME_LINK and (near or is_inside(at, corners)):
             numbers.append(link.number)
     return numbers
 
@@ -123,7 +123,7 @@ def nearest_mark(marks: Sequence[complex], at: complex, scale: float) -> complex
     return complex(marks[best]) if distances[best] * scale <= NEAR else None
 
 
-def snapped(
+def snap_to(
     linkage: Linkage,
     positions: PointPositions,
     at: complex,
@@ -168,7 +168,7 @@ def snapped(
             on = through + along * ((at - through) * along.conjugate()).real
             if abs(at - on) * scale <= ALONG:
                 return Snap(on, LINE, "on the line", link=face)
-    grid = on_grid(at, scale)
+    grid = grid_point(at, scale)
     # close to a crossing of the grid the crossing has priority over a ray
     if start is None or abs(at - start) * scale < NEAR or abs(grid - at) * scale <= 0.25 * CELL:
         return Snap(grid, GRID, link=face)
@@ -177,7 +177,7 @@ def snapped(
     ray = cmath.rect(1.0, math.radians(step))
     on = start + ray * ((at - start) * ray.conjugate()).real
     if abs(on - at) * scale <= TURN:
-        length = abs(on_grid(complex(abs(on - start), 0.0), scale))
+        length = abs(grid_point(complex(abs(on - start), 0.0), scale))
         end = start + ray * length
         return Snap(complex(round(end.real, 9), round(end.imag, 9)), ANGLE, f"{step % 360.0:g}°", link=face)
     return Snap(grid, GRID, link=face)

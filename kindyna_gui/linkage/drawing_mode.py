@@ -13,11 +13,11 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QVBoxLayout, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, snapped
+from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, snap_to
 from kindyna_gui.linkage.drawing_actions import ACTIONS, DrawingAction, SelectionActions
 from kindyna_gui.linkage.drawing_mouse import SelectionInput, ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
-from kindyna_gui.linkage.sketch_picture import Marked
+from kindyna_gui.linkage.linkage_sketch import Highlights
 from kindyna_gui.linkage.typed_values import TypedValues
 from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
@@ -188,10 +188,10 @@ class DrawingMode(DrawnLinkage):
     # -- painting -----------------------------------------------------------------------------------------------
 
     @property
-    def marked(self) -> Marked:
+    def highlights(self) -> Highlights:
         """Parts to highlight: the selection, what is wrong, and what is locked."""
-        wrong = self.lack if self.tool_input.snaps == [] and len(self.layout[1]) > 2 else None
-        return Marked(
+        wrong = self.mobility if self.tool_input.snaps == [] and len(self.layout[1]) > 2 else None
+        return Highlights(
             self.points,
             self.links,
             self.row,
@@ -205,10 +205,10 @@ class DrawingMode(DrawnLinkage):
         painter.fillRect(self.canvas.viewport().rect(), QColor(SCREEN.paper))
         self.canvas.paint_under(painter)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        picture = self.picture
+        sketch = self.sketch
         if self.active:
-            picture.paint_grid(painter, self.canvas.visible)
-        picture.paint(painter, self.marked, dimensions=self.active, grey=self.still)
+            sketch.paint_grid(painter, self.canvas.visible)
+        sketch.paint(painter, self.highlights, dimensions=self.active, grey=self.static_links)
         if not self.active:
             return
         if (box := self.selection_input.box) is not None:
@@ -217,9 +217,9 @@ class DrawingMode(DrawnLinkage):
             painter.drawRect(box)
         for first, second in zip(self.tool_input.snaps, self.tool_input.snaps[1:], strict=False):
             painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
-            painter.drawLine(picture.to(first.at), picture.to(second.at))
+            painter.drawLine(sketch.to(first.at), sketch.to(second.at))
         if self.snap is not None and self.tool.name != CHOOSE:
-            picture.paint_snap(painter, self.snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
+            sketch.paint_snap(painter, self.snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
 
     def fit(self) -> None:
         """Show the whole drawing; an empty one with the width of a small machine."""
@@ -323,7 +323,7 @@ class DrawingMode(DrawnLinkage):
         menu = QMenu(self.canvas)
         design, positions = self.layout
         at, scale = self.position_at(pixel), self.canvas.scale_now
-        snap = snapped(design.drive.linkage, positions, at, scale, marks=self.canvas.marks)
+        snap = snap_to(design.drive.linkage, positions, at, scale, marks=self.canvas.marks)
         for tool in MENU_TOOLS[kind]:
             action = menu.addAction(icon(f"draw_{tool}"), _HERE.get(tool, f"{TOOLS[tool].text} here"))
             action.triggered.connect(partial(self._start_here, tool, snap))

@@ -15,7 +15,7 @@ from core.design import AttachedEnd, Target, entry_at, put, split_unit
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import allowed_text, no_number, reason, value_text
-from kindyna_gui.linkage.canvas import Canvas, rims_now
+from kindyna_gui.linkage.canvas import Canvas, draggable_circles
 from kindyna_gui.linkage.picking import Picker, PickFunction, next_row, paint_row, rows_at
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -138,7 +138,7 @@ class MechanismMouseView(View):
         self.session.begin_drag(self)
         joints = joints_of(self.session.design)
         field = joints[name].field if name in joints else name
-        rim = rims_now(self.scene).get(name)
+        rim = draggable_circles(self.scene).get(name)
         self.drag = JointDrag(name, field, self.session.work, rim, self.canvas.pressed_position)
         self._escape.setEnabled(True)
 

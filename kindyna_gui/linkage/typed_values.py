@@ -25,7 +25,7 @@ from core.output.lines import shortest
 from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index
 from kindyna_gui.linkage.drawing_mouse import ToolInput
-from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, why
+from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
 from kindyna_gui.pictures.style import SCREEN
 
 Typed = float | str | None
@@ -362,14 +362,14 @@ class TypedValues:
     def rename(self) -> None:
         """Open the box with the name of the selected point."""
         if name := self.drawn.selected_point():
-            at = self.drawn.picture.to(self.drawn.layout[1][name]).toPoint()
+            at = self.drawn.sketch.to(self.drawn.layout[1][name]).toPoint()
 
             def accept(values: Sequence[Typed]) -> str:
                 new = str(values[0] or "")
                 try:
                     design = with_name(self.drawn.layout[0], name, new)
                 except KindynaError as error:
-                    return why(self.drawn.layout[0], error)
+                    return refusal_text(self.drawn.layout[0], error)
                 self.boxes.close_all()
                 self.drawn.apply(lambda: DrawingEdit(design, f"Rename {name} to {new}", points=(new,)))
                 return ""

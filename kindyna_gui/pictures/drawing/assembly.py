@@ -29,7 +29,7 @@ from kindyna_gui.pictures.drawing.cam_parts import (
 )
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.mechanism import MARGIN_UNITS
-from kindyna_gui.pictures.drawing.overlay import FIELDS, Overlay, VectorUnit, arrows
+from kindyna_gui.pictures.drawing.overlay import FIELDS, Group, Overlay, VectorUnit, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
@@ -64,19 +64,12 @@ TRANSFERRED = "transferred part"
 AXIS_PART = 0.15  # length of an axis along which a path does not extend, by the path's largest extent
 
 
-class _Root(QGraphicsItem):
+class _Root(Group):
     """Parent item of all parts of one drive."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
         self.number = number
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-
-    def boundingRect(self) -> QRectF:
-        return QRectF()
-
-    def paint(self, *_: object) -> None:
-        """Draw nothing: the children draw themselves."""
 
 
 class DriveFigure:

@@ -30,7 +30,7 @@ from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.drawing.overlay import MARGIN
+from kindyna_gui.pictures.drawing.overlay import MARGIN, Group
 from kindyna_gui.pictures.drawing.parts import GHOST_POSES
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
 from kindyna_gui.pictures.shapes import at, polyline
@@ -63,22 +63,6 @@ def centre_name(key: Key) -> str:
     """Name of a centre, such as ``13``; ``3,12`` where a number has two digits."""
     first, second = (link_number(body) for body in key)
     return f"{first}{second}" if max(first, second) < 10 else f"{first},{second}"
-
-
-class Group(QGraphicsItem):
-    """Parent item of other items."""
-
-    def __init__(self, children: Sequence[QGraphicsItem]) -> None:
-        super().__init__()
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-        for child in children:
-            child.setParentItem(self)
-
-    def boundingRect(self) -> QRectF:
-        return QRectF()
-
-    def paint(self, *_: object) -> None:
-        """Draw nothing: the children draw themselves."""
 
 
 class _Mark:
