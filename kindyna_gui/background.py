@@ -1,4 +1,9 @@
-"""Work beside the window."""
+"""Computation in the background, while the window stays responsive.
+
+Slow computations run in worker threads, and stop at their next checkpoint when their result is no longer needed. Workers
+never use a Qt object: results wait in a queue that the window polls. Nor do they collect garbage, which only a timer of the
+window's thread does.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +24,20 @@ if TYPE_CHECKING:
     from PySide6.QtWidgets import QApplication
 
 
-# -- background ------------------------------------------------------------------------------------------
-
-# What may take its time is not computed in the window's own thread, and what is no longer wanted not to its end.
-#
-# The other threads never touch an object of Qt: results wait in a queue that the window polls. Nor do they collect
-# garbage (see ``gc_timer``).
-
 Job = tuple[Any, Callable[[], Any]]
-"""A key, and what computes the result; neither may hold an object of Qt."""
+"""A key, and the function that computes the result; neither may refer to a Qt object."""
 POLL_MS = 3
-PATIENCE = 5.0  # seconds for a stopped worker to come to its next checkpoint: it may be importing a module
+PATIENCE = 5.0  # seconds until a stopped worker reaches its next checkpoint; it may be importing a module
+FIRST_WAIT_S = 0.25  # seconds to wait for a result before it is pending
+EVERY_MS = 500  # between two collections of garbage
+DIALOG_DELAY_S = 0.3  # seconds before a dialog is shown
+Result = TypeVar("Result")
+
+# -- jobs in worker threads ------------------------------------------------------------------------------
 
 
 class Worker(Thread):
-    """Jobs one after the other. Once ``cancelled`` is set the job at hand ends at its next checkpoint, and no other begins."""
+    """Runs jobs one after the other; once ``cancelled`` is set the current job ends at its next checkpoint, and no other starts."""
 
     def __init__(self, jobs: Sequence[Job]) -> None:
         super().__init__(daemon=True)
@@ -56,11 +60,10 @@ class Worker(Thread):
 
 
 class Background(QObject):
-    """Jobs beside the window, of which only the last that were started count.
+    """Jobs in the background; starting others cancels those that run.
 
-    poll_ms: how often results are fetched; each time the worker is held up for a moment.
-
-    result   (key of the job; its result, the KindynaError it raised, or Cancelled after ``cancel``)
+    ``poll_ms`` is the interval at which results are fetched; each fetch interrupts the worker for a moment. Signal:
+    ``result`` with the key of a job, and its result, the KindynaError it raised, or Cancelled after ``cancel``.
     """
 
     result = Signal(object, object)
@@ -68,7 +71,7 @@ class Background(QObject):
     def __init__(self, parent: QObject | None = None, poll_ms: int = POLL_MS) -> None:
         super().__init__(parent)
         self._worker: Worker | None = None
-        self._running: list[Worker] = []  # with those that are about to end
+        self._running: list[Worker] = []  # and those that are about to end
         self._open = 0
         self._poll = QTimer(self, interval=poll_ms)
         self._poll.timeout.connect(self._fetch)
@@ -79,7 +82,7 @@ class Background(QObject):
         return self._open > 0
 
     def start(self, jobs: Sequence[Job]) -> None:
-        """Cancel what is being computed and compute these."""
+        """Cancel the running jobs and start others."""
         self.stop()
         if not jobs:
             return
@@ -89,7 +92,7 @@ class Background(QObject):
         self._poll.start()
 
     def wait(self, seconds: float) -> bool:
-        """Block until all results are there, at most so many seconds; whether they are."""
+        """Block until all results are present, at most some seconds, and return whether they are."""
         if self._worker is not None:
             self._worker.join(seconds)
             if not self._worker.is_alive():
@@ -97,18 +100,18 @@ class Background(QObject):
         return not self.busy
 
     def cancel(self) -> None:
-        """Let the jobs end at their next checkpoint, and go on waiting for their results."""
+        """End the jobs at their next checkpoint; their results, or Cancelled, are still emitted."""
         if self._worker is not None:
             self._worker.cancelled.set()
 
     def stop(self) -> None:
-        """Cancel what is being computed; no result of it is emitted."""
+        """Cancel the running jobs; none of their results is emitted."""
         if self._worker is not None:
             self._worker.cancelled.set()
         self._worker, self._open = None, 0
 
     def close(self) -> None:
-        """Stop, and be sure that nothing of it is running any longer."""
+        """Stop, and wait until no job is running."""
         self.stop()
         for worker in self._running:
             worker.join(PATIENCE)
@@ -121,7 +124,7 @@ class Background(QObject):
                 key, result = worker.results.get_nowait()
             except Empty:
                 break
-            self._open = 0 if isinstance(result, Cancelled) else self._open - 1  # no other job begins then
+            self._open = 0 if isinstance(result, Cancelled) else self._open - 1  # no other job starts then
             if isinstance(result, Exception) and not isinstance(result, KindynaError | Cancelled):
                 raise result
             self.result.emit(key, result)
@@ -130,16 +133,13 @@ class Background(QObject):
             self._poll.stop()
 
 
-# -- awaited ---------------------------------------------------------------------------------------------
-
-FIRST_WAIT_S = 0.25  # seconds that are waited for it at first
+# -- a result that is not known yet ----------------------------------------------------------------------
 
 
 class PendingResult(QObject):
-    """The last thing that was not there when it was read; another one takes its place.
+    """The last result that was not known when a view read it; reading another one replaces it.
 
-    changed   it is being computed, or no longer
-    known     who read it should read it again
+    Signals: ``changed`` when its computation starts or ends; ``known`` when views should read it again.
     """
 
     changed = Signal()
@@ -148,81 +148,80 @@ class PendingResult(QObject):
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
         self._job: Job | None = None
-        self._failed: Job | None = None  # raises an error of its own
-        self._beginning = False
-        self.given_up = False
+        self._failed: Job | None = None  # its computation raised an error
+        self._is_starting = False
+        self.is_cancelled = False
         self._work = Background(self)
         self._work.result.connect(self._ended)
 
     @property
     def busy(self) -> bool:
+        """Whether the result is being computed."""
         return self._work.busy
 
     def later(self, key: Hashable, compute: Callable[[], Any]) -> str:
-        """As ``core.numerics.lazy.postponing`` takes it."""
+        """Compute a result in the background, as ``core.numerics.lazy.postponing`` requires; return its state, '' when known."""
         if self._failed is not None and self._failed[0] == key:
             return ""
         if self._job is None or self._job[0] != key:
             self._job = key, compute
-            self._begin()
+            self._start()
         return self._state()
 
     def _state(self) -> str:
-        """What has become of what is looked for; empty where it is known."""
+        """Return the state of the result in words; empty where it is known."""
         if self._job is None:
             return ""
-        return "was given up" if self.given_up else "is being looked for"
+        return "was cancelled" if self.is_cancelled else "is being calculated"
 
-    def _begin(self) -> None:
+    def _start(self) -> None:
         assert self._job is not None
-        self.given_up, self._beginning = False, True
+        self.is_cancelled, self._is_starting = False, True
         self._work.start([self._job])
         self._work.wait(FIRST_WAIT_S)
-        self._beginning = False
+        self._is_starting = False
         self.changed.emit()
 
     def _ended(self, _: Hashable, result: object) -> None:
         self._failed = self._job if isinstance(result, KindynaError) else None
         self._job = None
-        if not self._beginning:
-            self._tell()
+        if not self._is_starting:
+            self._emit_known()
 
-    def _tell(self) -> None:
+    def _emit_known(self) -> None:
         self.changed.emit()
         self.known.emit()
 
-    def give_up(self) -> None:
-        """End it; it is not begun again before ``again``, or before something else is read."""
+    def cancel(self) -> None:
+        """Cancel the computation; only ``again``, or reading another result, starts one."""
         self._work.stop()
-        self.given_up = True
-        self._tell()
+        self.is_cancelled = True
+        self._emit_known()
 
     def again(self) -> None:
-        """Begin anew what was given up."""
+        """Start the cancelled computation again."""
         if self._job is not None:
-            self._begin()
+            self._start()
             self.known.emit()
 
     def drop(self) -> None:
-        """Nobody reads it any longer."""
+        """Drop the result, when no view reads it any longer."""
         if self._job is not None:
             self._work.stop()
-            self._job, self.given_up = None, False
+            self._job, self.is_cancelled = None, False
             self.changed.emit()
 
     def close(self) -> None:
-        """Drop it, and be sure that nothing is computed any longer."""
+        """Drop the result, and wait until nothing is computed."""
         self.drop()
         self._work.close()
 
 
-# -- gc timer --------------------------------------------------------------------------------------------
-
-EVERY_MS = 500
+# -- garbage collection ----------------------------------------------------------------------------------
 
 
 def tidy() -> None:
-    """Collect the oldest generation that has reached Python's own threshold."""
+    """Collect the oldest generation that has reached Python's threshold."""
     for generation in (2, 1, 0):
         if gc.get_count()[generation] > gc.get_threshold()[generation]:
             gc.collect(generation)
@@ -230,7 +229,7 @@ def tidy() -> None:
 
 
 def tidy_in_this_thread(app: QApplication) -> None:
-    """Collect by a timer of the application's thread alone, from now on until the application ends."""
+    """Collect garbage only by a timer of the application's thread, until the application ends."""
     from PySide6.QtCore import QTimer
 
     gc.disable()
@@ -239,18 +238,14 @@ def tidy_in_this_thread(app: QApplication) -> None:
     timer.start()
 
 
-# -- waiting ---------------------------------------------------------------------------------------------
-
-DIALOG_DELAY_S = 0.3  # seconds: what is done by then shows no dialog
-
-Result = TypeVar("Result")
+# -- waiting with a dialog -------------------------------------------------------------------------------
 
 
-def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result | None:
-    """Compute something in another thread, so that the window stays alive; None where it was cancelled.
+def in_background(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result | None:
+    """Compute a result in another thread, while the window is repainted; None where the user cancels.
 
-    What takes long shows a dialog, in front of which nothing else can be done, with Cancel; what is computed must not touch an
-    object of Qt, and ends at its next checkpoint. Its exceptions are raised here.
+    After a moment a modal dialog with Cancel is shown. The function must not use a Qt object, and ends at its next
+    checkpoint when cancelled. Its exceptions are raised here.
     """
     work, loop = Background(parent), QEventLoop()
     results: list[Any] = []
@@ -260,7 +255,7 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
             return compute(), None
         except Cancelled:
             raise
-        except Exception as error:  # of any kind: it is the caller's
+        except Exception as error:  # of any kind: raised again for the caller
             return None, error
 
     def take(_: object, result: object) -> None:
@@ -271,7 +266,7 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
         work.cancel()
         dialog.setLabelText("Stopping")
         dialog.setCancelButton(None)
-        dialog.show()  # until it has stopped, for it hides itself
+        dialog.show()  # until the job has stopped, for the dialog hides itself
 
     work.result.connect(take)
     work.start([("", attempt)])
@@ -296,7 +291,7 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
 
 @contextmanager
 def progress(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
-    """A dialog that can be cancelled; the function it yields takes the steps done and returns whether to go on."""
+    """Show a dialog of progress with Cancel; yield a function of the finished steps that returns whether to continue."""
     dialog = QProgressDialog(text, "Cancel", 0, steps, parent)
     dialog.setWindowTitle("KINDYNA")
     dialog.setWindowModality(Qt.WindowModality.WindowModal)
@@ -304,7 +299,7 @@ def progress(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int],
     dialog.setAutoReset(False)
 
     def go_on(done: int) -> bool:
-        if done == dialog.value():  # then the dialog itself would not look after its events
+        if done == dialog.value():  # the dialog does not process its events then
             QApplication.processEvents()
         dialog.setValue(done)
         return not dialog.wasCanceled()

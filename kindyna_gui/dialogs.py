@@ -1,4 +1,4 @@
-"""Every question that stops the window, in one place, so that tests can answer in the user's stead."""
+"""Every modal question of the window, in one module, so that tests can answer for the user."""
 
 from __future__ import annotations
 
@@ -32,12 +32,21 @@ GRAPH_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.toml)"
 MOTION_FILES = "Tables and designs (*.csv *.txt *.dat *.tsv *.xlsx *.ods *.toml)"
 GRAPHS = "Graph (*.graph.json)"
 HELP, FIELD = "help page", "field path"
-"""Properties of widgets: the page of ``resources/help`` on them, and the path of the value that is typed there."""
-MOST_LINES = 12  # of faults before the rest goes under Details
+"""Properties of widgets: their page of ``resources/help``, and the path of the value typed in them."""
+MOST_LINES = 12  # lines of faults above Details
+UNSAVED = "has unsaved changes"
+SEGMENT_FROM = (
+    "Scaled to the segment's span and rise, from rest to rest",
+    "Scaled, with velocity and acceleration of its neighbours at its ends",
+    "With the table's span and rise, from rest to rest",
+    "With the table's span and rise, and velocity and acceleration of its neighbours",
+)
+
+# -- answers ---------------------------------------------------------------------------------------------
 
 
 class SaveAnswer(Enum):
-    """To the question whether changes shall be saved."""
+    """Answer to whether changes are saved."""
 
     SAVE = "save"
     DISCARD = "discard"
@@ -45,7 +54,7 @@ class SaveAnswer(Enum):
 
 
 class OnConflict(Enum):
-    """What to do where another program has changed the file that is to be saved to."""
+    """Answer to what to do where another program has changed the file to save to."""
 
     RELOAD = "reload"
     SAVE_AS = "save as"
@@ -53,60 +62,68 @@ class OnConflict(Enum):
     CANCEL = "cancel"
 
 
-class Unfinished(Enum):
-    """What to save where the values do not fit together."""
+class IncompleteChoice(Enum):
+    """Answer to what to save where the values do not fit together."""
 
     CLOSE = "close"
     AS_TYPED = "as typed"
-    LAST_FITTING = "last that fits"
+    LAST_VALID = "last valid"
     CANCEL = "cancel"
 
 
 class OnShaft(Enum):
-    """On which shaft of several drives a design shall be put."""
+    """Answer to which shaft of several drives a design is added."""
 
-    NEW = "a new one"
-    FILE = "that of a file"
+    NEW = "a new shaft"
+    FILE = "the shaft of a file"
     CANCEL = "cancel"
 
 
+# -- help ------------------------------------------------------------------------------------------------
+
+
 def help_on(widget: QWidget) -> tuple[str, str]:
-    """The page of the help on a widget, and the words to look for there: of a field the page of all fields, at its path."""
-    at: QWidget | None = widget
-    while at is not None:
-        if path := at.property(FIELD):
+    """Return the page of help on a widget, and the words to search for; for a field the page of fields and its path."""
+    current: QWidget | None = widget
+    while current is not None:
+        if path := current.property(FIELD):
             return "fields", str(path)
-        if found := at.property(HELP):
-            page, _, words = str(found).partition("#")
+        if target := current.property(HELP):
+            page, _, words = str(target).partition("#")
             return page, words
-        at = None if at.isWindow() else at.parentWidget()
+        current = None if current.isWindow() else current.parentWidget()
     return "tour", ""
 
 
 def give_help(dialog: QWidget, page: str) -> None:
-    """Let F1 in a dialog, or another window, open its page of the help, at the words behind #, over it: a dialog keeps all other windows
-    from the user."""
+    """Let F1 in a dialog or window open its page of help over it, at the words after #.
+
+    The help window is a child of the dialog, which blocks all other windows.
+    """
 
     def open() -> None:
         from kindyna_gui.help import HelpWindow
 
-        found = dialog.findChild(HelpWindow) or HelpWindow(dialog)
-        found.open(*help_on(dialog.focusWidget() or dialog))
+        help_window = dialog.findChild(HelpWindow) or HelpWindow(dialog)
+        help_window.open(*help_on(dialog.focusWidget() or dialog))
 
     dialog.setProperty(HELP, page)
     QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), dialog).activated.connect(open)
 
 
+# -- files to save ---------------------------------------------------------------------------------------
+
+
 def file_to_save(parent: QWidget, suggestion: Path, title: str, kinds: Mapping[str, str]) -> Path | None:
-    """The file to save to, None where the user cancels; kinds: its endings, each with what files of it are called."""
-    filters = ";;".join(f"{what} (*{ending})" for ending, what in kinds.items())
+    """Ask for the file to save to; ``kinds`` maps endings to the names of such files. None where the user cancels."""
+    filters = ";;".join(f"{name} (*{ending})" for ending, name in kinds.items())
     name, chosen = QFileDialog.getSaveFileName(parent, title, str(suggestion), filters)
     ending = next((ending for ending in kinds if f"(*{ending})" in chosen), next(iter(kinds)))
     return with_suffix(parent, name, ending, tuple(kinds))
 
 
 Save = Callable[[QWidget, Path], Path | None]
-"""Asks for a file to save to, of the window in front and the file suggested; None where the user cancels."""
+"""Asks for a file to save to, with the parent window and a suggested file; None where the user cancels."""
 
 
 def _save(title: str, kinds: Mapping[str, str]) -> Save:
@@ -127,23 +144,23 @@ timing_to_save = _save("Export timing chart", {**PDF, **SVG, ".png": "PNG pictur
 
 
 def links_to_save(parent: QWidget, suggestion: Path, table: bool = False) -> Path | None:
-    """The file to save a pose, or the curves of points, to; table: as CSV, too."""
+    """Ask for the file of a pose, or of curves of points; ``table``: CSV too."""
     kinds = {".csv": "Table"} if table else {}
     return file_to_save(parent, suggestion, "Export links", {**kinds, ".dxf": "DXF drawing", ".svg": "SVG drawing"})
 
 
 def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a profile to, with the ending of the suggestion."""
+    """Ask for the file of a profile, with the ending of the suggestion."""
     return file_to_save(parent, suggestion, "Export profile", {suggestion.suffix: "Profile"})
 
 
 def controller_table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a controller's table to, with the ending of the suggestion."""
+    """Ask for the file of a controller's table, with the ending of the suggestion."""
     return file_to_save(parent, suggestion, "Export controller table", {suggestion.suffix: "Table"})
 
 
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a report to, with the ending of the suggestion, .txt where it has none."""
+    """Ask for the file of a report, with the ending of the suggestion, else .txt."""
     ending = suggestion.suffix if suggestion.suffix in REPORTS else ".txt"
     return file_to_save(parent, suggestion, "Report", {ending: REPORTS[ending]})
 
@@ -154,123 +171,121 @@ def study_to_save(parent: QWidget, suggestion: Path) -> Path | None:
 
 
 def graph_to_save(parent: QWidget, suggestion: Path) -> Path | None:
-    """The file to save a graph's curves and axes to, any that ends in .json."""
+    """Ask for the file of a graph's curves and axes, which ends in .json."""
     name, _ = QFileDialog.getSaveFileName(parent, "Save graph", str(suggestion), GRAPHS)
     return with_suffix(parent, name, ".graph.json", (".json",))
 
 
-Spell = Callable[[A], str]
-"""The command that does the same with what stands in a question."""
+CommandText = Callable[[A], str]
+"""Returns the command that does the same as a question, from its answer."""
+
+# -- questions with one answer ---------------------------------------------------------------------------
 
 
-def _asked(box: QInputDialog, title: str, page: str, given: Callable[[], A], spell: Spell[A] | None = None) -> A | None:
-    """What is given in a question, with its page of the help and its command; None where the user cancels."""
+def _ask(
+    box: QInputDialog, title: str, page: str, answer: Callable[[], A], command: CommandText[A] | None = None
+) -> A | None:
+    """Ask a question with its page of help and its command; None where the user cancels."""
     box.setWindowTitle(title)
     give_help(box, page)
-    box.sizeHint()  # now it has its buttons
+    box.sizeHint()  # creates the buttons
     buttons = box.findChild(QDialogButtonBox)
-    if spell is not None and isinstance(buttons, QDialogButtonBox):
+    if command is not None and isinstance(buttons, QDialogButtonBox):
         from kindyna_gui.documents.texts import add_copy_of_line
 
-        add_copy_of_line(buttons, lambda: spell(given()))
-    value = given() if box.exec() else None
+        add_copy_of_line(buttons, lambda: command(answer()))
+    value = answer() if box.exec() else None
     box.deleteLater()
     return value
 
 
 def _choice(parent: QWidget, text: str, rows: Sequence[str]) -> QInputDialog:
-    """A question for one of some rows."""
+    """Return a question for one of several rows."""
     box = QInputDialog(parent)
     box.setComboBoxItems(list(rows))
     box.setLabelText(text)
     return box
 
 
-def shift_wanted(parent: QWidget, spell: Spell[float]) -> float | None:
-    """By how much a motion is shifted [deg], None where the user cancels."""
+def ask_shift(parent: QWidget, command: CommandText[float]) -> float | None:
+    """Ask by how much a motion is shifted [deg]; None where the user cancels."""
     box = QInputDialog(parent)
     box.setInputMode(QInputDialog.InputMode.DoubleInput)
-    box.setLabelText("The same later by so many degrees of the cam, earlier where negative:")
+    box.setLabelText("Shift in degrees of cam angle (positive: later, negative: earlier):")
     box.setDoubleDecimals(6)
     box.setDoubleRange(-360.0, 360.0)
     box.setDoubleValue(10.0)
-    return _asked(box, "Shift the motion", "making#Shift the motion by", box.doubleValue, spell)
+    return _ask(box, "Shift the motion", "making#Shift the motion by", box.doubleValue, command)
 
 
-SEGMENT_FROM = (
-    "Stretched to the segment's span and rise, from rest to rest",
-    "Stretched, with velocity and acceleration of its neighbours at its ends",
-    "With the table's own span and rise, from rest to rest",
-    "With its own span and rise, and velocity and acceleration of its neighbours",
-)
+def ask_segment(parent: QWidget, command: CommandText[tuple[bool, bool]] | None) -> tuple[bool, bool] | None:
+    """Ask how a table becomes a segment: with its own size, joined to its neighbours; None where the user cancels."""
+    box = _choice(parent, "Insert the table:", SEGMENT_FROM)
 
-
-def segment_wanted(parent: QWidget, spell: Spell[tuple[bool, bool]] | None) -> tuple[bool, bool] | None:
-    """How a table becomes a segment: as it is, joined; None where the user cancels."""
-    box = _choice(parent, "The table is taken:", SEGMENT_FROM)
-
-    def given() -> tuple[bool, bool]:
+    def answer() -> tuple[bool, bool]:
         number = SEGMENT_FROM.index(box.textValue())
         return number >= 2, number % 2 == 1
 
-    return _asked(box, "Segment from table", "making#Segment from table", given, spell)
+    return _ask(box, "Segment from table", "making#Segment from table", answer, command)
 
 
-def layout_name_wanted(parent: QWidget, names: Sequence[str]) -> str:
-    """The name to keep a layout under, a new one or one of these; empty where the user cancels."""
-    box = _choice(parent, "Under the name:", names)
+def ask_layout_name(parent: QWidget, names: Sequence[str]) -> str:
+    """Ask for the name of a layout, a new name or one of these; empty where the user cancels."""
+    box = _choice(parent, "Name of the layout:", names)
     box.setComboBoxEditable(True)
     box.setTextValue("")
-    return (_asked(box, "Save this layout", "tour#Named layouts", box.textValue) or "").strip()
+    return (_ask(box, "Save this layout", "tour#Named layouts", box.textValue) or "").strip()
 
 
-def drive_wanted(parent: QWidget, names: Sequence[str], spell: Spell[str]) -> int | None:
-    """Number of the drive whose motion is taken, None where the user cancels."""
-    box = _choice(parent, "Of the drive:", names)
-    name = _asked(box, "Motion from a design", "making#Motion from a design or file", box.textValue, spell)
+def ask_drive(parent: QWidget, names: Sequence[str], command: CommandText[str]) -> int | None:
+    """Ask for the drive whose motion is used, and return its number; None where the user cancels."""
+    box = _choice(parent, "Motion of the drive:", names)
+    name = _ask(box, "Motion from a design", "making#Motion from a design or file", box.textValue, command)
     return None if name is None else list(names).index(name)
 
 
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """The design file to open, None where the user cancels."""
+    """Ask for a design file to open; None where the user cancels."""
     return file_to_open(parent, "Open design", "Designs (*.toml)", folder)
 
 
 def motion_files_to_open(parent: QWidget, folder: Path) -> list[Path]:
-    """A table, or designs, from which a motion follows; none where the user cancels."""
+    """Ask for the table or designs from which a motion follows; empty where the user cancels."""
     names, _ = QFileDialog.getOpenFileNames(
         parent, "Files that the motion follows from", str(folder), f"{MOTION_FILES};;All files (*)"
     )
     return [Path(name) for name in names]
 
 
-def output_wanted(parent: QWidget, outputs: Mapping[str, str]) -> str | None:
-    """The link of a linkage that is to do what the motion says, empty where its own motion is taken; None where the user cancels."""
+def ask_output(parent: QWidget, outputs: Mapping[str, str]) -> str | None:
+    """Ask which motion of a linkage is used: its own (empty), or the driver's for a link; None where the user cancels."""
     rows = {"": "its own motion"} | {
-        n: f"its driver's, so that link {n} does this motion ({unit})" for n, unit in outputs.items()
+        n: f"the driver's motion that moves link {n} by this motion ({unit})" for n, unit in outputs.items()
     }
-    box = _choice(parent, "Take:", list(rows.values()))
+    box = _choice(parent, "Use:", list(rows.values()))
 
-    def given() -> str:
+    def answer() -> str:
         return next(n for n, row in rows.items() if row == box.textValue())
 
-    return _asked(box, "Motion that follows from a linkage", "making#Motion that follows from files", given)
+    return _ask(box, "Motion that follows from a linkage", "making#Motion that follows from files", answer)
 
 
 def graph_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """A graph that was saved."""
+    """Ask for a saved graph."""
     return file_to_open(parent, "Open graph", GRAPHS, folder)
 
 
 def graph_files_to_open(parent: QWidget, folder: Path) -> list[Path]:
-    """Tables and designs to be drawn; none where the user cancels."""
-    names, _ = QFileDialog.getOpenFileNames(parent, "Files to be drawn", str(folder), f"{GRAPH_FILES};;All files (*)")
+    """Ask for tables and designs to plot; empty where the user cancels."""
+    names, _ = QFileDialog.getOpenFileNames(parent, "Files to plot", str(folder), f"{GRAPH_FILES};;All files (*)")
     return [Path(name) for name in names]
 
 
 def with_suffix(parent: QWidget, name: str, suffix: str, allowed: Sequence[str] = ()) -> Path | None:
-    """The file's path with an ending, where it has none that is allowed. The dialog has asked about the name as it was typed
-    only: a file that has it with the ending is asked about here; None where it shall stay."""
+    """Return the path with an ending, where it has none that is allowed; None where an existing file is not replaced.
+
+    The file dialog asks only about the typed name, so this asks about the file with the ending.
+    """
     if not name:
         return None
     path = Path(name)
@@ -281,9 +296,12 @@ def with_suffix(parent: QWidget, name: str, suffix: str, allowed: Sequence[str] 
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:
-    """Whether a file that is there already may be replaced."""
+    """Ask whether an existing file is replaced."""
     text, answers = f"{name} already exists.\nDo you want to replace it?", QMessageBox.StandardButton
     return QMessageBox.warning(parent, "KINDYNA", text, answers.Yes | answers.No, answers.No) == answers.Yes
+
+
+# -- messages --------------------------------------------------------------------------------------------
 
 
 def _box(parent: QWidget, icon: QMessageBox.Icon, text: str, page: str) -> QMessageBox:
@@ -292,11 +310,8 @@ def _box(parent: QWidget, icon: QMessageBox.Icon, text: str, page: str) -> QMess
     return box
 
 
-UNSAVED = "has unsaved changes"
-
-
 def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> SaveAnswer:
-    """Whether a design shall be saved before it is left; ``state`` says what its file lacks."""
+    """Ask whether a design is saved before another is opened; ``state`` says how it differs from its file."""
     box = _box(parent, QMessageBox.Icon.Question, f"{name} {state}.", "tour#Unsaved work is kept")
     box.setInformativeText("Save them?" if state == UNSAVED else "Save it?")
     buttons = {
@@ -314,7 +329,7 @@ def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> SaveAnswer:
 
 
 def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str], gone: bool = False) -> OnConflict:
-    """What to do with a file that another program has changed, or taken away; lines: what differs between it and the design."""
+    """Ask what to do with a file that another program has changed or removed; ``lines`` are the differences."""
     text = f"{name} has been {'moved or deleted' if gone else 'changed'} by another program since it was read."
     box = _box(parent, QMessageBox.Icon.Warning, text, "tour#Where another program has changed that file")
     _list(box, lines)
@@ -332,15 +347,15 @@ def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str], gone: bool
 
 
 def _answer(box: QMessageBox, buttons: Mapping[QPushButton, A], cancelled: A) -> A:
-    """What was clicked."""
+    """Return the answer of the clicked button."""
     clicked = box.clickedButton()
     box.deleteLater()
     return next((answer for button, answer in buttons.items() if button is clicked), cancelled)
 
 
 def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
-    """On which shaft a design of one drive shall be put."""
-    text = f"Put {name} on a shaft that turns several drives."
+    """Ask to which shaft a design of one drive is added."""
+    text = f"Add {name} to a shaft with several drives."
     box = _box(parent, QMessageBox.Icon.Question, text, "camshaft#Add this design to a shaft")
     role = QMessageBox.ButtonRole
     buttons = {
@@ -353,32 +368,33 @@ def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
     return _answer(box, buttons, OnShaft.CANCEL)
 
 
-def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str, as_typed: bool) -> Unfinished:
-    """What to save where the values do not fit together; lines: what is amiss; closing: what would close the motion, '' where
-    nothing simple does, or it is whole; as_typed: a file can hold what is typed."""
-    text = "What is typed does not fit together yet."
+def ask_incomplete(parent: QWidget, lines: Sequence[str], closing: str, as_typed: bool) -> IncompleteChoice:
+    """Ask what to save where the values do not fit together.
+
+    ``lines`` are the reasons; ``closing`` is what would close the motion, or ''; ``as_typed`` whether a file can have the
+    typed values.
+    """
+    text = "The typed values do not fit together yet."
     box = _box(parent, QMessageBox.Icon.Question, text, "tour#asks whether to write what is typed")
     close = [f"Close the motion: {closing}."] if closing else []
-    typed = [
-        "Save as typed: the file can be opened and gone on with, but there is no drawing and no cam until the values fit."
-    ]
-    last = "Save the last that fits: what was typed since stays in this window, and is not in the file."
+    typed = ["Save as typed: you can open the file and go on; it has no drawing or cam until the values fit."]
+    last = "Save the last valid version: what you typed since then is not saved, but remains in this window."
     box.setInformativeText("\n".join((*lines, "", *close, *(typed if as_typed else []), last)))
     role = QMessageBox.ButtonRole
-    buttons = {box.addButton("Close it and save", role.AcceptRole): Unfinished.CLOSE} if closing else {}
-    buttons |= {box.addButton("Save as typed", role.AcceptRole): Unfinished.AS_TYPED} if as_typed else {}
+    buttons = {box.addButton("Close it and save", role.AcceptRole): IncompleteChoice.CLOSE} if closing else {}
+    buttons |= {box.addButton("Save as typed", role.AcceptRole): IncompleteChoice.AS_TYPED} if as_typed else {}
     buttons |= {
-        box.addButton("Save the last that fits", role.AcceptRole): Unfinished.LAST_FITTING,
-        box.addButton(QMessageBox.StandardButton.Cancel): Unfinished.CANCEL,
+        box.addButton("Save the last valid version", role.AcceptRole): IncompleteChoice.LAST_VALID,
+        box.addButton(QMessageBox.StandardButton.Cancel): IncompleteChoice.CANCEL,
     }
     box.setDefaultButton(next(iter(buttons)))
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
     box.exec()
-    return _answer(box, buttons, Unfinished.CANCEL)
+    return _answer(box, buttons, IncompleteChoice.CANCEL)
 
 
 def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnRecovery, Recoverable]:
-    """What to do with unsaved work, and with which."""
+    """Ask what to do with unsaved work, and with which."""
     from kindyna_gui.documents.texts import RecoveryDialog
 
     dialog = RecoveryDialog(parent, entries)
@@ -390,7 +406,7 @@ def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnR
 
 
 def _list(box: QMessageBox, lines: Sequence[str]) -> None:
-    """The first lines below the text of a box, where there are many all of them under Details."""
+    """Show the first lines below the text of a box, and where there are many all of them under Details."""
     shown = list(lines[:MOST_LINES])
     if len(lines) > MOST_LINES:
         shown.append(f"... and {len(lines) - MOST_LINES} more")
@@ -399,23 +415,26 @@ def _list(box: QMessageBox, lines: Sequence[str]) -> None:
     box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
 
 
-def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
-    """What went wrong, every fault on a line of its own; all of them can be selected and copied."""
-    box = _box(parent, QMessageBox.Icon.Warning, what, "tour")
+def show_faults(parent: QWidget, message: str, lines: Sequence[str]) -> None:
+    """Show what went wrong, a line for each fault; all of them can be selected and copied."""
+    box = _box(parent, QMessageBox.Icon.Warning, message, "tour")
     _list(box, lines)
     box.exec()
     box.deleteLater()
 
 
+# -- files to open ---------------------------------------------------------------------------------------
+
+
 def file_to_open(parent: QWidget, title: str, kinds: str, folder: Path | None = None) -> Path | None:
-    """The file to read, asked for in a folder, else in that of the last one; None where the user cancels."""
-    where = str(Settings().folder if folder is None else folder)
-    name, _ = QFileDialog.getOpenFileName(parent, title, where, f"{kinds};;All files (*)")
+    """Ask for a file to read, in a folder, else in that of the last file; None where the user cancels."""
+    start = str(Settings().folder if folder is None else folder)
+    name, _ = QFileDialog.getOpenFileName(parent, title, start, f"{kinds};;All files (*)")
     return Path(name) if name else None
 
 
 def opened_file(parent: QWidget, title: str, kinds: str, most_bytes: int = BYTES) -> tuple[Path, bytes] | None:
-    """A file that the user chose, and its bytes; None where there is none, or it cannot be read and the user has been told why."""
+    """Ask for a file and read it; None where the user cancels, or where it cannot be read, after showing why."""
     path = file_to_open(parent, title, kinds)
     if path is None:
         return None
@@ -429,7 +448,7 @@ def opened_file(parent: QWidget, title: str, kinds: str, most_bytes: int = BYTES
 
 
 def about(parent: QWidget) -> None:
-    """What this program is."""
+    """Show the name and version of the program."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:
@@ -441,5 +460,5 @@ def about(parent: QWidget) -> None:
         "About KINDYNA",
         f"<h3>KINDYNA {number}</h3>"
         "<p>Design of cams, camshafts and the linkages they drive: motion, profile, forces, torque.</p>"
-        "<p>After the program of Shin (1995), whose menus it keeps.</p>",
+        "<p>Based on the program of Shin (1995), with the same menus.</p>",
     )

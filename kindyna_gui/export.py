@@ -184,7 +184,7 @@ class Exports(QObject):
             return
         design = self._session.full_design
         try:
-            names = background.beside(
+            names = background.in_background(
                 self._window, "Writing the tables", lambda: write_tables(design, request.folder, request.samples)
             )
         except KindynaError as error:
@@ -211,7 +211,7 @@ class Exports(QObject):
         design = self._session.full_design
         compute = partial(document, Study(design), request.parts, request.cover)
         try:
-            report = background.beside(self._window, f"Computing {path.name}", compute)
+            report = background.in_background(self._window, f"Computing {path.name}", compute)
             data, lacking = None, ""
             if report is not None:
                 with (
@@ -260,7 +260,9 @@ class Exports(QObject):
         design = self._session.full_design
         study = Study(design)
         try:
-            archive = background.beside(self._window, f"Computing {path.name}", lambda: handover(design, request))
+            archive = background.in_background(
+                self._window, f"Computing {path.name}", lambda: handover(design, request)
+            )
             with background.progress(self._window, f"Painting {path.name}", 12) as go_on, in_file_units():
                 painted = paint_handover(study, request, go_on) if archive is not None else None
             if archive is None or painted is None:
@@ -338,7 +340,7 @@ class Exports(QObject):
         if path is None:
             return
         try:
-            paths = background.beside(self._window, f"Writing {path.name}", lambda: make(path))
+            paths = background.in_background(self._window, f"Writing {path.name}", lambda: make(path))
         except KindynaError as error:
             dialogs.show_faults(
                 self._window, f"{path.name} cannot be written.", [reason(self._session.full_design, error)]

@@ -33,7 +33,7 @@ from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import allowed_text, in_sentence, name_of, no_number, sentence
 from kindyna_gui.look import coloured, icon
-from kindyna_gui.pictures.paper.timing_chart import plain
+from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, with_unit
 from kindyna_gui.rebuilt import ContentArea, clear_menu
@@ -191,7 +191,7 @@ def _field_label(design: Design, path: str) -> str:
     if match[1] == "drives":
         return f"{design.drives[int(match[2])].name}: phase"
     row = design.timing[int(match[2])]
-    return f"{plain(row.first)} to {plain(row.second)}"
+    return f"{event_text(row.first)} to {event_text(row.second)}"
 
 
 def unit_of(design: Design, key: str) -> Unit:

@@ -1,5 +1,8 @@
-"""Figures of the papers: a list by paper with the verdict on each row, which come in beside the window while it is open; the row that is
-chosen is computed first, with its picture, its statement and our number."""
+"""Window with the figures, tables and equations of the papers, and the verdict on each.
+
+The verdicts are calculated in the background while the window is open; the selected row comes first, with its drawing,
+the statement of the paper and the result of this program.
+"""
 
 from __future__ import annotations
 
@@ -45,48 +48,48 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 
-CHOOSE = (
-    "Choose a figure, a table or an equation of a paper: it is computed and drawn then, from the example beside it."
-)
+CHOOSE = "Select a figure, a table or an equation of a paper. It is then computed and drawn from its example."
 COMPUTING = "Computing …"
 ROW = Qt.ItemDataRole.UserRole
 TONES: Mapping[str, str] = MappingProxyType({
     AGREES: "good", DIFFERS: "limit", MISPRINT: "chosen", AS_SCANNED: "chosen", METHOD: "assumed", CONTRADICTION: "assumed",
 })  # fmt: skip
-"""Verdict -> the tone of the theme; others are quiet."""
-NONE = "no answer"
+"""Colour of the theme for each verdict; others are quiet."""
+NONE = "no result"
 LIST_WIDTH, LEAST_PICTURE = 460, 240
 
 
 class _Picture(QLabel):
-    """A picture, no larger than it is and no larger than there is room."""
+    """An image, reduced to the room of the label, never enlarged."""
 
     def __init__(self) -> None:
         super().__init__(alignment=Qt.AlignmentFlag.AlignCenter)
-        self._whole: QPixmap | None = None
+        self._image: QPixmap | None = None
         self.setMinimumSize(LEAST_PICTURE, LEAST_PICTURE)
 
     def show_png(self, data: bytes | None) -> None:
-        self._whole = None
+        """Show a PNG image; None: nothing."""
+        self._image = None
         if data is not None:
-            self._whole = QPixmap()
-            self._whole.loadFromData(data)
+            self._image = QPixmap()
+            self._image.loadFromData(data)
         self.fit(self.width(), self.height())
 
     @property
     def empty(self) -> bool:
-        return self._whole is None
+        """Whether no image is shown."""
+        return self._image is None
 
     def fit(self, width: int, height: int) -> None:
-        """Into so many pixels."""
-        if self._whole is None:
+        """Scale the image to a width and height in pixels."""
+        if self._image is None:
             self.clear()
             return
         ratio = self.devicePixelRatioF()
-        most = QSizeF(self._whole.size()) * (1.0 / RATIO)
+        most = QSizeF(self._image.size()) * (1.0 / RATIO)
         fitted = most.scaled(max(width, 1), max(height, 1), Qt.AspectRatioMode.KeepAspectRatio)
         room = (most.boundedTo(fitted) * ratio).toSize()
-        shown = self._whole.scaled(room, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation)
+        shown = self._image.scaled(room, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation)
         shown.setDevicePixelRatio(ratio)
         self.setPixmap(shown)
 
@@ -96,10 +99,10 @@ class _Picture(QLabel):
 
 
 class FiguresWindow(QWidget):
-    """The list at the left; the picture, what the paper says, what comes out here and the verdict at the right.
+    """List of the claims at the left; drawing, statement, result and verdict of the selected one at the right.
 
-    open_design  opens an example by the name of its file
-    computed     how many rows have been chosen and computed
+    - ``open_design``: opens an example by the name of its file
+    - ``computed``: number of selected rows that have been computed
     """
 
     def __init__(self, parent: QWidget, open_design: Callable[[str], None]) -> None:
@@ -123,10 +126,10 @@ class FiguresWindow(QWidget):
         self.list.setStyleSheet("QTreeWidget::item { padding: 2px 0 }")
         self.list.currentItemChanged.connect(lambda item, _: self._choose(None if item is None else item.data(0, ROW)))
         self.picture, self.heading, self.verdict = _Picture(), _text(), _text()
-        self.says, self.here = _text(), _text()
+        self.says, self.result = _text(), _text()
         self.open_button, self.save_button = QPushButton("&Open the design"), QPushButton("&Save...")
-        self.open_button.setToolTip("Begin with the example that this is computed of")
-        self.save_button.setToolTip("The picture as PNG or SVG, or its numbers as CSV")
+        self.open_button.setToolTip("Open the example that this is computed from")
+        self.save_button.setToolTip("Save the drawing as PNG or SVG, or its numbers as CSV")
         self.open_button.clicked.connect(self._open)
         self.save_button.clicked.connect(self._save)
         self._fill()
@@ -157,7 +160,7 @@ class FiguresWindow(QWidget):
         buttons.addWidget(self.save_button)
         buttons.addWidget(copy_button(self._as_command))
         words = QVBoxLayout()
-        for label in (self.heading, self.says, self.here, self.verdict):
+        for label in (self.heading, self.says, self.result, self.verdict):
             words.addWidget(label)
         words.addLayout(buttons)
         below = QWidget()
@@ -172,30 +175,30 @@ class FiguresWindow(QWidget):
         right.addWidget(scrolled)
         right.setStretchFactor(0, 1)
         right.setSizes([540, 200])
-        whole = QSplitter()
-        whole.addWidget(self.list)
-        whole.addWidget(right)
-        whole.setStretchFactor(1, 1)
-        whole.setSizes([LIST_WIDTH, 850])
+        sides = QSplitter()
+        sides.addWidget(self.list)
+        sides.addWidget(right)
+        sides.setStretchFactor(1, 1)
+        sides.setSizes([LIST_WIDTH, 850])
         layout = QHBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(whole)
+        layout.addWidget(sides)
 
-    # -- what is chosen -------------------------------------------------------------------------------------
+    # -- selected row ---------------------------------------------------------------------------------------
 
     @property
     def claim(self) -> Claim | None:
-        """The row that is chosen."""
+        """The selected claim."""
         return self._claim
 
     @property
     def busy(self) -> bool:
-        """Whether it is being computed."""
+        """Whether the selected claim is being computed."""
         return self._opening
 
     @property
     def judged(self) -> int:
-        """How many rows show their verdict."""
+        """Number of rows that show their verdict."""
         return len(self._judged)
 
     def _choose(self, claim: Claim | None) -> None:
@@ -205,11 +208,11 @@ class FiguresWindow(QWidget):
         self._compute()
 
     def _compute(self) -> None:
-        """The chosen row with its drawing, then the verdicts that the list still lacks."""
+        """Compute the selected row with its drawing, then the missing verdicts of the list."""
         jobs: list[Job] = []
         if self._claim is not None and self._opening:
-            jobs.append((self._claim, partial(_opened, self._claim)))
-        jobs += [((each,), partial(_verdict, each)) for each in self._items if each not in self._judged]
+            jobs.append((self._claim, partial(_judgement, self._claim)))
+        jobs += [((claim,), partial(_verdict, claim)) for claim in self._items if claim not in self._judged]
         self._work.start(jobs)
 
     def _take(self, key: Claim | tuple[Claim], result: Any) -> None:
@@ -222,10 +225,10 @@ class FiguresWindow(QWidget):
         else:
             self._opening = False
             self.computed += 1
-            (verdict, here), drawing = result
+            (verdict, value), drawing = result
             self._judge(key, verdict)
             self.picture.show_png(paper_file(drawing, ".png"))
-            self._show_words(key.title, f"The paper: {key.says}", f"Here: {here}", verdict)
+            self._show_words(key.title, f"The paper: {key.says}", f"Here: {value}", verdict)
             coloured(self.verdict, _colour(verdict))
             self.save_button.setEnabled(True)
 
@@ -238,30 +241,33 @@ class FiguresWindow(QWidget):
         self._count(claim.paper)
 
     def _count(self, paper: str) -> None:
-        """How many there are of each verdict, below the name of the paper."""
+        """Write the number of each verdict below the name of the paper."""
         known = [claim for claim in self._judged if claim.paper == paper and self._judged[claim] in VERDICTS]
         words = ", ".join(f"{verdict} {count}" for verdict, count in verdict_counts(known))
         self._tops[paper].setText(0, f"{PAPERS[paper].label}\n{words or COMPUTING}")
 
-    def _show_words(self, heading: str, says: str, here: str = "", verdict: str = "") -> None:
-        judged = f"{verdict.capitalize()}: {VERDICTS[verdict]}" if verdict else ""
-        for label, text in ((self.heading, heading), (self.says, says), (self.here, here), (self.verdict, judged)):
+    def _show_words(self, heading: str, says: str, result: str = "", verdict: str = "") -> None:
+        verdict_text = f"{verdict.capitalize()}: {VERDICTS[verdict]}" if verdict else ""
+        for label, text in (
+            (self.heading, heading),
+            (self.says, says),
+            (self.result, result),
+            (self.verdict, verdict_text),
+        ):
             label.setText(text)
             label.setVisible(bool(text))
         coloured(self.heading, SCREEN.quiet)
         coloured(self.says, SCREEN.ink)
-        self.open_button.setEnabled(False)
+        self.open_button.setEnabled(self._claim is not None)
         self.save_button.setEnabled(False)
-        if self._claim is not None:
-            self.open_button.setEnabled(True)
 
-    # -- what can be done with it ---------------------------------------------------------------------------
+    # -- actions --------------------------------------------------------------------------------------------
 
     def _as_command(self) -> str:
-        """All of the paper at hand."""
-        at = self.list.currentItem()
-        top = at if at is None or at.parent() is None else at.parent()
-        paper = next((slug for slug, each in self._tops.items() if each is top), "all")
+        """Return the command for all figures of the selected paper."""
+        item = self.list.currentItem()
+        top = item if item is None or item.parent() is None else item.parent()
+        paper = next((slug for slug, row in self._tops.items() if row is top), "all")
         return command_text("figures", [paper, "--out", "figures"])
 
     def _open(self) -> None:
@@ -285,7 +291,7 @@ class FiguresWindow(QWidget):
     # -- window ---------------------------------------------------------------------------------------------
 
     def open(self) -> None:
-        """In front of everything."""
+        """Show the window in front of all others."""
         self._compute()
         self.show()
         self.raise_()
@@ -296,11 +302,11 @@ class FiguresWindow(QWidget):
         super().closeEvent(event)
 
     def leave(self) -> None:
-        """Nothing of it is being computed any longer."""
+        """Stop the calculation in the background."""
         self._work.close()
 
 
-def _opened(claim: Claim) -> tuple[Judgement, Drawing]:
+def _judgement(claim: Claim) -> tuple[Judgement, Drawing]:
     return claim.judgement, claim.drawing
 
 

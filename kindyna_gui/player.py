@@ -105,7 +105,7 @@ class Player(QObject):
         self.set_theta(self._rotation_sign * (machine - self._phase))
 
     def show_drive(self, phase: float, rotation_sign: float) -> None:
-        """Change to a drive with the cam angle rotation_sign·(machine angle - phase); the machine angle does not change."""
+        """Change to a drive of cam angle rotation_sign·(machine angle - phase), at the same machine angle."""
         if (phase, rotation_sign) != (self._phase, self._rotation_sign):
             machine = self.machine
             self._phase, self._rotation_sign = phase, rotation_sign
@@ -177,7 +177,7 @@ class Speed:
 
 @lru_cache(maxsize=8)
 def speeds(omega: float) -> tuple[Speed, ...]:
-    """Return the available speeds for a shaft speed [rad/s] of either sign, the slowest first; always with real time."""
+    """Return the available speeds for a shaft speed [rad/s], the slowest first; real time is always one."""
     steps = [Fraction(m) * Fraction(10) ** e for e in range(-8, 5) for m in (1, 2, 5)]
     true_turn = 2.0 * pi / abs(omega)
     rows = [Speed(part, true_turn / float(part)) for part in steps]

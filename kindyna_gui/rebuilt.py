@@ -1,10 +1,10 @@
 """Parts of the window that are replaced: for another kind of design, another segment, another number of plots.
 
-A part that is replaced is one widget, the content of a ``ContentArea``; no layout is emptied item by item. PySide keeps a
-wrapper for each item of a layout that was filled and then added to another one. If the widgets of such a layout are deleted
-one by one, Qt deletes the items, and the wrappers remain: the next object created at the same address is taken for a layout
-item, and the process crashes. If the widget with the outer layout is deleted, the wrappers are deleted with it. ``call_soon``
-deletes its timer with its owner for the same reason.
+A part that is replaced is one widget, the content of a ``ContentArea``; no layout is emptied item by item. PySide keeps
+a wrapper for each item of a layout that was filled and then added to another one. If the widgets of such a layout are
+deleted one by one, Qt deletes the items, and the wrappers remain: the next object created at the same address is taken
+for a layout item, and the process crashes. If the widget with the outer layout is deleted, the wrappers are deleted
+with it.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def clear_menu(menu: QMenu) -> None:
 
 
 class ContentArea(QWidget):
-    """Area with one content, which is replaced as a whole.
+    """Area with one content, which is replaced.
 
     sources: objects whose signals the contents receive; a removed content is disconnected from them.
     """
@@ -88,8 +88,8 @@ class ContentArea(QWidget):
 def call_soon(owner: QObject, action: Callable[[], Any]) -> None:
     """Call a function in the next turn of the event loop, unless its owner has been deleted by then.
 
-    ``QTimer.singleShot`` keeps its function for ever if the owner is deleted first, and with a method everything its object
-    refers to. A timer of the owner is deleted with it.
+    ``QTimer.singleShot`` keeps its function for ever if the owner is deleted first, and with a method everything its
+    object refers to. A timer of the owner is deleted with it.
     """
     timer = QTimer(owner, singleShot=True)
     timer.timeout.connect(action)

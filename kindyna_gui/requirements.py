@@ -1,5 +1,8 @@
-"""What a view needs of a design: a motion, a shaft, links that are listed one by one, what a contact pressure
-takes. Where it is missing, there is a sentence for the user; Unavailable carries it."""
+"""What a view requires of a design, why an empty view has nothing to show, and what the user can do about it.
+
+A view requires a motion, a shaft, links with numbers, or the sizes of a contact. Where these are missing, Unavailable has a
+sentence for the user, and ``suggestions_for`` the buttons below it.
+"""
 
 from __future__ import annotations
 
@@ -15,43 +18,42 @@ from core.stress import is_line_contact, missing_inputs
 from core.study import Study
 from core.study.extremes import has_undercut
 
-NO_MOTION = "The crank turns at constant speed: there is no motion to lay out. Let a link follow one."
+NO_MOTION = "The crank turns at constant speed: there is no motion to edit. Drive a link by a motion."
 NO_CAM = "This design has no cam"
-NO_SHAFT = "Stability is studied for the shaft of a cam or a crank; this design has none."
-NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this design has none."
-RIGID_SHAFT = "The camshaft is rigid: it winds up nowhere, and nothing can become unstable."
-RIGID_FOLLOWER = "The follower is rigid and does not vibrate. It does with a stiffness and a damping ratio."
+NO_SHAFT = "Stability needs the shaft of a cam or a crank; this design has none."
+NO_WHEEL = "A flywheel needs the shaft of a cam or a crank; this design has none."
+RIGID_SHAFT = "The camshaft is rigid: it has no wind-up, and nothing can become unstable."
+RIGID_FOLLOWER = "The follower is rigid and does not vibrate. Give it a stiffness and a damping ratio."
 NO_ELASTIC = "An elastic follower is driven by a cam; this design has none."
-NO_FLIGHT = "A follower can leave a cam; this design has none."
-LED_BY_NO_CAM = "No cam makes this linkage move: "
+NO_FLIGHT = "Only a follower on a cam can lift off; this design has no cam."
+LED_BY_NO_CAM = "This linkage has no cam: "
 LACKS_SIZES, NOTHING_PRESSES = "Contact pressure: give ", "Contact pressure: no masses and no forces are given"
-NO_SIZES = "Find sizes a cam and its follower under limits; this design has no cam."
+NO_SIZES = "Find calculates a cam and its follower within limits; this design has no cam."
 NO_FORCES = "No forces: no masses and no forces are given."
-NO_RANKING = "Nothing to rank by: torque and forces need a cam and loads."
-NOT_PINNED = "Nothing is pinned. A pinned variant is kept as it is, and what you change then is held against it."
-NO_SERVO = "No servo makes this motion. One can be put beside the cam."
-ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
-ONE_DRIVE = "This design has one drive. It can be the first of several on one shaft."
-
-ONLY_LINKAGES = "Only the links of a linkage are drawn; those of this follower follow from its lengths."
-STRANGE = "Preferences that are not understood: "
+NO_RANKING = "No quantity to rank by: torque and forces need a cam and loads."
+NOT_PINNED = "Nothing is pinned. Pin the current design, then change it: this table shows what the change does."
+NO_SERVO = "No servo makes this motion. Add one next to the cam."
+ALONE = "One drive only: see the Torque plot. With several drives this shows their total."
+ONE_DRIVE = "One drive only. It can be the first of several on one shaft."
+ONLY_LINKAGES = "Only the links of a linkage can be drawn; the links of this follower are given by its lengths."
+STRANGE = "Preferences not understood: "
 
 
 @frozen
 class Suggestion:
-    """What fills an empty view: the words of its button, and the entry of the menus that it stands for, by its key there."""
+    """A button in an empty view: its text, and the key of the menu entry that it calls."""
 
     text: str
     entry: str
 
 
-DRIVER, ROLLER = Suggestion("Let a link follow a motion...", "drivers"), Suggestion("Put a cam under it...", "rollers")
+DRIVER, ROLLER = Suggestion("Drive a link by a motion...", "drivers"), Suggestion("Add a cam...", "rollers")
 BEGIN = Suggestion("Begin with a cam...", "designing.new_by_picture")
 SHAFT, OPEN_LOADS = (
     Suggestion("Add a shaft", "designing.give_shaft"),
     Suggestion("Type masses and forces", "focus_field:loads"),
 )
-TO_SHAFT = Suggestion("Add it to a shaft...", "add_to_shaft")
+TO_SHAFT = Suggestion("Add a drive...", "add_to_shaft")
 
 SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
     {
@@ -72,7 +74,7 @@ SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
         ONLY_LINKAGES: (Suggestion("New design...", "new"),),
     }
 )
-"""Why a view is empty -> what can be done about it; entries that the design at hand has not are left out."""
+"""Why a view is empty -> what the user can do; entries that the current design has not are left out."""
 
 SUGGESTIONS_BY_START: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
     {
@@ -82,52 +84,51 @@ SUGGESTIONS_BY_START: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
         STRANGE: (Suggestion("Preferences...", "prefer"),),
     }
 )
-"""Likewise, of sentences that go on with what is missing."""
+"""Start of a sentence about what is missing -> what the user can do."""
 
 
 def suggestions_for(sentence: str) -> tuple[Suggestion, ...]:
-    """What can be done about a reason."""
-    begun = (ways for words, ways in SUGGESTIONS_BY_START.items() if sentence.startswith(words))
-    return SUGGESTIONS.get(sentence) or next(begun, ())
+    """Return what the user can do about a reason."""
+    matches = (rows for start, rows in SUGGESTIONS_BY_START.items() if sentence.startswith(start))
+    return SUGGESTIONS.get(sentence) or next(matches, ())
 
 
 class Unavailable(KindynaError):
-    """The design has nothing that a view could show; the sentence names where to look instead."""
+    """The design has nothing that a view could show; the sentence says why, or what to do."""
 
 
 def lists_links(design: Design) -> bool:
-    """Whether the links are listed one by one, with numbers: those of a follower follow from its lengths."""
+    """Whether the design lists links with numbers, as a linkage does; links of a follower are given by its lengths."""
     return bool(design.drive.links)
 
 
 def require_links(design: Design, instead: str) -> None:
-    """Raises Unavailable, with the sentence, where the links have no numbers."""
+    """Raise Unavailable with the sentence where the links have no numbers."""
     if not lists_links(design):
         raise Unavailable(instead)
 
 
 def require_centres(study: Study, instead: str) -> None:
-    """Raises Unavailable, with the sentence, where there are neither links with numbers nor a cam."""
+    """Raise Unavailable with the sentence where there are neither links with numbers nor a cam."""
     if "cam" not in study.stages:
         require_links(study.design, instead)
 
 
 def turned_shaft(study: Study, instead: str) -> Shaft:
-    """The shaft of a design, which turns cams or cranks, carries a flywheel and may twist; raises Unavailable, with the sentence, where
-    there is none."""
+    """Return the shaft of cams or cranks; raises Unavailable with the sentence where there is none."""
     if study.design.shaft is not None and study.camshaft.loading_drives:
         return study.design.shaft
     raise Unavailable(instead)
 
 
 def require_list(design: Design, instead: str) -> None:
-    """Raises Unavailable, with the sentence, where the design is of one drive that no list names."""
+    """Raise Unavailable with the sentence where the design is not a list of drives."""
     if not design.listed:
         raise Unavailable(instead)
 
 
 def require_motion(design: Design) -> Motion:
-    """The motion; raises Unavailable, with a sentence, where a crank turns at speed."""
+    """Return the motion; raises Unavailable where a crank turns at constant speed."""
     motion = motion_of(design)
     if motion is None:
         raise Unavailable(NO_MOTION)
@@ -135,7 +136,7 @@ def require_motion(design: Design) -> Motion:
 
 
 def why_no_forces(study: Study) -> str:
-    """Why there are no forces that could be drawn, in a sentence that says what to give; empty where there are."""
+    """Return why no forces can be drawn, in a sentence that says what to give; empty where they can."""
     if study.loading.is_empty:
         return NO_FORCES
     known = all(np.isfinite(force).all() for force in study.dynamics.pairs.values())
@@ -143,7 +144,7 @@ def why_no_forces(study: Study) -> str:
 
 
 def why_no_pressure(study: Study) -> str:
-    """Why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
+    """Return why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
     drive = study.design.drive
     if drive.cam is None:
         return f"{LED_BY_NO_CAM}there is no contact pressure."
@@ -152,7 +153,7 @@ def why_no_pressure(study: Study) -> str:
     if lacking := missing_inputs(drive.face, drive.cam):
         return f"{LACKS_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
     if study.loading.is_empty:
-        return f"{NOTHING_PRESSES}, so nothing presses."
+        return f"{NOTHING_PRESSES}, so there is no contact force."
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."
     return (

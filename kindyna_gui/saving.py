@@ -1,4 +1,4 @@
-"""One file, asked for and written whole or not at all: the picture of a view, the numbers of a plot, what a dialog has made."""
+"""Writing one file, completely or not at all: the picture of a view, the numbers of a plot, the result of a dialog."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from kindyna_gui.settings import Settings, in_file_units
 from kindyna_gui.view import View
 
 Content = bytes | str
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
 def numbers(design: Design, rows: Sequence[Quantity]) -> str:
-    """The channels as a table at the full resolution of the core, as the core writes them."""
+    """Return channels as a CSV table, with the resolution and format of the command line."""
     from core.output.export import csv
 
     study = Study(design)
@@ -33,17 +33,17 @@ def numbers(design: Design, rows: Sequence[Quantity]) -> str:
 
 
 def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, paints: bool = False) -> str:
-    """Write one file; returns what has been done, empty where nothing was: no path, or a fault, which is then shown.
+    """Write one file and return what was done; empty where there is no path, or after showing a fault.
 
-    paints: what makes it paints, which only the window's own thread may; anything else is made beside the window.
+    ``paints`` says that ``make`` paints, which only the window's thread may do; else it runs in the background.
     """
     if path is None:
         return ""
     try:
-        made = _patiently(make) if paints else background.beside(parent, f"Writing {path.name}", make)
-        if made is None:
-            return f"{path.name} was cancelled; nothing is written"
-        write(path, made)
+        content = _with_wait_cursor(make) if paints else background.in_background(parent, f"Writing {path.name}", make)
+        if content is None:
+            return f"Cancelled; {path.name} was not written"
+        write(path, content)
     except KindynaError as error:
         dialogs.show_faults(parent, f"{path.name} cannot be written.", str(error).splitlines())
         return ""
@@ -51,8 +51,8 @@ def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, 
     return f"Wrote {path}"
 
 
-def _patiently(make: Callable[[], Made]) -> Made:
-    """Do something under the waiting cursor, in the units of files."""
+def _with_wait_cursor(make: Callable[[], Result]) -> Result:
+    """Compute a content under the wait cursor, in the units of files."""
     QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
     try:
         with in_file_units():
@@ -62,7 +62,7 @@ def _patiently(make: Callable[[], Made]) -> Made:
 
 
 def save_picture(view: View, name: str, ask: Callable[[QWidget, Path], Path | None] | None = None) -> None:
-    """Ask for a file and write a view's picture there; where the view has nothing to show, a dialog gives the reason."""
+    """Ask for a file and write a view's picture to it; where the view is empty, a dialog gives the reason."""
     view.pull()
     if view.no_picture:
         dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
@@ -74,23 +74,23 @@ def save_picture(view: View, name: str, ask: Callable[[QWidget, Path], Path | No
 
 
 def copy_picture(view: View) -> None:
-    """A view's picture to the clipboard, twice as fine as the screen; where it has nothing to show, the status line says why."""
+    """Copy a view's picture to the clipboard, at twice the resolution; where it is empty, the status line says why."""
     view.pull()
     if view.no_picture:
-        view.status_message.emit(f"Nothing is copied. {view.no_picture}")
+        view.status_message.emit(f"Nothing was copied. {view.no_picture}")
         return
     try:
         with in_file_units():
             image = QImage.fromData(view.picture(".png"))
-    except KindynaError as error:  # a drawing that cannot be put together yet
-        view.status_message.emit(f"Nothing is copied. {reason(view.session.design, error)}")
+    except KindynaError as error:  # a linkage that cannot be assembled
+        view.status_message.emit(f"Nothing was copied. {reason(view.session.design, error)}")
         return
     QApplication.clipboard().setImage(image)
-    view.status_message.emit(f"The picture is in the clipboard, {image.width()} × {image.height()} pixels")
+    view.status_message.emit(f"Picture copied to the clipboard, {image.width()} × {image.height()} pixels")
 
 
 def save_numbers(view: View, rows: Sequence[Quantity], name: str) -> None:
-    """Ask for a file and write the channels' numbers there; where there are none, a dialog gives the reason."""
+    """Ask for a file and write the numbers of channels to it; where there are none, a dialog gives the reason."""
     if not rows:
         dialogs.show_faults(view, "There are no numbers to export.", view.no_picture.splitlines())
         return

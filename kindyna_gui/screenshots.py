@@ -1,4 +1,4 @@
-"""The window and each of its views as pictures, drawn without a display."""
+"""Pictures of the window and each of its views, drawn without a display."""
 
 from __future__ import annotations
 
@@ -26,32 +26,32 @@ from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
 from kindyna_gui.window.tasks import TASKS, task_with
 
-ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
+ROUNDS = 4  # of events: shown, laid out, refreshed, drawn
 PATIENCE, BREATH = 60.0, 0.005  # seconds
 FLAT = Qt.ImageConversionFlag.ThresholdDither | Qt.ImageConversionFlag.AvoidDither
 VECTORS = ("velocities", "forces")
 
 
 class NoSettings(Settings):
-    """Settings of a window that nobody has used before: nothing is read, nothing is kept."""
+    """Settings of a new user: nothing is read or stored."""
 
     def __init__(self) -> None:
-        self._kept = _Nothing()  # type: ignore[assignment]
+        self._store = _EmptyStore()  # type: ignore[assignment]
 
 
-class _Nothing:
+class _EmptyStore:
     def value(self, key: str, default: Any = None) -> Any:
         return default
 
     def setValue(self, key: str, value: Any) -> None:
-        """Forgotten."""
+        """Store nothing."""
 
     def sync(self) -> None:
-        """Nothing to write."""
+        """Write nothing."""
 
 
 def hidden_window(design: Design, size: tuple[int, int]) -> MainWindow:
-    """A window with a design that nobody sees, laid out and drawn."""
+    """Return a window with a design that is laid out and drawn, but not shown."""
     app = ensure_app(offscreen=True)
     dress(app)
     window = MainWindow(Session(design), Player(), NoSettings())
@@ -70,83 +70,80 @@ def dismiss(window: MainWindow) -> None:
 
 
 def rest(window: MainWindow, patience: float = PATIENCE) -> None:
-    """Let the window finish its pending work, without its pauses; what is computed beside it may take ``patience`` [s]."""
-    late = time.monotonic() + patience
+    """Finish the pending work of a window without its pauses; background work may take ``patience`` [s]."""
+    deadline = time.monotonic() + patience
     for _ in range(ROUNDS):
         _catch_up(window)
-    while any(view.busy for view in _catch_up(window)) and time.monotonic() < late:
+    while any(view.busy for view in _catch_up(window)) and time.monotonic() < deadline:
         time.sleep(BREATH)  # for the other threads
     window.status.count_findings()
     QApplication.processEvents()
 
 
 def _catch_up(window: MainWindow) -> list[View]:
-    """The views on the screen, up to date but for what is computed beside them."""
+    """Bring the views on the screen up to date, except for their background work, and return them."""
     QApplication.processEvents()
-    QCoreApplication.sendPostedEvents(
-        None, QEvent.Type.DeferredDelete.value
-    )  # without a loop of events nothing else does
-    seen = [view for view in window.findChildren(View) if view.on_screen()]
-    for view in seen:
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)  # needed without an event loop
+    visible = [view for view in window.findChildren(View) if view.on_screen()]
+    for view in visible:
         view.pull()
         view.settle()
-    return seen
+    return visible
 
 
 def png(widget: QWidget, small: bool = False) -> bytes:
-    """A widget as it stands on the screen; small: in 256 colours, a fifth of the bytes."""
+    """Return a widget as PNG; ``small``: in 256 colours, a fifth of the bytes."""
     image = widget.grab().toImage()
     return png_bytes(image.convertToFormat(QImage.Format.Format_Indexed8, FLAT) if small else image)
 
 
 def picture_angle(study: Study) -> float:
-    """The angle of the pictures [rad]: where the pressure angle is largest; of a linkage without a cam an eighth of a turn.
+    """Return the angle of the pictures [rad]: that of the largest pressure angle, or an eighth of a turn without a cam.
 
-    Raises NoSolution.
+    Raises NoSolution where the motion or the cam has none.
     """
     if "cam" not in study.stages:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
-    top: float = extremes_of(study, "cam", ("pressure_angle",))["pressure_angle"].high.theta
-    return top
+    angle: float = extremes_of(study, "cam", ("pressure_angle",))["pressure_angle"].high.theta
+    return angle
 
 
 def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
-    """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest, of
-    several drives that of the first.
+    """Return pictures by file name: the window as it opens and in each task, and each view.
 
-    Raises NoSolution.
+    The angle is that of the largest pressure angle of the (first) drive. Raises NoSolution where the drive has none.
     """
-    top = picture_angle(Study(only(design, 0)))
+    angle = picture_angle(Study(only(design, 0)))
     window = hidden_window(design, size)
     try:
-        window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)
+        window.player.set_theta(round(angle * 180.0 / pi, 1) * pi / 180.0)
         rest(window)
-        made = {"window.png": png(window)}
+        pictures = {"window.png": png(window)}
         for task in TASKS:
             window.show_task(task)
             rest(window)
-            made[f"window_{task}.png"] = png(window)
+            pictures[f"window_{task}.png"] = png(window)
         for name in VIEWS:
             window.show_task(task_with(name))
             view = window.show_view(name)
             rest(window)
-            for ending in (_as_it_is if view.is_unavailable else FORMS.get(name, _as_it_is))(view):
+            for ending in (_once if view.is_unavailable else FORMS.get(name, _once))(view):
                 rest(window)
-                made[f"{name}{ending}.png"] = png(view)
+                pictures[f"{name}{ending}.png"] = png(view)
     finally:
         dismiss(window)
-    return made
+    return pictures
 
 
-# -- what a view is to be shown as: endings of the pictures' names; the picture is taken after each ------------
+# -- forms of a view: each yields the ending of a picture's name, and the picture is taken after it ------------
 
 
-def _as_it_is(view: View) -> Iterator[str]:
+def _once(view: View) -> Iterator[str]:
     yield ""
 
 
 def _with_vectors(view: View) -> Iterator[str]:
-    """The mechanism, and again with velocities and forces, and with a flexible shaft."""
+    """Show the mechanism, then with velocities and forces, then with the twist of a flexible shaft."""
     assert isinstance(view, MechanismView)
     yield ""
     for name in VECTORS:
@@ -161,7 +158,7 @@ def _with_vectors(view: View) -> Iterator[str]:
 
 
 def _tab_by_tab(view: View) -> Iterator[str]:
-    """The first page as the view itself, the others by their titles."""
+    """Show each page; the first without an ending, the others with their titles."""
     tabs = view.findChild(QTabWidget)
     assert tabs is not None
     pages = [page for page in range(tabs.count()) if tabs.isTabVisible(page)]
@@ -188,4 +185,4 @@ FORMS: dict[str, Callable[[View], Iterator[str]]] = {
     "graph": _straight_and_polar,
     "centres": _tab_by_tab,
 }
-"""Views that are taken more than once."""
+"""Views with several pictures."""

@@ -1,4 +1,4 @@
-"""Shaft's torque, speeds, servo."""
+"""Views of the shaft: torque and power of the servo, torque over the machine speed, torque and speed over the turn."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ SERVO_HEADINGS = (
     TableHeading("at °", number=True), TableHeading("Peak power, W", number=True), TableHeading("Energy given, J", number=True),
     TableHeading("given back, J", number=True), TableHeading("with recovery, J", number=True),
 )  # fmt: skip
-KEPT = "the motor takes back what the load gives"
-ROUNDING = 1e-12  # of the energy given: less is rounding
-LOST = "what the load gives back is lost as heat: servo.regenerates is false, so the motor needs what it gives"
+RECOVERED = "the motor recovers the energy that the load returns"
+DISSIPATED = "the energy that the load returns becomes heat, because servo.regenerates is false"
+ROUNDING = 1e-12  # rounding error of an energy, as a share of the energy given
 
 
 class ServoView(View):
-    """Two plots and a table; the figures wait until editing pauses."""
+    """Plots of the effort over the turn and over the speed, and a table of its figures."""
 
     stages = ("dynamics",)
     pause_ms = 150
@@ -57,7 +57,7 @@ class ServoView(View):
         super().__init__(session, player)
         self.torque, self.force, self.field = CursorPlot(""), CursorPlot(""), XYPlot("", "")
         self.table = RowsTable(SERVO_HEADINGS)
-        plots, parted = QSplitter(Qt.Orientation.Horizontal), QSplitter(Qt.Orientation.Vertical)
+        plots, splitter = QSplitter(Qt.Orientation.Horizontal), QSplitter(Qt.Orientation.Vertical)
         turn = QSplitter(Qt.Orientation.Vertical)
         for plot in (self.torque, self.force):
             plot.setToolTip("Click or drag to set the cam angle")
@@ -68,22 +68,22 @@ class ServoView(View):
         plots.addWidget(turn)
         plots.addWidget(self.field)
         plots.setSizes([3000, 2000])
-        parted.addWidget(plots)
-        parted.addWidget(self.table)
-        parted.setSizes([3000, 2000])
-        self.set_column(parted, grows=parted)
+        splitter.addWidget(plots)
+        splitter.addWidget(self.table)
+        splitter.setSizes([3000, 2000])
+        self.set_column(splitter, grows=splitter)
 
     def refresh(self, study: Study) -> None:
         if not has_servo(study.design):
             raise Unavailable(NO_SERVO)
         study.require_load()
-        found, turn = drive_efforts(study), servo_turn(study)
-        plots = torque_figure(study, found).plots
+        efforts, turn = drive_efforts(study), servo_turn(study)
+        plots = torque_figure(study, efforts).plots
         self.force.setVisible(len(plots) > 1)
         for widget, plot in zip((self.torque, self.force), plots, strict=False):
             widget.show_plot(plot)
         self.field.show_plot(field_plot(study, turn.rms))
-        self.table.show_rows(_rows(study, found, turn))
+        self.table.show_rows(_rows(study, efforts, turn))
 
     def follow(self, theta: float) -> None:
         for plot in (self.torque, self.force):
@@ -103,32 +103,32 @@ def _energies(given: float, braked: float) -> tuple[str, str, str]:
     return digits(given), digits(braked), digits(net if abs(net) > ROUNDING * given else 0.0)
 
 
-def _rows(study: Study, found: tuple[DriveEffort, ...], turn: ServoTurn) -> list[TableRow]:
-    """Each way, then the segments of the motion by the servo, then the ratio of inertias."""
+def _rows(study: Study, efforts: tuple[DriveEffort, ...], turn: ServoTurn) -> list[TableRow]:
+    """Rows of the efforts, of the segments of the servo's motion, and of the inertia ratio."""
     rows = []
-    for each in found:
-        tip = KEPT if each.drive != SERVO or servo_part(study).regenerates else LOST
-        cells = f"{each.label}, {each.unit}", *map(digits, (each.rms, each.peak)), digits(each.peak_deg, 4)
-        energies = _energies(each.given, each.braked)
-        rows.append(TableRow((*cells, digits(each.peak_power), *energies), tip=tip))
+    for effort in efforts:
+        tip = RECOVERED if effort.drive != SERVO or servo_part(study).regenerates else DISSIPATED
+        cells = f"{effort.label}, {effort.unit}", *map(digits, (effort.rms, effort.peak)), digits(effort.peak_deg, 4)
+        energies = _energies(effort.given, effort.braked)
+        rows.append(TableRow((*cells, digits(effort.peak_power), *energies), tip=tip))
     segments = study.program.motion.segments
     for part in turn.parts:
         name = f"Servo, segment {part.segment + 1} ({segments[part.segment].curve.law})"
         rows.append(TableRow((name, "", "", "", "", *_energies(part.given, part.braked))))
     ratio = "unknown" if turn.inertia_ratio is None else digits(turn.inertia_ratio)
-    tip = "largest inertia of the load at the motor over that of the rotor, servo.rotor_inertia_kg_m2"
+    tip = "largest inertia of the load at the motor, divided by that of the rotor (servo.rotor_inertia_kg_m2)"
     return [*rows, TableRow(("Inertia ratio", ratio, *([""] * 6)), tip=tip)]
 
 
 # -- speeds view -----------------------------------------------------------------------------------------
 
 SPEED = "Machine speed, rpm"
-LEAST, MOST, COUNT = 0.25, 2.0, 36  # times the design's speed; speeds between
+LEAST, MOST, COUNT = 0.25, 2.0, 36  # lowest and highest speed, as a multiple of the design's; number of speeds
 POLL_MS = 25
 
 
 class AgainstSpeedView(BackgroundView):
-    """Two plots, found beside the window while they can be seen."""
+    """Plots of torque and speed fluctuation over the machine speed, calculated in the background."""
 
     is_design_wide = True
     stages = ("dynamics",)
@@ -136,7 +136,7 @@ class AgainstSpeedView(BackgroundView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player, POLL_MS)
-        self.found: AgainstSpeed | None = None
+        self.curves: AgainstSpeed | None = None
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
         for plot in (self.torque, self.fluctuation):
             plot.setMinimumSize(220, 70)
@@ -144,48 +144,48 @@ class AgainstSpeedView(BackgroundView):
         self.bar.setAccessibleName("Computing")
         self.bar.setFixedHeight(6)
         self.bar.hide()
-        parted = QSplitter(Qt.Orientation.Vertical)
-        parted.addWidget(self.torque)
-        parted.addWidget(self.fluctuation)
-        parted.setSizes([3000, 2000])
-        self.set_column(parted, self.bar, grows=parted)
-        self._work.result.connect(self._answered)
+        splitter = QSplitter(Qt.Orientation.Vertical)
+        splitter.addWidget(self.torque)
+        splitter.addWidget(self.fluctuation)
+        splitter.setSizes([3000, 2000])
+        self.set_column(splitter, self.bar, grows=splitter)
+        self._work.result.connect(self._show_result)
 
     def refresh(self, study: Study) -> None:
         design = self.session.full_design
         rpm = turned_shaft(self.session.full_study, NO_WHEEL).speed_rpm * np.linspace(LEAST, MOST, COUNT)
-        self.found = None
+        self.curves = None
         self.bar.show()
         self._work.start([(design, partial(at_speeds, design, rpm))])
 
-    def _answered(self, design: object, result: AgainstSpeed | KindynaError | Cancelled) -> None:
+    def _show_result(self, design: object, result: AgainstSpeed | KindynaError | Cancelled) -> None:
         self.bar.hide()
         if isinstance(result, AgainstSpeed):
-            self.found = result
+            self.curves = result
             self._draw(result)
         elif isinstance(result, KindynaError):
             for plot in (self.torque, self.fluctuation):
                 plot.show_message("")
             self.torque.show_message(reason(self.session.full_design, result))
 
-    def _draw(self, found: AgainstSpeed) -> None:
-        own = ((self.session.full_design.camshaft.speed_rpm, "now"),)
-        rung = readable("N·m", float(np.abs(found.peak).max()))
+    def _draw(self, curves: AgainstSpeed) -> None:
+        present = ((self.session.full_design.camshaft.speed_rpm, "now"),)
+        rung = readable("N·m", float(np.abs(curves.peak).max()))
         self.torque.name_axes(SPEED, f"Torque, {rung.symbol}")
-        levelled = bool(np.any(found.motor_peak != found.peak))
-        rows = [("Peak", found.peak, VERMILION), ("RMS", found.rms, BLUE), ("Mean", found.mean, GREEN)]
-        rows += [("Motor peak", found.motor_peak, SCREEN.ink)] if levelled else []
-        self.torque.show_lines([Line(found.rpm, y / rung.size, colour, name) for name, y, colour in rows], own)
-        if np.isfinite(found.fluctuation).any():
+        has_motor_curve = bool(np.any(curves.motor_peak != curves.peak))
+        rows = [("Peak", curves.peak, VERMILION), ("RMS", curves.rms, BLUE), ("Mean", curves.mean, GREEN)]
+        rows += [("Motor peak", curves.motor_peak, SCREEN.ink)] if has_motor_curve else []
+        self.torque.show_lines([Line(curves.rpm, y / rung.size, colour, name) for name, y, colour in rows], present)
+        if np.isfinite(curves.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
             allowed = 100.0 * self.session.full_design.camshaft.speed_fluctuation
-            ends = Line(found.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
-            reached = Line(found.rpm, 100.0 * found.fluctuation, SCREEN.family("speed"), "reached")
+            ends = Line(curves.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
+            reached = Line(curves.rpm, 100.0 * curves.fluctuation, SCREEN.family("speed"), "reached")
             self.fluctuation.show_lines(
-                [reached, ends], own, note="the motor stalls" if np.isnan(found.fluctuation).any() else ""
+                [reached, ends], present, note="the motor stalls" if np.isnan(curves.fluctuation).any() else ""
             )
         else:
-            self.fluctuation.show_message("The motor stalls at all of these speeds.")
+            self.fluctuation.show_message("The motor stalls at all these speeds.")
 
     def _stop_work(self) -> None:
         super()._stop_work()
@@ -194,21 +194,24 @@ class AgainstSpeedView(BackgroundView):
 
 # -- torque view -----------------------------------------------------------------------------------------
 
-LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
+LATER_MS = 150  # pause in editing before the slow results: motor, true speed, figures
 TORQUE = "N·m"
-FIGURE_HEADINGS = (TableHeading("Torque", unit=TORQUE), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
-    TableHeading("Peak", number=True),
-            TableHeading("at °", number=True), TableHeading("Peak power", number=True))  # fmt: skip
+FIGURE_HEADINGS = (
+    TableHeading("Torque", unit=TORQUE), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
+    TableHeading("Peak", number=True), TableHeading("at °", number=True), TableHeading("Peak power", number=True),
+)  # fmt: skip
 SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
 RPM = UNITS["rpm"].factor
 
 
 def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fit: bool = False) -> None:
-    """Draw curves over the machine angle, x [deg] without the end of the turn, y and band in ``unit``, the first of them underneath;
-    fit: the axis need not reach to zero."""
+    """Plot curves over the machine angle, the first one underneath.
+
+    ``lines``: x [deg] without the end of the turn, y and band in ``unit``. ``fit``: the axis need not include zero.
+    """
     rung = readable(unit, max((float(np.abs(line.y).max(initial=0.0)) for line in lines), default=0.0))
     plot.name_axes(MACHINE_ANGLE, f"{title}, {rung.symbol}")
-    whole = [
+    closed = [
         replace(
             line,
             x=np.append(line.x, 360.0),
@@ -217,19 +220,22 @@ def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fi
         )
         for line in lines
     ]
-    plot.show_lines(whole, fit=fit, rung=rung)
+    plot.show_lines(closed, fit=fit, rung=rung)
 
 
-def band_in(found: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
-    """Machine angles [deg] and percentiles of a drive by its name, empty of all, or of a quantity of the motor, in a unit."""
-    return closed_band(found[name] / unit) if name in found else None
+def band_in(bands: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return machine angles [deg] and percentiles in a unit; None where the band is unknown.
+
+    ``name``: of a drive, empty for the shaft, or of a quantity of the motor.
+    """
+    return closed_band(bands[name] / unit) if name in bands else None
 
 
-ROOMY = 260  # pixels of height, from which on a plot stands above the table of figures
+ROOMY = 260  # height from which the table has a plot above it, pixels
 
 
 class _TurnView(View):
-    """Plots over the machine angle of all drives together; what takes longer than they comes once editing pauses."""
+    """Plots over the machine angle for all drives; slow results follow once editing pauses."""
 
     is_design_wide = True
 
@@ -239,20 +245,20 @@ class _TurnView(View):
         self._read_timer.timeout.connect(self._show_later)
 
     def _lay_out(self, count: int, *more: QWidget) -> None:
-        """So many plots one below the other, of which the last has the angles, and more below them."""
+        """Lay out a number of plots with common angles, and other widgets below them."""
         self.plots = tuple(CursorPlot(MACHINE_ANGLE) for _ in range(count))
         self.note = Note(SCREEN.quiet, margin=3)
-        parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         for number, plot in enumerate(self.plots, 1):
             plot.setToolTip(MACHINE_TIP)
             plot.setMinimumSize(220, 70)
             plot.show_numbers(number == count)
             plot.moved.connect(self._turn)
-            parted.addWidget(plot)
+            splitter.addWidget(plot)
         for part in more:
-            parted.addWidget(part)
-        parted.setSizes([*([1000] * (count - 1)), 1300, *(1000 for _ in more)])
-        self.set_column(parted, self.note, grows=parted)
+            splitter.addWidget(part)
+        splitter.setSizes([*([1000] * (count - 1)), 1300, *(1000 for _ in more)])
+        self.set_column(splitter, self.note, grows=splitter)
 
     def refresh(self, study: Study) -> None:
         require_list(self.session.full_design, ALONE)
@@ -260,10 +266,10 @@ class _TurnView(View):
         self._read_timer.start()
 
     def draw(self, shaft: Camshaft[Study]) -> None:
-        """What follows each edit."""
+        """Draw the fast results, after each edit."""
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        """What takes longer."""
+        """Draw the slow results, once editing pauses."""
 
     def _show_later(self) -> None:
         self._read_timer.stop()
@@ -295,7 +301,7 @@ class _TurnView(View):
 
 
 class ShaftTorqueView(_TurnView):
-    """Each drive's torque in its colour, below it their sum: with balance cam, and as the motor gives it."""
+    """Torque of each drive, and below it the torque of the shaft, without the balance cam, and of the motor."""
 
     stages = ("dynamics",)
 
@@ -338,8 +344,8 @@ class ShaftTorqueView(_TurnView):
     def _draw_sums(self, shaft: Camshaft[Study], *motor: Line) -> None:
         x, balanced = shaft.angle_degrees, shaft.design.balancer is not None
         cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if balanced else []
-        whole = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=band_in(self.bands.of_shaft(), ""))
-        show_turn(self.sums, "Shaft", "N·m", [*cams, whole, *motor])
+        total = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=band_in(self.bands.of_shaft(), ""))
+        show_turn(self.sums, "Shaft", "N·m", [*cams, total, *motor])
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levels_torque:
@@ -353,7 +359,7 @@ class ShaftTorqueView(_TurnView):
 
 
 class ShaftFiguresView(_TurnView):
-    """The true speed where a flywheel levels it, and a table: mean, root mean square, peak and peak power of each and all."""
+    """Table of mean, RMS, peak and peak power of each torque, and the true speed where there is a flywheel."""
 
     stages = ("dynamics",)
 
@@ -365,16 +371,16 @@ class ShaftFiguresView(_TurnView):
         (self.speed,) = self.plots
         self.bands = Bands.of(session)
         self.bands.changed.connect(self.invalidate)
-        self._levelled = False
-        self._share()
+        self._has_speed = False
+        self._show_speed_if_roomy()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        self._share()
+        self._show_speed_if_roomy()
 
-    def _share(self) -> None:
-        """The speed where there is one, and where it does not hide rows of the table."""
-        self.speed.setVisible(self._levelled and self.height() >= ROOMY)
+    def _show_speed_if_roomy(self) -> None:
+        """Show the plot of the speed where it leaves room for the table."""
+        self.speed.setVisible(self._has_speed and self.height() >= ROOMY)
 
     def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
@@ -384,8 +390,8 @@ class ShaftFiguresView(_TurnView):
             self.draw_later(shaft)
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
-        self._levelled = shaft.levels_torque
-        self._share()
+        self._has_speed = shaft.levels_torque
+        self._show_speed_if_roomy()
         try:
             if shaft.levels_torque:
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
@@ -397,7 +403,7 @@ class ShaftFiguresView(_TurnView):
 
 
 def figures(shaft: Camshaft[Study]) -> list[TableRow]:
-    """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
+    """Rows with mean, RMS, peak, its machine angle and peak power for each drive, for the shaft and for the motor."""
     rows = [
         _row(
             name,
@@ -414,10 +420,10 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
             rows.append(_row(CAMS, shaft.cams_load, shaft.omega, SCREEN.quiet))
         rows.append(_row(SHAFT, shaft.load, shaft.omega, SCREEN.ink, "torque_nm"))
         if shaft.levels_torque:
-            found = shaft.motor_range
-            ends = found["motor_torque"]
+            extremes = shaft.motor_range
+            ends = extremes["motor_torque"]
             peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
-            power = measure(*_readable("W", found["motor_power"].high.value))
+            power = measure(*_readable("W", extremes["motor_power"].high.value))
             cells = (MOTOR, _torque(shaft.mean_torque), "", _torque(peak.value), _angle(peak.theta), power)
             rows.append(TableRow(cells, swatch(SCREEN.family("torque")), "with the flywheel, at the true speed"))
     except NoSolution as error:
@@ -426,7 +432,7 @@ def figures(shaft: Camshaft[Study]) -> list[TableRow]:
 
 
 def _row(name: str, load: LoadCurve, omega: float, colour: str, column: str = "") -> TableRow:
-    """column: of the peak."""
+    """``column``: the column of the torque, to explain its peak."""
     ends = peaks(load)
     peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
     power = measure(*_readable("W", ends.high.value * omega))

@@ -1,4 +1,4 @@
-"""Pages below it."""
+"""Parts of the stability view: fields of a point, texts of the results, and the pages below the chart."""
 
 from __future__ import annotations
 
@@ -44,17 +44,17 @@ from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, with_unit
 
-# -- point fields ----------------------------------------------------------------------------------------
+# -- fields of a point -----------------------------------------------------------------------------------
 
-MOST_ETA, MOST_Q = 60.0, 100.0  # as far as a point can be followed
-DIGITS = 7  # of a speed or of the machine's own figures, which nobody typed
+MOST_ETA, MOST_Q = 60.0, 100.0  # largest frequency and inertia ratio that is computed
+DIGITS = 7  # of calculated numbers
 
 
 class PointFields(QWidget):
-    """η, Q and rpm side by side, and a button back to the machine's own point.
+    """Fields for η, Q and speed of a point, and a button that returns to the point of the machine.
 
-    entered   (float, float): another η and Q was typed
-    returned  the machine's own point is wanted
+    - entered (float, float): another η and Q was typed
+    - returned: the button was clicked
     """
 
     entered = Signal(float, float)
@@ -66,7 +66,7 @@ class PointFields(QWidget):
         self.q = NumberBox(Info("Inertia ratio Q", low=0.0, high=MOST_Q, step=0.01), NO_UNIT)
         self.rpm = NumberBox(Info("Speed", low=0.0, high=1e5, open_low=True, step=10.0), UNITS["rpm"])
         self.back = QPushButton("Machine's own")
-        self.back.setToolTip("Choose the machine's own point again")
+        self.back.setToolTip("Select the point of the machine again")
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         for before, box, after in (
@@ -85,11 +85,11 @@ class PointFields(QWidget):
         self.back.clicked.connect(self.returned)
         self.setEnabled(False)
 
-    def show_point(self, machine: Machine, eta: float, q: float, own: bool) -> None:
-        """Show a point of this machine's chart; what was typed and refused is forgotten."""
+    def show_point(self, machine: Machine, eta: float, q: float, is_machine: bool) -> None:
+        """Show a point of a machine's chart and discard refused input; ``is_machine``: it is the point of the machine."""
         self._machine, self._point = machine, (eta, q)
-        self.eta.show_value(_rounded(eta) if own else eta)
-        self.q.show_value(_rounded(q) if own else q)
+        self.eta.show_value(_rounded(eta) if is_machine else eta)
+        self.q.show_value(_rounded(q) if is_machine else q)
         self.rpm.show_value(_rounded(machine.rpm(eta)))
         least = machine.rpm(MOST_ETA)
         limits = (
@@ -99,20 +99,20 @@ class PointFields(QWidget):
         )
         for box, allowed in limits:
             box.setToolTip(f"Allowed: {allowed}")
-        self.back.setEnabled(not own)
+        self.back.setEnabled(not is_machine)
         self.setEnabled(True)
 
     def _typed_eta(self, value: float) -> None:
-        self._take(self.eta, value, self._point[1])
+        self._enter(self.eta, value, self._point[1])
 
     def _typed_q(self, value: float) -> None:
-        self._take(self.q, self._point[0], value)
+        self._enter(self.q, self._point[0], value)
 
     def _typed_rpm(self, value: float) -> None:
         assert self._machine is not None
-        self._take(self.rpm, self._machine.eta_at(value) if value > 0.0 else 0.0, self._point[1])
+        self._enter(self.rpm, self._machine.eta_at(value) if value > 0.0 else 0.0, self._point[1])
 
-    def _take(self, box: NumberBox, eta: float, q: float) -> None:
+    def _enter(self, box: NumberBox, eta: float, q: float) -> None:
         if 0.0 < eta <= MOST_ETA and 0.0 <= q <= MOST_Q:
             self.entered.emit(eta, q)
         else:
@@ -132,24 +132,24 @@ def _quiet(text: str) -> QLabel:
 # -- texts -----------------------------------------------------------------------------------------------
 
 STEADY, FROM_REST = "steady", "from_rest"
-WORDS = {"model", "verdict"}  # columns that hold no numbers
-ROUNDING = 1e-9  # of a torque's amplitude: a mean below it is rounding
+WORDS = {"model", "verdict"}  # columns of text
+ROUNDING = 1e-9  # rounding error of a mean torque, as a share of its amplitude
 BRIEF = {APPROXIMATE: "approximate (22)", EXACT: "exact (21)"}
 
 
 def percent(growth: float) -> str:
-    """A logarithm of growth per turn as a share: ``2.3 % a turn``."""
+    """Growth per turn in percent from its logarithm: ``2.3 % a turn``."""
     part = expm1(growth)
     return f"{digits(100.0 * part, 3)} % a turn" if part < 10.0 else f"×{digits(1.0 + part, 3)} a turn"
 
 
 def speed(rpm: float, figures: int = 4) -> str:
-    """A speed [rpm] for the reader, ∞ where nothing bounds it."""
+    """Speed [rpm] as text; ∞ where it is unbounded."""
     return digits(rpm, figures) if isfinite(rpm) else "∞"
 
 
 def speeds(band: ForbiddenBand) -> str:
-    """From lowest to highest, with as many figures as tell them apart."""
+    """Range of speeds of a forbidden band, with enough digits to tell its ends apart."""
     for figures in range(4, 12):
         low, high = speed(band.rpm_lo, figures), speed(band.rpm_hi, figures)
         if low != high:
@@ -157,30 +157,30 @@ def speeds(band: ForbiddenBand) -> str:
     return f"{low} … {high}"
 
 
-def tongue_of(found: Tongues, eta: float, row: int = 0) -> int | None:
-    """The number of the tongue that holds an η; None between them."""
-    for n, (low, high) in enumerate(found.edges[row], 1):
+def tongue_of(tongues: Tongues, eta: float, row: int = 0) -> int | None:
+    """Number of the tongue at an η; None between the tongues."""
+    for n, (low, high) in enumerate(tongues.edges[row], 1):
         if low <= eta <= high:
             return n
     return None
 
 
 def point_text(eta: float, q: float, machine: Machine | None, verdicts: Sequence[Verdict], tongue: int | None) -> str:
-    """One line for what is under the mouse."""
+    """Position, tongue and verdicts of a point, in one line."""
     at = f"η = {eta:.4g}, Q = {q:.4g}"
     if machine is not None:
         at += f", {speed(machine.rpm(eta))} rpm"
-    place = f"tongue {tongue}" if tongue is not None else "between tongues"
+    position = f"tongue {tongue}" if tongue is not None else "between tongues"
     models = "; ".join(
         f"{BRIEF[v.model]} {'stable' if v.stable else f'grows {percent(v.growth)}'}"
         for v in verdicts
         if v.model in BRIEF
     )
-    return f"{at}: {place}; {models}"
+    return f"{at}: {position}; {models}"
 
 
 def waiting_text(verdicts: Sequence[Verdict], waiting: bool) -> str:
-    """A line for each nonlinear model at what is under the mouse, as far as they have answered."""
+    """A line for each nonlinear model at a point, as far as they are computed."""
     by_model = {verdict.model: verdict for verdict in verdicts}
     parts = [words(by_model[model]) for model, words in SLOW.items() if model in by_model]
     if waiting:
@@ -190,7 +190,7 @@ def waiting_text(verdicts: Sequence[Verdict], waiting: bool) -> str:
 
 def _steady_words(verdict: Verdict) -> str:
     if verdict.stable is None:
-        return "steady: no response found"
+        return "steady: no steady response"
     state = f"grows {percent(verdict.growth)}" if verdict.state == UNSTABLE else verdict.state
     return f"steady: {state}, {_twist(verdict)}{_contact_words(verdict)}"
 
@@ -219,13 +219,13 @@ def _cell(text: str, colour: str = "", right: bool = False) -> str:
     return f"<td{align}{style}>{escape(text)}&nbsp;&nbsp;</td>"
 
 
-def _table(head: Sequence[str], rows: Sequence[str]) -> str:
-    top = "".join(_cell(text, SCREEN.quiet, right=text not in WORDS) for text in head)
+def _table(header: Sequence[str], rows: Sequence[str]) -> str:
+    top = "".join(_cell(text, SCREEN.quiet, right=text not in WORDS) for text in header)
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
 def verdict_table(verdicts: Sequence[Verdict]) -> str:
-    """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green."""
+    """Table of the verdicts of all models; none is green where the follower leaves the cam in one of them."""
     rows = []
     good = SCREEN.good if all(verdict.contact_lost is None for verdict in verdicts) else ""
     for verdict in verdicts:
@@ -235,18 +235,18 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
-        who = f"{verdict.leaving} " if verdict.leaving else ""
-        lost = f"{who}at turn {verdict.contact_lost:.4g}" if verdict.contact_lost is not None else "–"
+        drive = f"{verdict.leaving} " if verdict.leaving else ""
+        leaves = f"{drive}at turn {verdict.contact_lost:.4g}" if verdict.contact_lost is not None else "–"
         rows.append(
             _cell(verdict.label)
             + _cell(verdict.state, colour)
-            + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
+            + "".join(_cell(text, right=True) for text in (growth, trace, largest, leaves))
         )
     return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 
 
 def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
-    """The forbidden bands of speed, the one that holds the machine's speed in red."""
+    """Table of the forbidden bands of speed; the band at the speed of the machine is red."""
     lines = []
     for band in rows:
         colour = SCREEN.limit if band.contains(rpm) else ""
@@ -259,36 +259,36 @@ def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
         )
         lines.append("".join(_cell(text, colour, right=True) for text in cells))
     if not lines:
-        return "<p>No speed is forbidden.</p>"
+        return "<p>No forbidden speeds.</p>"
     return _table(("tongue", "speeds, rpm", "η", "twist grows by", "rate"), lines)
 
 
-def shaft_text(found: Stiffness) -> str:
-    """What a wanted speed asks of the shaft."""
-    if found.allowed:
-        return f"{speed(found.rpm)} rpm: the present {digits(found.current, 5)} N·m/rad keeps clear of every band."
-    softer = f" or at most {digits(found.softer, 5)}" if found.softer is not None else ""
+def shaft_text(stiffness: Stiffness) -> str:
+    """Stiffness of the shaft that a speed needs."""
+    if stiffness.allowed:
+        return f"{speed(stiffness.rpm)} rpm: the present {digits(stiffness.current, 5)} N·m/rad is clear of every band."
+    softer = f" or at most {digits(stiffness.softer, 5)}" if stiffness.softer is not None else ""
     return (
-        f"{speed(found.rpm)} rpm: at least {digits(found.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {digits(found.current, 5)} stands {'in' if found.inside else 'too near'} a band."
+        f"{speed(stiffness.rpm)} rpm: at least {digits(stiffness.stiffer, 5)} N·m/rad{softer}; "
+        f"the present {digits(stiffness.current, 5)} is {'in' if stiffness.inside else 'too near'} a band."
     )
 
 
 def steady_text(turn: SteadyTurn) -> str:
-    """What the steady response does to the shaft and to each follower."""
+    """Torque in the shaft and error of each follower in the steady response."""
     mean = 0.0 if abs(turn.mean_torque) < ROUNDING * turn.torque_amplitude else turn.mean_torque
     parts = [f"torque in the shaft {digits(mean, 3)} ± {digits(turn.torque_amplitude, 3)} N·m"]
-    for each, found in zip(turn.followers, turn.errors, strict=True):
-        worst = max(found.low, found.high, key=lambda side: abs(side.value))
-        unit = UNITS[each.unit]
+    for follower, error in zip(turn.followers, turn.errors, strict=True):
+        worst = max(error.low, error.high, key=lambda end: abs(end.value))
+        unit = UNITS[follower.unit]
         size, at = digits(abs(worst.value) / unit.factor, 3), digits(degrees(worst.theta), 4)
-        name = f"error of {each.name}" if each.name else "follower's error"
+        name = f"error of {follower.name}" if follower.name else "follower's error"
         parts.append(f"{name} {with_unit(size, unit.symbol)} at {at}°")
     return f"Steady response: {'; '.join(parts)}"
 
 
-def wanted_text(machine: Machine, eta: float, q: float) -> str:
-    """The shaft that a point of the chart needs at the machine's own speed and masses."""
+def needed_shaft_text(machine: Machine, eta: float, q: float) -> str:
+    """Stiffness and inertia that move the machine to a point of the chart, at its speed and masses."""
     inertia, stiffness = machine.shaft_for(eta, q)
     rpm = machine.rpm(machine.eta)
     return (
@@ -297,80 +297,77 @@ def wanted_text(machine: Machine, eta: float, q: float) -> str:
     )
 
 
-def machine_text(found: Stability) -> str:
-    """The machine in one line; the chart says its η and Q."""
-    m = found.machine
-    top = f"; above {speed(found.top_rpm)} rpm nothing holds" if isfinite(found.top_rpm) else ""
+def machine_text(stability: Stability) -> str:
+    """Speed and damping of the machine, and the speed up to which the chart is valid."""
+    m = stability.machine
+    top = f"; not checked above {speed(stability.top_rpm)} rpm" if isfinite(stability.top_rpm) else ""
     damping = f", ζ = {m.damping:g}" if m.damping else ""
     return f"{speed(m.rpm(m.eta))} rpm{damping}{top}"
 
 
-__all__ = [
-    "bands_table", "machine_text", "percent", "point_text", "shaft_text", "speed", "steady_text", "tongue_of", "verdict_table",
-    "waiting_text", "wanted_text",
-]  # fmt: skip
-
-
 # -- pages -----------------------------------------------------------------------------------------------
 
-POINTS = 6000  # of a history that is drawn
-LEAST_WIDTH = 596  # the table of verdicts needs it
-KILO = 10e3  # N, from where on kN are counted
-LAST_TURNS = 5.0  # of a history, drawn as phase plane
+POINTS = 6000  # drawn points of a history
+LEAST_WIDTH = 596  # of the table of verdicts, pixels
+KILO = 10e3  # force from which the axis is in kN [N]
+LAST_TURNS = 5.0  # of a history, drawn in the phase plane
 TURN = 360.0
-FOLLOWING = "Following the shaft through 30 turns …"
-SETTLING = "Looking for the steady response …"
-AVERAGING = "Following the shaft from rest at many speeds …"
+FOLLOWING = "Calculating 30 turns of the shaft from rest …"
+SETTLING = "Calculating the steady response …"
+AVERAGING = "Calculating the shaft from rest at many speeds …"
 
 
 @dataclass
 class ChartPoint:
-    """What is known of a point of the chart; ``own``: it is the machine's; ``steady``: the steady response, None before it has been
-    looked for, empty where there is none."""
+    """A point of the chart with its results so far.
+
+    ``is_machine``: the point of the machine. ``steady``: the steady response, None before it is computed, empty where there
+    is none.
+    """
 
     eta: float
     q: float
-    own: bool
+    is_machine: bool
     history: History | None = None
     verdicts: tuple[Verdict, ...] = ()
     steady: tuple[SteadyTurn, ...] | None = None
 
 
-def steady_turns(found: Stability, eta: float, q: float) -> tuple[SteadyTurn, ...]:
-    """The steady response at a point, with all that is drawn of it; none where there is none."""
-    turn = found.steady_turn_at(eta, q)
+def steady_turns(stability: Stability, eta: float, q: float) -> tuple[SteadyTurn, ...]:
+    """Return the steady response at a point; empty where there is none."""
+    turn = stability.steady_turn_at(eta, q)
     return () if turn is None else (turn,)
 
 
 class StabilityPages(QTabWidget):
-    """One page in front of the others; only that is drawn.
+    """Pages with verdicts, speeds and plots, of which only the visible one is drawn.
 
-    lacking   (str): a page has come to the front that waits for what is named, a cached property of ``Stability``
+    - result_requested (str): the visible page waits for this cached property of ``Stability``
     """
 
-    lacking = Signal(str)
+    result_requested = Signal(str)
 
     def __init__(self) -> None:
         super().__init__(documentMode=True)
-        self.found: Stability | None = None
+        self.stability: Stability | None = None
         self.chosen: ChartPoint | None = None
         self._drawn: set[int] = set()
         self.verdicts, self.speeds = _text(), _text()
-        # as long as there are drives, so that it must wrap, which the table above must not
+        # a line for each drive: it wraps, which the table above does not
         self.steady = QLabel(wordWrap=True, margin=8)
         self.steady.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.addTab(_rolled(self.verdicts, self.steady), "Verdicts")
+        self.addTab(_scrolled(self.verdicts, self.steady), "Verdicts")
         self.addTab(self._speeds_page(), "Speeds")
         self.plots: dict[str, tuple[XYPlot, ...]] = {}
         for name, row in PLOTS.items():
             self.plots[name] = tuple(XYPlot(across, upwards) for across, upwards in row.axes)
-            self.addTab(_beside(self.plots[name]), name)
+            self.addTab(_side_by_side(self.plots[name]), name)
         self.setMinimumWidth(max(LEAST_WIDTH, self.tabBar().sizeHint().width()))
         self.currentChanged.connect(self._draw)
-        self.speed.entered.connect(self._needs)
+        self.speed.entered.connect(self._show_needed)
 
     def _speeds_page(self) -> QScrollArea:
-        """The forbidden bands, and the shaft that a wanted speed asks for."""
+        """Page with the forbidden bands, and the stiffness that a speed needs."""
         self.speed = NumberBox(Info("Speed", low=0.0, high=1e5, open_low=True, step=10.0), UNITS["rpm"])
         self.needed = QLabel(wordWrap=True)
         self.needed.setMinimumWidth(1)
@@ -380,86 +377,90 @@ class StabilityPages(QTabWidget):
         row.addWidget(self.speed)
         row.addWidget(UnitLabel(UNITS["rpm"]))
         row.addWidget(self.needed, 1)
-        return _rolled(row, self.speeds)
+        return _scrolled(row, self.speeds)
 
-    # -- what is shown --------------------------------------------------------------------------------------
+    # -- content --------------------------------------------------------------------------------------------
 
-    def show_shaft(self, found: Stability, point: ChartPoint) -> None:
-        """Another shaft, and the point of its chart that is chosen."""
-        self.found = found
-        self.speed.show_value(round(found.machine.rpm(found.machine.eta), 6))
+    def show_shaft(self, stability: Stability, point: ChartPoint) -> None:
+        """Show another shaft, and the selected point of its chart."""
+        self.stability = stability
+        self.speed.show_value(round(stability.machine.rpm(stability.machine.eta), 6))
         self.show_point(point)
 
     def show_point(self, point: ChartPoint) -> None:
-        """Another point, or more of it is known."""
+        """Show another point, or further results of the same point."""
         self.chosen = point
         self.redraw()
 
     def fade(self, on: bool) -> None:
-        """Texts stand back while others are computed in their place; what has the focus keeps it."""
+        """Grey out the texts while new ones are calculated; the focus does not change."""
         for label in (self.verdicts, self.speeds, self.needed):
             label.setEnabled(not on)
 
     def redraw(self) -> None:
-        """What is drawn is out of date."""
+        """Draw the visible page again, and the others when they are shown."""
         self._drawn.clear()
         self._draw()
 
     @property
-    def lacks(self) -> str:
-        """The cached property of the shaft for which the page in front waits, '' where there is none."""
+    def missing_result(self) -> str:
+        """The cached property of ``Stability`` that the visible page waits for; empty where there is none."""
         row = PLOTS.get(self.tabText(self.currentIndex()))
-        return row.needs if row is not None and self.found is not None and row.needs not in vars(self.found) else ""
+        return (
+            row.needs
+            if row is not None and self.stability is not None and row.needs not in vars(self.stability)
+            else ""
+        )
 
     def show_page(self, name: str) -> None:
-        """Bring the page of this name to the front."""
+        """Show the page of this name."""
         self.setCurrentIndex([self.tabText(i) for i in range(self.count())].index(name))
 
     def _draw(self, *_: object) -> None:
         index = self.currentIndex()
-        if self.found is None or self.chosen is None or index in self._drawn:
+        if self.stability is None or self.chosen is None or index in self._drawn:
             return
         self._drawn.add(index)
         name = self.tabText(index)
         if name == "Verdicts":
-            self._show_verdicts(self.found, self.chosen)
+            self._show_verdicts(self.stability, self.chosen)
         elif name == "Speeds":
-            self._show_speeds(self.found)
+            self._show_speeds(self.stability)
         else:
-            self._show_plots(self.found, self.chosen, name)
+            self._show_plots(self.stability, self.chosen, name)
 
-    def _show_plots(self, found: Stability, point: ChartPoint, name: str) -> None:
+    def _show_plots(self, stability: Stability, point: ChartPoint, name: str) -> None:
         row = PLOTS[name]
-        waits = WAITING[row.of](point) if row.of else AVERAGING if self.lacks else ""
+        waits = WAITING[row.result](point) if row.result else AVERAGING if self.missing_result else ""
         if waits:
             for plot in self.plots[name]:
                 plot.show_message(waits)
             if row.needs:
-                self.lacking.emit(row.needs)
+                self.result_requested.emit(row.needs)
         else:
-            row.draw(self.plots[name], found, point)
+            row.draw(self.plots[name], stability, point)
 
-    def _show_verdicts(self, found: Stability, point: ChartPoint) -> None:
-        verdicts = point.verdicts or found.linear_at(point.eta, point.q)
-        where = "" if point.own else "the picked point, "
-        wait = "" if point.verdicts else f"<p style='color:{SCREEN.quiet}'>The nonlinear models are still to come.</p>"
-        self.verdicts.setText(f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}")
+    def _show_verdicts(self, stability: Stability, point: ChartPoint) -> None:
+        verdicts = point.verdicts or stability.linear_at(point.eta, point.q)
+        position = "" if point.is_machine else "selected point, "
+        wait = "" if point.verdicts else f"<p style='color:{SCREEN.quiet}'>Calculating the nonlinear models …</p>"
+        self.verdicts.setText(f"<p>{position}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}")
         self.steady.setText(steady_text(point.steady[0]) if point.steady else "")
         self.steady.setVisible(bool(point.steady))
 
-    def _show_speeds(self, found: Stability) -> None:
-        if "bands" in vars(found):
-            machine = found.machine
-            self.speeds.setText(bands_table(found.bands, machine.rpm(machine.eta)))
+    def _show_speeds(self, stability: Stability) -> None:
+        if "bands" in vars(stability):
+            machine = stability.machine
+            self.speeds.setText(bands_table(stability.bands, machine.rpm(machine.eta)))
             if self.speed.value is not None:
-                self._needs(self.speed.value)
+                self._show_needed(self.speed.value)
         else:
-            self.speeds.setText("Looking for the forbidden bands …")
+            self.speeds.setText("Calculating the forbidden bands …")
 
-    def _needs(self, rpm: float) -> None:
-        if self.found is not None:
+    def _show_needed(self, rpm: float) -> None:
+        if self.stability is not None:
             try:
-                self.needed.setText(shaft_text(self.found.stiffness_for(rpm)))
+                self.needed.setText(shaft_text(self.stability.stiffness_for(rpm)))
                 coloured(self.needed, SCREEN.quiet)
             except NoStability as error:
                 self.needed.setText(sentence(f"{error.problem}; {error.hint}"))
@@ -473,8 +474,8 @@ def _text() -> QLabel:
     return label
 
 
-def _rolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
-    """Rows one below the other that can be rolled where the page is too low."""
+def _scrolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
+    """Stack widgets and rows in an area that scrolls where it is too low."""
     paper = QWidget()
     column = QVBoxLayout(paper)
     column.setContentsMargins(0, 0, 0, 0)
@@ -487,7 +488,7 @@ def _rolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
     return area
 
 
-def _beside(plots: tuple[XYPlot, ...]) -> QWidget:
+def _side_by_side(plots: tuple[XYPlot, ...]) -> QWidget:
     if len(plots) == 1:
         return plots[0]
     page = QWidget()
@@ -506,35 +507,35 @@ def _samples(run: History, begin: float = 0.0) -> np.ndarray:
     return np.linspace(begin, run.ended, POINTS)
 
 
-def _wind_up(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+def _wind_up(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
     run = _history(point)
     y = _samples(run)
     plots[0].show_lines([Line(y, TURN * run.at(y)[0], SCREEN.ink)], contact_marks(run))
 
 
-def _phase(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+def _phase(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
     run = _history(point)
     beta, rate = run.at(_samples(run, max(0.0, run.ended - LAST_TURNS)))
     plots[0].show_lines([Line(TURN * beta, TURN * rate, SCREEN.ink)], square=True)
 
 
-def _spectrum(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+def _spectrum(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
     order, size = _history(point).spectrum(max(12.0, 1.25 * point.eta))
     plots[0].show_lines([Line(order, TURN * size, VERMILION)])
 
 
-def _contact(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+def _contact(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
     run = _history(point)
     if run.contact is None:
-        plots[0].show_message("No contact force: the follower has no cam that it could leave.")
+        plots[0].show_message("No contact force: the follower has no cam.")
         return
     y = _samples(run)
-    unit = run.contact.unit * found.machine.omega_at(run.eta) ** 2
+    unit = run.contact.unit * stability.machine.omega_at(run.eta) ** 2
     force = unit * run.forces(y)
     name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
     plots[0].name_axes("Turns of the input", f"Force, {name}")
     drives = zip(force / per, run.contact.names, run.contact.numbers, strict=True)
-    lines = [Line(y, each, SCREEN.drive(number) if name else SCREEN.ink, name) for each, name, number in drives]
+    lines = [Line(y, f, SCREEN.drive(number) if name else SCREEN.ink, name) for f, name, number in drives]
     plots[0].show_lines(lines, contact_marks(run))
 
 
@@ -543,20 +544,20 @@ def _history(point: ChartPoint) -> History:
     return point.history
 
 
-def _steady(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+def _steady(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
     if not point.steady:
         _no_response(plots)
         return
     wind_up, *errors = steady_plots(point.steady[0])
     plots[0].show_plot(wind_up)
     if not errors:
-        plots[1].show_message("No follower has a motion of its own.")
-    for plot, error in zip(plots[1:], errors, strict=False):  # of those that slide, and of those that swing
+        plots[1].show_message("No follower is driven by a motion.")
+    for plot, error in zip(plots[1:], errors, strict=False):  # of translating followers, and of oscillating ones
         plot.show_plot(error)
     plots[2].setVisible(len(errors) > 1)
 
 
-def _harmonics(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+def _harmonics(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
     if point.steady:
         plots[0].show_plot(harmonics_plot(point.steady[0]))
     else:
@@ -565,26 +566,29 @@ def _harmonics(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -
 
 def _no_response(plots: tuple[XYPlot, ...]) -> None:
     for plot in plots:
-        plot.show_message("No steady response was found at this point.")
+        plot.show_message("No steady response at this point.")
 
 
-def _averages(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
-    for plot, drawn in zip(plots, averages_plots(found.first_turn), strict=True):
+def _averages(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
+    for plot, drawn in zip(plots, averages_plots(stability.first_turn), strict=True):
         plot.show_plot(drawn)
 
 
-def _terms(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
-    plots[0].show_plot(coefficients_plot(found.coefficients))
+def _terms(plots: tuple[XYPlot, ...], stability: Stability, point: ChartPoint) -> None:
+    plots[0].show_plot(coefficients_plot(stability.coefficients))
 
 
 @frozen
 class StabilityPage:
-    """A page of plots: titles of their axes, what draws them; ``of``: what of the point it waits for, a row of ``WAITING``;
-    ``needs``: a cached property of ``Stability`` that it waits for."""
+    """A page of plots: the titles of their axes, and the function that draws them.
+
+    ``result``: result of the point that the page shows, a key of ``WAITING``, or empty. ``needs``: cached property of
+    ``Stability`` that the page shows, or empty.
+    """
 
     axes: tuple[tuple[str, str], ...]
     draw: Callable[[tuple[XYPlot, ...], Stability, ChartPoint], None]
-    of: str = "history"
+    result: str = "history"
     needs: str = ""
 
 
@@ -594,7 +598,7 @@ WAITING: Mapping[str, Callable[[ChartPoint], str]] = MappingProxyType(
         "steady": lambda point: SETTLING if point.steady is None else "",
     }
 )
-"""What a page says while what it shows of a point is still to come; empty once that is known."""
+"""Message of a page while its result is calculated; empty once it is known."""
 
 PLOTS: Mapping[str, StabilityPage] = MappingProxyType(
     {
@@ -602,9 +606,9 @@ PLOTS: Mapping[str, StabilityPage] = MappingProxyType(
         "Phase": StabilityPage((("Twist, °", "Rate, °/turn"),), _phase),
         "Spectrum": StabilityPage((("Order, × shaft speed", "Twist, °"),), _spectrum),
         "Contact": StabilityPage((("Turns of the input", "Force, N"),), _contact),
-        "Steady": StabilityPage((("", ""), ("", ""), ("", "")), _steady, of="steady"),
-        "Harmonics": StabilityPage((("", ""),), _harmonics, of="steady"),
-        "Averages": StabilityPage((("", ""), ("", "")), _averages, of="", needs="first_turn"),
-        "Terms": StabilityPage((("", ""),), _terms, of=""),
+        "Steady": StabilityPage((("", ""), ("", ""), ("", "")), _steady, result="steady"),
+        "Harmonics": StabilityPage((("", ""),), _harmonics, result="steady"),
+        "Averages": StabilityPage((("", ""), ("", "")), _averages, result="", needs="first_turn"),
+        "Terms": StabilityPage((("", ""),), _terms, result=""),
     }
 )

@@ -1,4 +1,7 @@
-"""Chart."""
+"""View of the stability of the shaft: the chart over η and Q, the reading under the mouse, and the pages below.
+
+Slow results are calculated in the background. They stop where the design changes or the view leaves the screen.
+"""
 
 from __future__ import annotations
 
@@ -28,11 +31,11 @@ from kindyna_gui.stability_pages import (
     PointFields,
     StabilityPages,
     machine_text,
+    needed_shaft_text,
     point_text,
     steady_turns,
     tongue_of,
     waiting_text,
-    wanted_text,
 )
 from kindyna_gui.view import View
 
@@ -40,7 +43,7 @@ from kindyna_gui.view import View
 
 
 class StabilityChart(DraggablePoint, ChartPlot):
-    """The chart with its reactions; all points are (η, Q)."""
+    """The chart and its reactions to the mouse; all points are (η, Q)."""
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
         return ChartPlot.point_at(self, pixel)
@@ -50,20 +53,20 @@ class StabilityChart(DraggablePoint, ChartPlot):
         return None if machine is None or not self.machine_point.isVisible() else self.pixel(machine.eta, machine.q)
 
 
-# -- point reading ---------------------------------------------------------------------------------------
+# -- reading under the mouse -----------------------------------------------------------------------------
 
-EDGE_TOLERANCE = 1e-6  # of η: a tongue's edge may be off by that
-EDGE, MARGIN = 6, 4  # between the text and the axes, and around it, pixels
-REST_MS = 220  # the mouse rests, before what takes long is begun
+EDGE_TOLERANCE = 1e-6  # of η, for the edges of a tongue
+EDGE, MARGIN = 6, 4  # between text and axes, and around the text, pixels
+REST_MS = 220  # rest of the mouse before slow results are calculated
 
 
 class PointReading(QLabel):
-    """Three lines: the place, its tongue and the linear models; the steady response; the history from rest.
+    """Reading of a point in three lines: position, tongue and linear models; steady response; history from rest.
 
-    The latter two take a second and more: they are computed beside the window, and given up where the mouse moves on.
-    It stands over the chart, in that half where the mouse is not, and lets the mouse through.
+    The steady response and the history take a second or more. They are calculated in the background, until the mouse moves.
+    The text covers the half of the chart without the mouse, and ignores the mouse.
 
-    changed   something that was still to come has come, or is given up
+    - changed: a calculation has ended or was stopped
     """
 
     changed = Signal()
@@ -79,26 +82,27 @@ class PointReading(QLabel):
         self.hide()
         coloured(self, SCREEN.quiet)
         self.background = Background(self)
-        self.background.result.connect(self._answered)
+        self.background.result.connect(self._add_verdict)
         self._pause = QTimer(self, singleShot=True, interval=REST_MS)
-        self._pause.timeout.connect(self._ask)
-        self._found: Stability | None = None
+        self._pause.timeout.connect(self._start)
+        self._stability: Stability | None = None
         self.point: tuple[float, float] | None = None
         self.verdicts: tuple[Verdict, ...] = ()
         self._tongue: int | None = None
 
     @property
     def busy(self) -> bool:
+        """Whether results are being calculated, or wait for the mouse to rest."""
         return self._pause.isActive() or self.background.busy
 
     def stop(self) -> None:
-        """Give up what is being computed; what is shown stays."""
+        """Stop the calculation; the text stays."""
         self._pause.stop()
         self.background.stop()
         self.changed.emit()
 
     def show_text(self, text: str) -> None:
-        """Something else than a point."""
+        """Show a text in place of a point."""
         self.stop()
         self.point, self.verdicts = None, ()
         self._write(text)
@@ -107,71 +111,71 @@ class PointReading(QLabel):
         self.setText(text)
         self.setVisible(bool(text))
         if text:
-            self._place(max(self.fontMetrics().horizontalAdvance(line) for line in text.splitlines()))
+            self._lay_out(max(self.fontMetrics().horizontalAdvance(line) for line in text.splitlines()))
 
-    def _place(self, width: int) -> None:
-        """Below the upper edge of the chart, or above the lower one, away from the mouse."""
+    def _lay_out(self, width: int) -> None:
+        """Place the text at the upper or lower edge of the chart, away from the mouse."""
         box = self._chart.getViewBox().sceneBoundingRect().toRect()
         self.resize(min(width + 2 * MARGIN + 2, box.width() - 2 * EDGE), 1)
         self.resize(self.width(), self.heightForWidth(self.width()))
         low = self._chart.mouse_at.y() < box.center().y()
         self.move(box.left() + EDGE, box.bottom() - EDGE - self.height() if low else box.top() + EDGE)
 
-    def show_point(self, found: Stability, point: tuple[float, float]) -> None:
-        """Tell of a point (η, Q)."""
+    def show_point(self, stability: Stability, point: tuple[float, float]) -> None:
+        """Show the reading of a point (η, Q)."""
         self.stop()
-        self._found, self.point = found, point
+        self._stability, self.point = stability, point
         eta, q = point
-        self.verdicts = found.linear_at(eta, q)
-        self._tongue = tongue_of(found.tongues(EXACT, max(eta + 0.5, 1.0), q, EDGE_TOLERANCE), eta)
+        self.verdicts = stability.linear_at(eta, q)
+        self._tongue = tongue_of(stability.tongues(EXACT, max(eta + 0.5, 1.0), q, EDGE_TOLERANCE), eta)
         self._pause.start()
         self._show()
 
-    def _ask(self) -> None:
-        assert self._found is not None
+    def _start(self) -> None:
+        assert self._stability is not None
         assert self.point is not None
         eta, q = self.point
         self.background.start(
             [
-                (self.point, partial(self._found.rest_at, eta, q)),
-                (self.point, partial(self._found.steady_at, eta, q)),
+                (self.point, partial(self._stability.rest_at, eta, q)),
+                (self.point, partial(self._stability.steady_at, eta, q)),
             ]
         )
         self._show()
         self.changed.emit()
 
-    def _answered(self, point: tuple[float, float], verdict: Any) -> None:
+    def _add_verdict(self, point: tuple[float, float], verdict: Any) -> None:
         if point == self.point and isinstance(verdict, Verdict):
             self.verdicts = (*self.verdicts, verdict)
         self._show()
         self.changed.emit()
 
     def _show(self) -> None:
-        assert self._found is not None
+        assert self._stability is not None
         if self.point is not None:
-            first = point_text(*self.point, self._found.machine, self.verdicts, self._tongue)
+            first = point_text(*self.point, self._stability.machine, self.verdicts, self._tongue)
             self._write(f"{first}\n{waiting_text(self.verdicts, self.busy)}")
 
 
 # -- stability view --------------------------------------------------------------------------------------
 
-COARSE, FINE = 10, 64  # rows of Q: first, and once there is time
-CHART_TOLERANCE = 1e-3  # of η: an edge off by less is not seen in the coarse chart
-SHARES = (9, 4)  # of the height: chart, pages
-PAUSE_MS = 150  # of editing, before what takes long is begun
-SOON_MS = 15  # after an edit: all that is on screen is painted first
-ANEW = "The chart is being computed anew …"
+COARSE, FINE = 10, 64  # rows of Q in the first chart, and in the fine one
+CHART_TOLERANCE = 1e-3  # of η, for the edges in the coarse chart
+SHARES = (9, 4)  # height of chart and pages
+PAUSE_MS = 150  # pause in editing before slow results are calculated
+SOON_MS = 15  # after an edit, so that the window is painted first
+UPDATING = "Calculating the chart …"
 
 
 class StabilityView(View):
-    """The page of stability.
+    """Stability of the shaft: chart, fields of the selected point, and pages.
 
-    The first coarse chart is drawn at once; the fine one, the verdicts and the history of the chosen point are
-    computed beside the window and given up where the design changes or the page leaves the screen. No edit waits for a
-    chart: the one before stays, marked, until the new one is computed beside the window.
+    The first coarse chart is drawn at once. The fine one, and verdicts and history of the selected point, are calculated in
+    the background. After an edit the previous chart stays, greyed out, until the new one is known.
 
-    found   the shaft that the page is of; None while another is being computed
-    drawn   the chart that is shown; None before the first
+    - ``stability``: results of the shaft; None while they are calculated again
+    - ``drawn``: the chart on screen; None before the first
+    - ``target``: where the point of the machine was dragged to; None where it was not
     """
 
     is_design_wide = True
@@ -179,42 +183,47 @@ class StabilityView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.found: Stability | None = None
+        self.stability: Stability | None = None
         self.drawn: Chart | None = None
         self.chosen: ChartPoint | None = None
-        self.picked: tuple[float, float] | None = None  # None: the machine's own point is chosen
-        self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
+        self.picked: tuple[float, float] | None = None  # selected point; None: that of the machine
+        self.target: tuple[float, float] | None = None
         self.chart, self.pages = StabilityChart(), StabilityPages()
         self.fields = PointFields()
         self.reading = PointReading(self.chart)
         self.chart.setMinimumHeight(180)
-        self.anew, self.fine, self.point_jobs, self.means = Background(), Background(), Background(), Background()
-        self._soon_anew = QTimer(self, singleShot=True, interval=SOON_MS)
-        self._soon_anew.timeout.connect(self._compute_anew)
+        self.update_jobs, self.fine, self.point_jobs, self.shaft_jobs = (
+            Background(),
+            Background(),
+            Background(),
+            Background(),
+        )
+        self._soon_update = QTimer(self, singleShot=True, interval=SOON_MS)
+        self._soon_update.timeout.connect(self._start_update)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self._begin)
         self._lay_out()
         self._connect()
 
-    # -- building -------------------------------------------------------------------------------------------
+    # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        self.head = QLabel()
-        self.head.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.head.setMinimumWidth(1)
+        self.header = QLabel()
+        self.header.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.header.setMinimumWidth(1)
         self.progress = QProgressBar(textVisible=False, minimum=0, maximum=0)
         self.progress.setAccessibleName("Computing")
         self.progress.setFixedSize(70, 8)
         self.progress.hide()
         self.across, self.upwards = self._choice(ACROSS), self._choice(UPWARDS)
         self.use = QPushButton("Use this shaft")
-        self.use.setToolTip("Put the stiffness and inertia that this point needs into the design, as one step")
+        self.use.setToolTip("Use the stiffness and inertia of this point in the design (one undo step)")
         self.use.hide()
         tools = QHBoxLayout()
         tools.setContentsMargins(8, 2, 8, 0)
         tools.addWidget(self.fields)
         tools.addSpacing(8)
-        tools.addWidget(self.head, 1)
+        tools.addWidget(self.header, 1)
         tools.addSpacing(8)
         tools.addWidget(self.progress)
         tools.addWidget(self.use)
@@ -229,15 +238,15 @@ class StabilityView(View):
         column.setSpacing(2)
         column.addLayout(tools)
         column.addWidget(self.chart, 1)
-        parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
-        parted.addWidget(upper)
-        parted.addWidget(self.pages)
+        splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        splitter.addWidget(upper)
+        splitter.addWidget(self.pages)
         for index, share in enumerate(SHARES):
-            parted.setStretchFactor(index, share)
-        parted.setSizes([1000 * share for share in SHARES])
+            splitter.setStretchFactor(index, share)
+        splitter.setSizes([1000 * share for share in SHARES])
         layout = QVBoxLayout()
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(parted)
+        layout.addWidget(splitter)
         self.set_content_layout(layout)
 
     @staticmethod
@@ -252,25 +261,25 @@ class StabilityView(View):
         self.chart.hovered.connect(self._hover)
         self.chart.picked.connect(self._pick)
         self.fields.entered.connect(self.look_at)
-        self.fields.returned.connect(self.look_at_own)
+        self.fields.returned.connect(self.look_at_machine)
         self.chart.dragged.connect(self._pulled)
         self.chart.released.connect(self._released)
-        self.reading.changed.connect(self._rest)
-        self.pages.lacking.connect(self._lacks)
-        self.anew.result.connect(self._computed_anew)
-        self.fine.result.connect(self._refined)
-        self.point_jobs.result.connect(self._known)
-        self.means.result.connect(self._known)
+        self.reading.changed.connect(self._show_progress)
+        self.pages.result_requested.connect(self._compute_for_page)
+        self.update_jobs.result.connect(self._show_update)
+        self.fine.result.connect(self._show_fine_chart)
+        self.point_jobs.result.connect(self._store_result)
+        self.shaft_jobs.result.connect(self._store_result)
         self.across.currentIndexChanged.connect(self._draw_chart)
         self.upwards.currentIndexChanged.connect(self._draw_chart)
-        self.use.clicked.connect(self.use_wanted)
-        self.session.started.connect(self._another_design)
+        self.use.clicked.connect(self.use_target)
+        self.session.started.connect(self._forget_design)
 
-    # -- showing --------------------------------------------------------------------------------------------
+    # -- content --------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
         self._stop()
-        self.wanted = self.found = None
+        self.target = self.stability = None
         self.use.hide()
         try:
             if turned_shaft(self.session.full_study, NO_SHAFT).elastic is None:
@@ -281,71 +290,72 @@ class StabilityView(View):
         except KindynaError:
             self.drawn = None
             raise
-        self._mark(ANEW)
-        self._soon_anew.start()
+        self._mark(UPDATING)
+        self._soon_update.start()
 
     def _computed(self, study: Study) -> tuple[Stability, Chart, str]:
-        """What the page shows first, with the text of its head. Raises NoStability, NoSolution."""
-        found = study.flexible_shaft()
-        drawn = self._chart(found, study.design.name, COARSE, CHART_TOLERANCE, coarse=True)()
-        return found, drawn, machine_text(found)
+        """Compute the shaft, its coarse chart and the text of the header. Raises NoStability, NoSolution."""
+        stability = study.flexible_shaft()
+        drawn = self._chart(stability, study.design.name, COARSE, CHART_TOLERANCE, coarse=True)()
+        return stability, drawn, machine_text(stability)
 
-    def _show(self, found: Stability, drawn: Chart, text: str) -> None:
-        self.found, self.drawn = found, drawn
+    def _show(self, stability: Stability, drawn: Chart, text: str) -> None:
+        self.stability, self.drawn = stability, drawn
         self._mark("")
-        self.head.setText(text)
-        self.chosen = self._unknown(found)
+        self.header.setText(text)
+        self.chosen = self._new_point(stability)
         self._draw_chart()
         self._pause.start()
-        self._show_fields(found, self.chosen)
-        self.pages.show_shaft(found, self.chosen)
+        self._show_fields(stability, self.chosen)
+        self.pages.show_shaft(stability, self.chosen)
 
     def _mark(self, text: str) -> None:
-        """Where there is a text, what is shown is of the design before: it stands back, and nothing can be read off it."""
+        """Grey out the results of the previous design while a text is shown; empty: show the results."""
         if text:
-            self.head.setText(text)
+            self.header.setText(text)
             self.reading.show_text("")
         self.chart.fade(bool(text))
         self.pages.fade(bool(text))
-        self._rest()
+        self._show_progress()
 
-    def _compute_anew(self) -> None:
-        """Begin what an edit has made necessary, beside the window."""
+    def _start_update(self) -> None:
+        """Compute shaft and chart again in the background."""
         if self.on_screen():
             study = self.session.full_study
-            self.anew.start([(study, partial(self._computed, study))])
-            self._rest()
+            self.update_jobs.start([(study, partial(self._computed, study))])
+            self._show_progress()
 
-    def _computed_anew(self, study: Study, made: tuple[Stability, Chart, str] | KindynaError) -> None:
+    def _show_update(self, study: Study, result: tuple[Stability, Chart, str] | KindynaError) -> None:
         if study is self.session.full_study:
-            if isinstance(made, KindynaError):
+            if isinstance(result, KindynaError):
                 self.drawn = None
-                self.show_reason(made)
+                self.show_reason(result)
             else:
-                self._show(*made)
-        self._rest()
+                self._show(*result)
+        self._show_progress()
 
     @staticmethod
-    def _chart(found: Stability, name: str, rows: int, error: float, coarse: bool = False) -> Callable[[], Chart]:
-        m = found.machine
+    def _chart(stability: Stability, name: str, rows: int, error: float, coarse: bool = False) -> Callable[[], Chart]:
+        m = stability.machine
         return partial(
             chart,
-            found.coefficients,
+            stability.coefficients,
             m,
             name,
             rows=rows,
             damping=m.damping,
-            eta_max=found.eta_max,
+            eta_max=stability.eta_max,
             error=error,
             coarse=coarse,
         )
 
-    def _another_design(self) -> None:
+    def _forget_design(self) -> None:
         self.picked = self.drawn = None
 
-    def _unknown(self, found: Stability) -> ChartPoint:
-        """The chosen point, of which nothing is known yet: one that was picked, or the machine's own."""
-        return ChartPoint(*(self.picked or (found.machine.eta, found.machine.q)), own=self.picked is None)
+    def _new_point(self, stability: Stability) -> ChartPoint:
+        """Return the selected point, or that of the machine, without results."""
+        machine = stability.machine
+        return ChartPoint(*(self.picked or (machine.eta, machine.q)), is_machine=self.picked is None)
 
     def _draw_chart(self, *_: object) -> None:
         if self.drawn is None:
@@ -353,177 +363,174 @@ class StabilityView(View):
         self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
         self.chart.ring_point(*(self.picked or (None,)))
 
-    # -- what takes longer ----------------------------------------------------------------------------------
+    # -- slow results ---------------------------------------------------------------------------------------
 
     @property
     def busy(self) -> bool:
-        """Something that is shown is still to come."""
-        return self._pause.isActive() or self._soon_anew.isActive() or self._computing or self.reading.busy
+        """Whether results on screen are still being calculated."""
+        return self._pause.isActive() or self._soon_update.isActive() or self._computing or self.reading.busy
 
     @property
     def _computing(self) -> bool:
-        return any(each.busy for each in self._background)
+        return any(jobs.busy for jobs in self._background)
 
     @property
     def _background(self) -> tuple[Background, ...]:
-        return self.anew, self.fine, self.point_jobs, self.means, self.reading.background
+        return self.update_jobs, self.fine, self.point_jobs, self.shaft_jobs, self.reading.background
 
     def _stop(self) -> None:
         self._pause.stop()
-        self._soon_anew.stop()
-        for each in (self.anew, self.fine, self.point_jobs, self.means, self.reading):  # which stops its own
-            each.stop()
-        self._rest()
+        self._soon_update.stop()
+        for jobs in (self.update_jobs, self.fine, self.point_jobs, self.shaft_jobs, self.reading):
+            jobs.stop()
+        self._show_progress()
 
     def leave(self) -> None:
         self._stop()
-        for each in self._background:
-            each.close()
+        for jobs in self._background:
+            jobs.close()
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
-        if not event.spontaneous():  # else the whole window is put away for a while
+        if not event.spontaneous():  # a spontaneous event means that the window is minimised
             self._stop()
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
         if not self.up_to_date or self.in_trouble:
             return
-        if self.found is None:
-            self._soon_anew.start()
-        elif self._lacking:
+        if self.stability is None:
+            self._soon_update.start()
+        elif self._is_incomplete:
             self._pause.start()
 
     @property
-    def _lacking(self) -> bool:
-        """Something that is shown has been given up, or never requested."""
-        if self.found is None or self.chosen is None or self.drawn is None:
+    def _is_incomplete(self) -> bool:
+        """Whether a result on screen was stopped or never started."""
+        if self.stability is None or self.chosen is None or self.drawn is None:
             return False
-        whole = self.drawn.q.size >= FINE and not self.pages.lacks
-        return not whole or bool(self._jobs(self.found, self.chosen))
+        is_drawn = self.drawn.q.size >= FINE and not self.pages.missing_result
+        return not is_drawn or bool(self._jobs(self.stability, self.chosen))
 
     def settle(self) -> None:
-        """Do now what waits for a pause."""
-        for timer, begin in ((self._soon_anew, self._compute_anew), (self._pause, self._begin)):
+        """Start now what waits for a pause."""
+        for timer, begin in ((self._soon_update, self._start_update), (self._pause, self._begin)):
             if timer.isActive():
                 timer.stop()
                 begin()
 
     def _begin(self) -> None:
-        """Ask for what takes longer: the fine chart once, then all about the point."""
-        if self.found is None or self.drawn is None or not self.on_screen():
+        """Start the slow results: the fine chart once, then those of the point."""
+        if self.stability is None or self.drawn is None or not self.on_screen():
             return
         if self.drawn.q.size < FINE:
-            self.fine.start([("chart", self._chart(self.found, self.drawn.name, FINE, EDGE_ERROR))])
-        self._ask_for_point(self.found)
+            self.fine.start([("chart", self._chart(self.stability, self.drawn.name, FINE, EDGE_ERROR))])
+        self._start_point(self.stability)
         self.pages.redraw()
 
-    def _ask_for_point(self, found: Stability) -> None:
+    def _start_point(self, stability: Stability) -> None:
         assert self.chosen is not None
-        self.point_jobs.start(self._jobs(found, self.chosen))
-        self._rest()
+        self.point_jobs.start(self._jobs(stability, self.chosen))
+        self._show_progress()
 
     @staticmethod
-    def _jobs(found: Stability, point: ChartPoint) -> list[Job]:
-        """What is not known yet of the chosen point, and of the shaft."""
+    def _jobs(stability: Stability, point: ChartPoint) -> list[Job]:
+        """Return jobs for the missing results of a point and of the shaft."""
         eta, q = point.eta, point.q
         rows: list[tuple[bool, Job]] = [
-            ("bands" in vars(found), ("bands", lambda: found.bands)),  # kept there once they are known
-            (point.history is not None, ("history", partial(found.history, eta=eta, q=q))),
-            (point.steady is not None, ("steady", partial(steady_turns, found, eta, q))),
-            (bool(point.verdicts), ("verdicts", partial(found.verdicts, eta, q))),
+            ("bands" in vars(stability), ("bands", lambda: stability.bands)),  # a cached property
+            (point.history is not None, ("history", partial(stability.history, eta=eta, q=q))),
+            (point.steady is not None, ("steady", partial(steady_turns, stability, eta, q))),
+            (bool(point.verdicts), ("verdicts", partial(stability.verdicts, eta, q))),
         ]
         return [job for known, job in rows if not known]
 
-    def _lacks(self, name: str) -> None:
-        """A page in front waits for a cached property of the shaft."""
-        if self.found is not None and not self.means.busy and not self._pause.isActive():
-            self.means.start([(name, partial(getattr, self.found, name))])
-            self._rest()
+    def _compute_for_page(self, name: str) -> None:
+        """Compute the cached property that the visible page waits for."""
+        if self.stability is not None and not self.shaft_jobs.busy and not self._pause.isActive():
+            self.shaft_jobs.start([(name, partial(getattr, self.stability, name))])
+            self._show_progress()
 
-    def _refined(self, name: str, found: Chart | KindynaError) -> None:
-        if isinstance(found, Chart):
-            self.drawn = found
+    def _show_fine_chart(self, name: str, result: Chart | KindynaError) -> None:
+        if isinstance(result, Chart):
+            self.drawn = result
             self._draw_chart()
-        self._rest()
+        self._show_progress()
 
-    def _rest(self) -> None:
-        self.progress.setVisible(self._computing or self._soon_anew.isActive())
+    def _show_progress(self) -> None:
+        self.progress.setVisible(self._computing or self._soon_update.isActive())
 
-    def _known(self, name: str, found: Any) -> None:
-        """More is known of the chosen point, or of the shaft."""
-        if (
-            self.chosen is not None
-            and not isinstance(found, KindynaError)
-            and name in ("history", "steady", "verdicts")
-        ):
-            setattr(self.chosen, name, found)
+    def _store_result(self, name: str, result: Any) -> None:
+        """Store a result of the selected point, and draw it or that of the shaft."""
+        is_of_point = name in ("history", "steady", "verdicts")
+        if self.chosen is not None and is_of_point and not isinstance(result, KindynaError):
+            setattr(self.chosen, name, result)
         self.pages.redraw()
-        self._rest()
+        self._show_progress()
 
-    # -- a point --------------------------------------------------------------------------------------------
+    # -- selected point -------------------------------------------------------------------------------------
 
     def look_at(self, eta: float, q: float) -> None:
-        """Pick a point of the chart: verdicts, history, phase plane, spectrum and contact force are of it."""
+        """Select a point of the chart; the pages show its results."""
         self._choose((eta, q))
 
-    def look_at_own(self) -> None:
-        """Back to the machine's own point."""
+    def look_at_machine(self) -> None:
+        """Select the point of the machine."""
         self._choose(None)
 
     def _pick(self, eta: float, q: float) -> None:
-        """By the mouse: no pixel stands for more digits."""
+        """Select a point by the mouse, rounded to the resolution of a pixel."""
         self.look_at(float(f"{eta:.5g}"), float(f"{q:.5g}"))
 
     def _choose(self, point: tuple[float, float] | None) -> None:
         self.picked = point
         self.chart.ring_point(*(point or (None,)))
-        if self.found is not None:
-            self.chosen = self._unknown(self.found)
-            self._show_fields(self.found, self.chosen)
+        if self.stability is not None:
+            self.chosen = self._new_point(self.stability)
+            self._show_fields(self.stability, self.chosen)
             self.pages.show_point(self.chosen)
-            self._ask_for_point(self.found)
+            self._start_point(self.stability)
 
-    def _show_fields(self, found: Stability, point: ChartPoint) -> None:
-        self.fields.show_point(found.machine, point.eta, point.q, point.own)
+    def _show_fields(self, stability: Stability, point: ChartPoint) -> None:
+        self.fields.show_point(stability.machine, point.eta, point.q, point.is_machine)
 
     def _hover(self, point: tuple[float, float] | None) -> None:
-        if self.found is None or self.wanted is not None:
+        if self.stability is None or self.target is not None:
             return
         if point is None:
             self.reading.show_text("")
         else:
-            self.reading.show_point(self.found, point)
+            self.reading.show_point(self.stability, point)
 
     def _pulled(self, eta: float, q: float) -> None:
-        if self.found is None:
+        if self.stability is None:
             return
-        self.wanted = (eta, q)
+        self.target = (eta, q)
         self.chart.move_machine_point(eta, q)
-        self.reading.show_text(wanted_text(self.found.machine, eta, q))
+        self.reading.show_text(needed_shaft_text(self.stability.machine, eta, q))
 
-    def _released(self, kept: bool) -> None:
-        if not kept:
-            self.wanted = None
+    def _released(self, is_dropped: bool) -> None:
+        if not is_dropped:
+            self.target = None
             self.reading.show_text("")
-            if self.found is not None:
+            if self.stability is not None:
                 self._draw_chart()
-        self.use.setVisible(self.wanted is not None)
+        self.use.setVisible(self.target is not None)
 
-    def use_wanted(self) -> None:
-        """Put the shaft of the wanted point into the design."""
-        if self.wanted is None or self.found is None:
+    def use_target(self) -> None:
+        """Put the shaft that the dragged point needs into the design."""
+        if self.target is None or self.stability is None:
             return
         elastic = self.session.full_design.shaft.elastic
-        inertia, stiffness = self.found.machine.shaft_for(*self.wanted)
-        made = replace(
+        inertia, stiffness = self.stability.machine.shaft_for(*self.target)
+        moved = replace(
             elastic,
             camshaft_inertia_kg_m2=float(f"{inertia:.6g}"),
             stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
         )
         self.session.end_gesture()
         self.session.put_full_design(
-            with_elastic(self.session.full_design, made),
-            f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}",
+            with_elastic(self.session.full_design, moved),
+            f"Move shaft to η = {self.target[0]:.4g}, Q = {self.target[1]:.4g}",
         )
         self.session.end_gesture()

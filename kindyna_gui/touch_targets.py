@@ -1,4 +1,4 @@
-"""Parts of drawings, plots and charts under the mouse: their context menus, and the read-out next to the mouse during a drag."""
+"""Parts of drawings and plots under the mouse: their context menus, and the read-out during a drag."""
 
 from __future__ import annotations
 

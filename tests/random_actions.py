@@ -27,7 +27,7 @@ from random_choices import AREAS, CTRL, DRAWING, KEYS, NO, NUMBERS, QUESTIONS, S
 from random_files import table
 
 from core.design import motion_of
-from kindyna_gui.linkage.canvas import Canvas, joints_now
+from kindyna_gui.linkage.canvas import Canvas, draggable_joints
 from kindyna_gui.motion.diagram import MotionDiagram
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
@@ -226,9 +226,9 @@ class Actions:
             start = self._place(diagram.viewport())
             motion = motion_of(self.window.session.design)
             joins = range(len(motion.segments)) if motion is not None and diagram.motion is not None else ()
-            inside = [p for p in (diagram.position_of_join(j).toPoint() for j in joins) if box.contains(p)]
+            is_inside = [p for p in (diagram.position_of_join(j).toPoint() for j in joins) if box.contains(p)]
             self._drag(
-                diagram.viewport(), self.rng.choice(inside) if inside else start, self._place(diagram.viewport())
+                diagram.viewport(), self.rng.choice(is_inside) if is_inside else start, self._place(diagram.viewport())
             )
 
     def drag_joint(self) -> None:
@@ -237,10 +237,10 @@ class Actions:
         if canvas is not None:
             places = [
                 canvas.viewportTransform().map(QPointF(z.real, z.imag)).toPoint()
-                for z in joints_now(canvas.scene()).values()
+                for z in draggable_joints(canvas.scene()).values()
             ]
-            inside = [p for p in places if canvas.viewport().rect().contains(p)]
-            start = self.rng.choice(inside) if inside else self._place(canvas.viewport())
+            is_inside = [p for p in places if canvas.viewport().rect().contains(p)]
+            start = self.rng.choice(is_inside) if is_inside else self._place(canvas.viewport())
             self._drag(
                 canvas.viewport(), start, start + QPoint(self.rng.randrange(-80, 81), self.rng.randrange(-80, 81))
             )
@@ -365,7 +365,7 @@ class Actions:
             QTest.qWait(1)
             if not view.draws or QApplication.activeModalWidget() or QApplication.activePopupWidget():
                 return  # of another kind, or what has opened is answered first
-            paper, picture = view.canvas.viewport(), view.drawing.picture
+            paper, picture = view.canvas.viewport(), view.drawing.sketch
             pins = [p for p in (picture.to(at).toPoint() for at in picture.places.values()) if paper.rect().contains(p)]
             one, other = (
                 self.rng.choice(pins) if pins and self.rng.random() < 0.6 else self._place(paper) for _ in range(2)

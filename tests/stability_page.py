@@ -18,8 +18,8 @@ def page(user: User, rest: bool = True) -> StabilityView:
     user.choose("Stability", "Chart")
     view = user.window.view("stability")
     assert isinstance(view, StabilityView)
-    wait_for(lambda: view.found is not None)
-    assert view.found.turns == TURNS
+    wait_for(lambda: view.stability is not None)
+    assert view.stability.turns == TURNS
     if rest:
         wait_for(lambda: not view.busy)
     return view

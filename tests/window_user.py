@@ -35,7 +35,7 @@ from kindyna_gui.window.main_window import MainWindow
 PATIENCE_MS = 40_000
 LONGEST_PAUSE_MS = 500  # a message stays for longer, and a file is looked for after longer
 QUESTIONS = {
-    name: getattr(dialogs, name) for name in ("ask_to_save", "ask_on_conflict", "ask_unfinished", "ask_to_recover")
+    name: getattr(dialogs, name) for name in ("ask_to_save", "ask_on_conflict", "ask_incomplete", "ask_to_recover")
 }
 """Those that are buttons to be clicked, as the program asks them."""
 

@@ -1,4 +1,4 @@
-"""New designs, linkages of other programs."""
+"""New designs: with a follower of a kind, an empty linkage drawing, or a linkage of another program."""
 
 from __future__ import annotations
 
@@ -59,26 +59,23 @@ from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example
 
-# -- beginnings ------------------------------------------------------------------------------------------
-
-NEW_LAW = "modified-sine"
-"""Of the rise and the return that a new design begins with."""
-
+NEW_LAW = "modified-sine"  # of the rise and the return of a new design
 FIRST_OF_KIND: Mapping[str, str] = MappingProxyType(
     {"cam-slider": "transfer_lift", "translating": "card_picker", "oscillating": "rocker_cam"}
 )
-"""Kind of follower -> the example whose lengths, stroke and loads a new design of the kind begins with."""
-
+"""Kind of follower -> the example with the lengths, stroke and loads of a new design."""
 DISTANCE = "follower.second.distance_mm"
 OWN_LENGTHS: Mapping[str, float] = MappingProxyType({DISTANCE: 150.0})
-"""Path -> value [mm] in new designs that have it: another one than an edit begins with, which would make both cams of a symmetric
-motion one."""
+"""Path -> value [mm] in new designs that have it; with the default of an edit both cams of a symmetric motion would be equal."""
+SAMPLES = 180  # of a turn, to check a motion with a mechanism
+TITLE, FILES = "Import linkage", "Linkages (*.linkage2 *.pyslvs *.txt);;All files (*)"
+PICTURE, MOST_SHOWN = QSize(380, 270), 12
 
-SAMPLES = 180  # of a turn, to see whether a motion suits a mechanism
+# -- new designs -----------------------------------------------------------------------------------------
 
 
 def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name: str = "") -> Design:
-    """A design of this kind of follower with a whole motion; changes: of face and form, path -> word."""
+    """Return a design with this kind of follower and a complete motion; ``changes`` of face and form: path -> word."""
     label = FOLLOWER_KINDS[kind].label
     design: Design = load(example(FIRST_OF_KIND[kind]))
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
@@ -93,29 +90,29 @@ def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name
 
 
 def _with_surfaces(design: Design) -> Design:
-    """Width and materials that are usual, all assumed, so that the pressure of the contact can be read; of an edge there is none."""
+    """Return the design with typical width and materials, marked as assumed, so that the contact pressure is calculated."""
     drive = design.drive
     if not is_line_contact(drive.face):
         return design
-    rolls = isinstance(drive.face, Roller)
-    width = drive.face.radius_mm if rolls else drive.cam.base_radius_mm / 4.0
-    offered = {
+    is_roller = isinstance(drive.face, Roller)
+    width = drive.face.radius_mm if is_roller else drive.cam.base_radius_mm / 4.0
+    values = {
         "cam.thickness_mm": float(round(width)),
         "cam.material": "16mncr5",
-        "cam.roller_material": "100cr6" if rolls else "16mncr5",
+        "cam.roller_material": "100cr6" if is_roller else "16mncr5",
     }
-    for path, value in offered.items():
+    for path, value in values.items():
         design = with_assumed(edited(design, path, value), path, True)
     return design
 
 
 def empty_sheet() -> Design:
-    """A linkage of which nothing is drawn yet."""
+    """Return an empty linkage."""
     return Design("New linkage", None, (Drive(None, empty_linkage(), None, LinkageLoads()),))
 
 
 def new_motion(motion: Motion) -> Motion:
-    """Rise, dwell, return and dwell from the base position over 120, 60, 120 and 60 degrees, with the stroke of a motion."""
+    """Return a motion of rise, dwell, return and dwell over 120°, 60°, 120° and 60°, with the stroke of a motion."""
     height = stroke(motion)
     segments = tuple(
         Segment(span, rise, NamedCurve(law))
@@ -130,29 +127,31 @@ def new_motion(motion: Motion) -> Motion:
 
 
 def dwell_first(design: Design) -> Design:
-    """A design to begin with whose motion begins with its dwell at the base position, instead of with the rise."""
+    """Return a new design whose motion begins with its last dwell, instead of with the rise."""
     motion = design.drive.motion
     assert motion is not None
     *others, last = motion.segments
     return with_drive(design, motion=replace(motion, segments=(last, *others)))
 
 
-def with_motion_kept(design: Design, motion: Motion | None) -> Design:
-    """The design with the motion that was there before: as it is where it suits, else its levels scaled to the design's own
-    stroke, where that suits; where there was none, or neither suits, the design as it is."""
-    own = design.drive.motion
-    if motion is None or own is None:
+def with_previous_motion(design: Design, motion: Motion | None) -> Design:
+    """Return a new design with the previous motion, scaled to the new stroke where that is necessary.
+
+    The design is returned unchanged where there was no motion, or where it is not valid with the new follower.
+    """
+    current = design.drive.motion
+    if motion is None or current is None:
         return design
-    wanted = [motion] if motion.unit == own.unit else []
+    motions = [motion] if motion.unit == current.unit else []
     if stroke(motion):
-        wanted.append(with_stroke(replace(motion, unit=own.unit), stroke(own)))
+        motions.append(with_stroke(replace(motion, unit=current.unit), stroke(current)))
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
-    made = (with_drive(replace(design, assumed=assumed), motion=each) for each in wanted)
-    return next((each for each in made if _sound(each)), design)
+    designs = (with_drive(replace(design, assumed=assumed), motion=row) for row in motions)
+    return next((row for row in designs if _is_valid(row)), design)
 
 
-def _sound(design: Design) -> bool:
-    """Whether the follower can go so, on a cam without faults."""
+def _is_valid(design: Design) -> bool:
+    """Whether linkage and cam of a design can be calculated without errors."""
     if faults(design):
         return False
     try:
@@ -161,33 +160,30 @@ def _sound(design: Design) -> bool:
         return False
 
 
-# -- linkage dialog --------------------------------------------------------------------------------------
-
-TITLE, FILES = "Import linkage", "Linkages (*.linkage2 *.pyslvs *.txt);;All files (*)"
-PICTURE, MOST_SHOWN = QSize(380, 270), 12
+# -- linkages of other programs --------------------------------------------------------------------------
 
 
 class LinkageDialog(QDialog):
-    """made: the design that the text is; None where it is none."""
+    """Reads the text of a linkage of another program; ``linkage`` is the import, None where it cannot be read."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         dialogs.give_help(self, "linkages#From other programs")
         self.setWindowTitle(TITLE)
-        self._name, self._file = "", ("", "")  # what was opened: its path, and its text
-        self.made: LinkageImport | None = None
+        self._name, self._file = "", ("", "")  # path and text of the opened file
+        self.linkage: LinkageImport | None = None
         self.text, self.units, self.mirror, self.inputs = QPlainTextEdit(), QComboBox(), QCheckBox(), QListWidget()
         self.text.setTabChangesFocus(True)
         self.text.setPlaceholderText("Paste a Pyslvs expression, M[J[R, ...], or the address of PMKS+, or open a file")
         self.open_button = QPushButton("&Open a file...")
-        self.units.addItem("as the text says, else mm", "")
+        self.units.addItem("as in the text, else mm", "")
         for unit in UNITS:
             self.units.addItem(unit, unit)
-        self.mirror.setText("Turn it over about the x axis: where its y points down")
+        self.mirror.setText("Mirror about the x axis, where y points down in the program")
         self.text.setAccessibleName("Text of the linkage")
         self.inputs.setAccessibleName("Inputs")
         self.inputs.setFixedHeight(86)
-        self.inputs.setToolTip("The joints that drive; of several the first is the driver, the others turn with it")
+        self.inputs.setToolTip("Driving joints: the first is the driver, the others follow it")
         self.picture, self.message = QLabel(), MessageLabel(SCREEN.quiet)
         self.picture.setFixedSize(PICTURE)
         form = QFormLayout()
@@ -201,7 +197,7 @@ class LinkageDialog(QDialog):
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        column.addWidget(bold_label("Of Pyslvs, PMKS+ or Linkage"))
+        column.addWidget(bold_label("Linkage from Pyslvs, PMKS+ or Linkage"))
         column.addWidget(self.text, 1)
         column.addWidget(self.open_button)
         column.addLayout(form)
@@ -210,7 +206,7 @@ class LinkageDialog(QDialog):
         column.addWidget(self.buttons)
         self.resize(560, 700)
         self.open_button.clicked.connect(self._open)
-        self.text.textChanged.connect(self._afresh)
+        self.text.textChanged.connect(self._change_text)
         self.units.currentIndexChanged.connect(self._read)
         self.mirror.toggled.connect(self._read)
         self.inputs.itemChanged.connect(self._read)
@@ -230,62 +226,62 @@ class LinkageDialog(QDialog):
         (path, read), text = self._file, self.text.toPlainText()
         items = [self.inputs.item(i) for i in range(self.inputs.count())]
         driven = [item.text() for item in items if item.checkState() is Qt.CheckState.Checked]
-        asked = {
+        options = {
             "text": path if path and text == read else text.strip(),
             "out": f"{self._name or 'linkage'}.toml",
             "units": self.units.currentData(),
             "mirror": self.mirror.isChecked(),
-            "inputs": driven if self.made is not None and tuple(driven) != self.made.inputs else [],
+            "inputs": driven if self.linkage is not None and tuple(driven) != self.linkage.inputs else [],
         }
-        return command_text("linkage-from", command_words(LinkageFromArguments, asked))
+        return command_text("linkage-from", command_words(LinkageFromArguments, options))
 
-    def _afresh(self) -> None:
-        """Another text: its own inputs."""
+    def _change_text(self) -> None:
+        """Read another text with its default inputs."""
         self.inputs.clear()
         self._read()
 
     def _read(self, *_: object) -> None:
-        """What the text is, read as asked for."""
-        self.made = None
+        """Read the text with the chosen options, and show the linkage."""
+        self.linkage = None
         text = self.text.toPlainText()
         items = [self.inputs.item(i) for i in range(self.inputs.count())]
         inputs = tuple(item.text() for item in items if item.checkState() is Qt.CheckState.Checked)
         try:
             if text.strip():
                 units = self.units.currentData()
-                self.made = read_linkage(
+                self.linkage = read_linkage(
                     text, name=self._name, units=units, mirror=self.mirror.isChecked(), inputs=inputs
                 )
         except KindynaError as error:
             self._say(sentence(str(error).splitlines()[0]), wrong=True)
-        self.ok.setEnabled(self.made is not None)
-        if self.made is None:
+        self.ok.setEnabled(self.linkage is not None)
+        if self.linkage is None:
             self.picture.setPixmap(QPixmap())
             if not text.strip():
                 self._say("")
             return
         if not items:
-            self._list_inputs(self.made)
-        self._show(self.made)
+            self._list_inputs(self.linkage)
+        self._show(self.linkage)
 
-    def _list_inputs(self, made: LinkageImport) -> None:
+    def _list_inputs(self, linkage: LinkageImport) -> None:
         self.inputs.blockSignals(True)
-        for name in made.could_drive:
+        for name in linkage.could_drive:
             item = QListWidgetItem(name, self.inputs)
-            item.setCheckState(Qt.CheckState.Checked if name in made.inputs else Qt.CheckState.Unchecked)
+            item.setCheckState(Qt.CheckState.Checked if name in linkage.inputs else Qt.CheckState.Unchecked)
         self.inputs.blockSignals(False)
 
-    def _show(self, made: LinkageImport) -> None:
-        lines = [f"{made.links} links, {made.joints} joints"]
-        lines += [f"Left out: {each.what}: {each.why}" for each in made.left_out[:MOST_SHOWN]]
-        if (more := len(made.left_out) - MOST_SHOWN) > 0:
-            lines.append(f"and {more} more that are left out")
+    def _show(self, linkage: LinkageImport) -> None:
+        lines = [f"{linkage.links} links, {linkage.joints} joints"]
+        lines += [f"Not imported: {row.what}: {row.why}" for row in linkage.left_out[:MOST_SHOWN]]
+        if (more := len(linkage.left_out) - MOST_SHOWN) > 0:
+            lines.append(f"and {more} more")
         picture = QPixmap()
-        if faults(made.design):
-            lines += [sentence(text) for text in mobility(made.design.drive.linkage).sentences]
+        if faults(linkage.design):
+            lines += [sentence(text) for text in mobility(linkage.design.drive.linkage).sentences]
         else:
             ratio = self.devicePixelRatioF()
-            picture = QPixmap.fromImage(thumbnail(made.design, PICTURE.width(), PICTURE.height(), ratio))
+            picture = QPixmap.fromImage(thumbnail(linkage.design, PICTURE.width(), PICTURE.height(), ratio))
         self.picture.setPixmap(picture)
         self._say("\n".join(lines))
 
@@ -294,10 +290,10 @@ class LinkageDialog(QDialog):
         self.message.show_message(text)
 
 
-def linkage_wanted(parent: QWidget) -> LinkageImport | None:
-    """Ask for a linkage of another program; None where the user thinks better of it."""
+def ask_linkage(parent: QWidget) -> LinkageImport | None:
+    """Ask for a linkage of another program; None where the user cancels."""
     dialog = LinkageDialog(parent)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    made = dialog.made if accepted else None
+    linkage = dialog.linkage if accepted else None
     dialog.deleteLater()
-    return made
+    return linkage

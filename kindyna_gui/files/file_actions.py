@@ -15,7 +15,7 @@ from core.findings import WARNING
 from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
-from kindyna_gui.dialogs import OnConflict, SaveAnswer, Unfinished
+from kindyna_gui.dialogs import IncompleteChoice, OnConflict, SaveAnswer
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misfit_sentences
 from kindyna_gui.look import sign
@@ -160,17 +160,17 @@ class Documents(QObject):
     def _may_save(self) -> bool:
         """Confirm the typed field and ask what to save where the values do not fit; False where the user cancels."""
         self.settle()
-        session, answer = self._session, Unfinished.AS_TYPED
+        session, answer = self._session, IncompleteChoice.AS_TYPED
         while session.incomplete is not None and not session.is_incomplete_linkage:
             as_typed = not faults(session.typed_full_design)  # a file has no faults
-            answer = dialogs.ask_unfinished(self._window, misfit_sentences(session), closing_text(session), as_typed)
-            if answer is not Unfinished.CLOSE or not session.close_motion():
+            answer = dialogs.ask_incomplete(self._window, misfit_sentences(session), closing_text(session), as_typed)
+            if answer is not IncompleteChoice.CLOSE or not session.close_motion():
                 break
-        self._saves_last_valid = answer is Unfinished.LAST_FITTING
+        self._saves_last_valid = answer is IncompleteChoice.LAST_VALID
         return (
             session.incomplete is None
             or session.is_incomplete_linkage
-            or answer in (Unfinished.AS_TYPED, Unfinished.LAST_FITTING)
+            or answer in (IncompleteChoice.AS_TYPED, IncompleteChoice.LAST_VALID)
         )
 
     def _save_as(self) -> bool:

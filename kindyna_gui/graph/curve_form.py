@@ -1,4 +1,4 @@
-"""Forms of curves and axes."""
+"""Forms of the page Curves: axes and title, the selected curve, and the list of curves."""
 
 from __future__ import annotations
 
@@ -51,15 +51,22 @@ from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
 
-# -- axes form -------------------------------------------------------------------------------------------
-
 AXES = {"x": "Along the bottom", "left": "On the left", "right": "On the right"}
-RANGE = Info("Range", "empty: as far as the curves go", optional=True)
+RANGE = Info("Range", "empty: to the ends of the curves", optional=True)
+OPEN = "\0open"
+LIST_HEIGHT = 128
+EMPTY = "No curve yet: press Add, or drop files here"
+_COLOURS = tuple(dict.fromkeys((*DRIVES, *FAMILIES.values())))[:12]
+_SIDE_NAMES = {"auto": "by unit", "left": "left", "right": "right"}
+Choice = tuple[str, str]
+"""A choice of a box: its text and its value."""
+
+# -- axes and title --------------------------------------------------------------------------------------
 
 
 @frozen
-class AxisSays:
-    """What an axis shows by itself: its title, the unit it is read in, how many of the curves' unit that is."""
+class AxisDefaults:
+    """Automatic title and display unit of an axis, with the size of this unit in the curves' unit."""
 
     title: str = ""
     symbol: str = ""
@@ -67,16 +74,16 @@ class AxisSays:
 
 
 class AxesForm(QWidget):
-    """changed (Graph, str): the graph as it is to be, and what was changed."""
+    """Form of the title and the axes. Signal ``changed`` (Graph, str): the new graph, and the field that changed."""
 
     changed = Signal(object, str)
 
     def __init__(self) -> None:
         super().__init__()
-        self._graph, self._says = Graph(), dict.fromkeys(AXES, AxisSays())
+        self._graph, self._defaults = Graph(), dict.fromkeys(AXES, AxisDefaults())
         self.title = QLineEdit()
         self.title.setAccessibleName("Title of the graph")
-        self.title.editingFinished.connect(self._entitle)
+        self.title.editingFinished.connect(self._set_graph_title)
         self.titles: dict[str, QLineEdit] = {}
         self.logs: dict[str, QCheckBox] = {}
         self.ends: dict[tuple[str, str], NumberBox] = {}
@@ -96,14 +103,14 @@ class AxesForm(QWidget):
         grid.setRowStretch(14, 1)
 
     def _add(self, grid: QGridLayout, row: int, axis: str, text: str) -> None:
-        head, title, log, unit = bold_label(text), QLineEdit(), QCheckBox("Logarithmic"), QLabel()
+        header, title, log, unit = bold_label(text), QLineEdit(), QCheckBox("Logarithmic"), QLabel()
         title.setAccessibleName(f"Title, {text.lower()}")
         log.setAccessibleName(f"Logarithmic, {text.lower()}")
         coloured(unit, SCREEN.quiet)
-        grid.addWidget(head, row, 0, 1, 2)
-        named = QLabel("Title")
-        named.setBuddy(title)
-        grid.addWidget(named, row + 1, 0)
+        grid.addWidget(header, row, 0, 1, 2)
+        label = QLabel("Title")
+        label.setBuddy(title)
+        grid.addWidget(label, row + 1, 0)
         grid.addWidget(title, row + 1, 1)
         grid.addWidget(QLabel("from"), row + 2, 0)
         line = QHBoxLayout()
@@ -111,7 +118,7 @@ class AxesForm(QWidget):
         for end, between in (("low", "to"), ("high", "")):
             box = NumberBox(RANGE)
             box.setAccessibleName(f"{'From' if end == 'low' else 'To'}, {text.lower()}")
-            box.setToolTip("Empty: as far as the curves go")
+            box.setToolTip("Empty: to the ends of the curves")
             box.entered.connect(lambda value, axis=axis, end=end: self._limit(axis, end, value))
             box.unreadable.connect(lambda axis=axis, end=end: self._refuse(axis, end))
             box.withdrawn.connect(lambda: self.message.show_message(""))
@@ -122,60 +129,60 @@ class AxesForm(QWidget):
         line.addWidget(unit)
         grid.addLayout(line, row + 2, 1)
         grid.addWidget(log, row + 3, 1)
-        title.editingFinished.connect(lambda axis=axis: self._name(axis))
-        log.toggled.connect(lambda on, axis=axis: self._to_powers(axis, on))
+        title.editingFinished.connect(lambda axis=axis: self._set_title(axis))
+        log.toggled.connect(lambda on, axis=axis: self._set_log(axis, on))
         self.titles[axis], self.logs[axis], self._units[axis] = title, log, unit
 
-    def show_graph(self, graph: Graph, says: Mapping[str, AxisSays]) -> None:
-        """What is typed, and what stands there where nothing is."""
-        self._graph, self._says = graph, dict(says)
+    def show_graph(self, graph: Graph, defaults: Mapping[str, AxisDefaults]) -> None:
+        """Show the settings of a graph, and the automatic titles where none are set."""
+        self._graph, self._defaults = graph, dict(defaults)
         _show(self.title, graph.title, "none")
         for axis in AXES:
-            scale, own = getattr(graph, axis), self._says.get(axis, AxisSays())
-            _show(self.titles[axis], scale.title, own.title or "by what is drawn")
-            self._units[axis].setText(own.symbol)
+            scale, default = getattr(graph, axis), self._defaults.get(axis, AxisDefaults())
+            _show(self.titles[axis], scale.title, default.title or "automatic")
+            self._units[axis].setText(default.symbol)
             with QSignalBlocker(self.logs[axis]):
                 self.logs[axis].setChecked(scale.log)
             for end in ("low", "high"):
                 box, value = self.ends[axis, end], getattr(scale, end)
                 if not box.pending and not (box.hasFocus() and box.refused):
-                    box.show_value(None if value is None else value / own.size)
+                    box.show_value(None if value is None else value / default.size)
 
-    # -- what the user does ---------------------------------------------------------------------------------
+    # -- input ----------------------------------------------------------------------------------------------
 
-    def _entitle(self) -> None:
+    def _set_graph_title(self) -> None:
         if self.title.text().strip() != self._graph.title:
             self.title.setModified(False)
             self.changed.emit(replace(self._graph, title=self.title.text().strip()), "title")
 
-    def _name(self, axis: str) -> None:
+    def _set_title(self, axis: str) -> None:
         text = self.titles[axis].text().strip()
         if text != getattr(self._graph, axis).title:
             self.titles[axis].setModified(False)
             self._scale(axis, "title", title=text)
 
     def _limit(self, axis: str, end: str, value: float | None) -> None:
-        own, scale = self._says.get(axis, AxisSays()), getattr(self._graph, axis)
-        wanted: GraphAxis = replace(scale, **{end: None if value is None else value * own.size})
-        if wanted.low is not None and wanted.high is not None and wanted.low >= wanted.high:
-            other = (wanted.high if end == "low" else wanted.low) / own.size
-            self._wrong(axis, end, f"{'less' if end == 'low' else 'more'} than {other:g}")
-        elif wanted.log and value is not None and value <= 0.0:
-            self._wrong(axis, end, "above 0 on a logarithmic axis")
+        size, scale = self._defaults.get(axis, AxisDefaults()).size, getattr(self._graph, axis)
+        changed: GraphAxis = replace(scale, **{end: None if value is None else value * size})
+        if changed.low is not None and changed.high is not None and changed.low >= changed.high:
+            limit = (changed.high if end == "low" else changed.low) / size
+            self._show_allowed(axis, end, f"{'less' if end == 'low' else 'more'} than {limit:g}")
+        elif changed.log and value is not None and value <= 0.0:
+            self._show_allowed(axis, end, "above 0 on a logarithmic axis")
         else:
             self.message.show_message("")
-            self.ends[axis, end].show_value(value)  # no longer being typed: what is undone is seen there
-            self._scale(axis, end, **{end: getattr(wanted, end)})
+            self.ends[axis, end].show_value(value)  # input is complete: the box follows undo again
+            self._scale(axis, end, **{end: getattr(changed, end)})
 
-    def _to_powers(self, axis: str, on: bool) -> None:
-        """Powers of ten, or not; an end that has no place among them stays typed, and does not count."""
+    def _set_log(self, axis: str, on: bool) -> None:
+        """Use a logarithmic axis or a linear one; an end that is not positive is ignored on a logarithmic axis."""
         scale = getattr(self._graph, axis)
-        lost = on and any(end is not None and end <= 0.0 for end in (scale.low, scale.high))
-        text = f"{AXES[axis]}: 0 and less is not on a logarithmic axis; what is typed does not count there"
-        self.message.show_message(text if lost else "")
+        has_invalid_end = on and any(end is not None and end <= 0.0 for end in (scale.low, scale.high))
+        text = f"{AXES[axis]}: a logarithmic axis has no values of 0 and less; this end of the range is ignored"
+        self.message.show_message(text if has_invalid_end else "")
         self._scale(axis, "log", log=on)
 
-    def _wrong(self, axis: str, end: str, allowed: str) -> None:
+    def _show_allowed(self, axis: str, end: str, allowed: str) -> None:
         self.ends[axis, end].set_refused(True)
         self.message.show_message(
             f"{AXES[axis]}, {'from' if end == 'low' else 'to'}: outside its range; allowed: {allowed}"
@@ -191,26 +198,17 @@ class AxesForm(QWidget):
         )
 
 
-def _show(box: QLineEdit, text: str, usual: str) -> None:
-    box.setPlaceholderText(usual)
+def _show(box: QLineEdit, text: str, placeholder: str) -> None:
+    box.setPlaceholderText(placeholder)
     if box.text() != text and not (box.hasFocus() and box.isModified()):
         box.setText(text)
 
 
-# -- curve form ------------------------------------------------------------------------------------------
-
-OPEN = "\0open"
-_COLOURS = tuple(dict.fromkeys((*DRIVES, *FAMILIES.values())))[:12]
-_SAY = {"auto": "by its unit", "left": "left", "right": "right"}
-Choice = tuple[str, str]
-"""What a box holds: the text shown, and the value."""
+# -- the selected curve ----------------------------------------------------------------------------------
 
 
 class ChoiceBox(WordBox):
-    """Words with what they mean.
-
-    picked (str): the user has chosen this value
-    """
+    """Box of texts with their values. Signal ``picked`` (str): the user has selected a value."""
 
     picked = Signal(str)
 
@@ -223,26 +221,29 @@ class ChoiceBox(WordBox):
         self.activated.connect(lambda index: self.picked.emit(str(self.itemData(index))))
 
     def show_choices(self, rows: Sequence[Choice], value: str) -> None:
-        """These, of which one is chosen; a value that is none of them stays, in parentheses."""
-        wanted = tuple(rows) if any(each == value for _, each in rows) else (*rows, (f"({value})", value))
+        """Show these choices, one of them selected; a value that is none of them is added in parentheses."""
+        choices = tuple(rows) if any(row[1] == value for row in rows) else (*rows, (f"({value})", value))
         with QSignalBlocker(self):
-            if wanted != self._rows:
-                self._rows = wanted
+            if choices != self._rows:
+                self._rows = choices
                 self.clear()
-                for text, each in wanted:
-                    self.addItem(text, each)
-            self.setCurrentIndex(next(i for i, (_, each) in enumerate(wanted) if each == value))
+                for choice in choices:
+                    self.addItem(*choice)
+            self.setCurrentIndex(next(i for i, choice in enumerate(choices) if choice[1] == value))
 
-    def take_back(self, value: str) -> None:
-        """Show this one of the choices again."""
+    def reset(self, value: str) -> None:
+        """Select this one of the choices again."""
         self.show_choices(self._rows, value)
 
 
 class CurveForm(QWidget):
-    """changed (Curve, str): the chosen curve as it is to be, and what was changed; file_wanted: another file is to be opened."""
+    """Form of the selected curve.
+
+    Signals: ``changed`` (GraphCurve, str), the new curve and the field that changed; ``file_requested``, open a file.
+    """
 
     changed = Signal(object, str)
-    file_wanted = Signal()
+    file_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -256,7 +257,7 @@ class CurveForm(QWidget):
                 ("y", "Values"),
                 ("y_unit", "Unit of the values"),
                 ("x", "Over"),
-                ("x_unit", "Unit of what it is drawn over"),
+                ("x_unit", "Unit of the values along x"),
                 ("minus", "Minus"),
                 ("side", "Axis"),
                 ("colour", "Colour"),
@@ -287,23 +288,23 @@ class CurveForm(QWidget):
             (("Stroke", self.boxes["dash"]), ("Width", self.width_box)),
             (("Marks", self.boxes["mark"]),),
         )
-        for at, parts in enumerate(rows):
-            for place, (text, box) in enumerate(parts):
+        for row, parts in enumerate(rows):
+            for i, (text, box) in enumerate(parts):
                 label = text if isinstance(text, QLabel) else QLabel(text)
                 label.setBuddy(box)
-                grid.addWidget(label, at, 2 * place)
-                alone = len(parts) == 1 and at < 6
-                grid.addWidget(box, at, 2 * place + 1, 1, 3 if alone else 1)
+                grid.addWidget(label, row, 2 * i)
+                is_wide = len(parts) == 1 and row < 6
+                grid.addWidget(box, row, 2 * i + 1, 1, 3 if is_wide else 1)
         grid.addWidget(self.fault, len(rows), 0, 1, 4)
         grid.addWidget(self.note, len(rows) + 1, 0, 1, 4)
         grid.setRowStretch(len(rows) + 2, 1)
         for name, box in self.boxes.items():
             box.picked.connect(lambda value, name=name: self._pick(name, value))
         self.name.editingFinished.connect(lambda: self._pick("name", self.name.text().strip()))
-        self.width_box.entered.connect(self._widen)
+        self.width_box.entered.connect(self._set_width)
         self.width_box.unreadable.connect(lambda: self.width_box.set_refused(True))
 
-    # -- what is shown --------------------------------------------------------------------------------------
+    # -- display --------------------------------------------------------------------------------------------
 
     def show_curve(
         self,
@@ -314,7 +315,7 @@ class CurveForm(QWidget):
         fault: str,
         note: str,
     ) -> None:
-        """A row of the graph; names: the files that are open."""
+        """Show a curve of the graph; names: paths of the open files."""
         self._curve, self._source_of = curve, source_of
         files = [(Path(name).name, name) for name in dict.fromkeys((*names, curve.source)) if name]
         boxes = self.boxes
@@ -322,7 +323,7 @@ class CurveForm(QWidget):
         source, headings = self._headings(curve, source_of)
         drives = source.drives if isinstance(source, DesignSource) else ()
         rows = (
-            ("the chosen one", ""),
+            ("the selected one", ""),
             *((name, name) for name in drives),
             ("all, a curve each", ALL),
             ("the shaft", SHAFT),
@@ -330,13 +331,13 @@ class CurveForm(QWidget):
         boxes["drive"].show_choices(rows, curve.drive)
         for part in (boxes["drive"], self._drive_label):
             part.setVisible(bool(drives) or bool(curve.drive))
-        for axis, usual in (("x", 0), ("y", source.default_column(headings) if source is not None else 1)):
-            self._show_column(axis, headings, usual)
-        others = [
-            (f"{i}  {name_of_row(each)}", each.key) for i, each in enumerate(graph.curves, 1) if each.key != curve.key
+        for axis, default in (("x", 0), ("y", source.default_column(headings) if source is not None else 1)):
+            self._show_column(axis, headings, default)
+        subtrahends = [
+            (f"{i}  {name_of_row(row)}", row.key) for i, row in enumerate(graph.curves, 1) if row.key != curve.key
         ]
-        boxes["minus"].show_choices((("nothing", ""), *others), curve.minus)
-        boxes["side"].show_choices([(_SAY[side], side) for side in SIDES], curve.side)
+        boxes["minus"].show_choices((("no curve", ""), *subtrahends), curve.minus)
+        boxes["side"].show_choices([(_SIDE_NAMES[side], side) for side in SIDES], curve.side)
         boxes["dash"].show_choices([(dash, dash) for dash in DASHES], curve.dash)
         boxes["mark"].show_choices([(mark, mark) for mark in MARKS], curve.mark)
         boxes["colour"].show_choices((("automatic", ""), *((colour, colour) for colour in _COLOURS)), curve.colour)
@@ -344,7 +345,7 @@ class CurveForm(QWidget):
             boxes["colour"].setItemIcon(i, _patch(str(boxes["colour"].itemData(i))))
         if self.name.text() != curve.name and not self.name.isModified():
             self.name.setText(curve.name)
-        self.name.setPlaceholderText("by source and column")
+        self.name.setPlaceholderText("from source and column")
         if not self.width_box.pending:
             self.width_box.show_value(curve.width)
         self.fault.show_message(fault)
@@ -363,95 +364,100 @@ class CurveForm(QWidget):
         except KindynaError:
             return source, ()
 
-    def _show_column(self, axis: str, headings: tuple[ColumnHeading, ...], usual: int) -> None:
+    def _show_column(self, axis: str, headings: tuple[ColumnHeading, ...], default: int) -> None:
         value = getattr(self._curve, axis)
-        named = next((h for h in headings if value in (h.name, split_unit(h.name)[0])), None)
-        alike = Counter(each.label for each in headings)
-        rows = [
-            (each.label if alike[each.label] == 1 else f"{each.label}, {each.unit or each.name}", each.name)
-            for each in headings
-        ]
-        chosen = named.name if named else value or _first(headings, usual)
-        if all(name != chosen for _, name in rows):
-            rows.append((f"({column_label(chosen)})" if chosen else "…", chosen))
-        self.boxes[axis].show_choices(rows, chosen)
-        heading = named or (headings[usual] if not value and len(headings) > usual else None)
-        own = heading.unit if heading is not None else ""
+        heading = next((h for h in headings if value in (h.name, split_unit(h.name)[0])), None)
+        if heading is None and not value and len(headings) > default:
+            heading = headings[default]
+        counts = Counter(h.label for h in headings)
+        rows = [(h.label if counts[h.label] == 1 else f"{h.label}, {h.unit or h.name}", h.name) for h in headings]
+        column = heading.name if heading is not None else value
+        if all(name != column for _, name in rows):
+            rows.append((f"({column_label(column)})" if column else "…", column))
+        self.boxes[axis].show_choices(rows, column)
+        column_unit = heading.unit if heading is not None else ""
         unit = getattr(self._curve, f"{axis}_unit")
-        known = compatible_units(own) if own else [each for kind in KINDS.values() for each in kind.units]
-        units = [(each, each) for each in known if each != own]
-        self.boxes[f"{axis}_unit"].show_choices([(own or "no unit", ""), *units], unit if unit != own else "")
+        known = compatible_units(column_unit) if column_unit else [u for kind in KINDS.values() for u in kind.units]
+        units = [(symbol, symbol) for symbol in known if symbol != column_unit]
+        self.boxes[f"{axis}_unit"].show_choices(
+            [(column_unit or "no unit", ""), *units], unit if unit != column_unit else ""
+        )
 
-    def _first_of_design(self) -> str:
-        """The channel that a curve of the design at hand begins with."""
+    def _default_channel(self) -> str:
+        """Channel of a new curve of the current design."""
         source, headings = self._headings(GraphCurve(), self._source_of) if self._source_of is not None else (None, ())
         return headings[source.default_column(headings)].name if source is not None and headings else ""
 
-    # -- what the user does ---------------------------------------------------------------------------------
+    # -- input ----------------------------------------------------------------------------------------------
 
     def _pick(self, name: str, value: str) -> None:
         if value == OPEN:
-            self.boxes["source"].take_back(self._curve.source)
-            self.file_wanted.emit()
+            self.boxes["source"].reset(self._curve.source)
+            self.file_requested.emit()
             return
         if value == getattr(self._curve, name):
             return
         changes: dict[str, Any] = {name: value}
         changed = replace(self._curve, **changes)
-        if name == "source":  # columns of another file
-            changed = replace(changed, x="", y="" if value else self._first_of_design(), x_unit="", y_unit="", drive="")
+        if name == "source":  # has other columns
+            changed = replace(changed, x="", y="" if value else self._default_channel(), x_unit="", y_unit="", drive="")
         elif name in ("x", "y"):
             changes = {f"{name}_unit": ""}
             changed = replace(changed, **changes)
         self.name.setModified(False)
         self.changed.emit(changed, name)
 
-    def _widen(self, value: float | None) -> None:
+    def _set_width(self, value: float | None) -> None:
         if value is not None and LEAST_WIDTH <= value <= MOST_WIDTH:
-            self.width_box.show_value(value)  # no longer being typed: what is undone is seen there
+            self.width_box.show_value(value)  # input is complete: the box follows undo again
             self.changed.emit(replace(self._curve, width=value), "width")
         else:
             self.width_box.set_refused(True)
 
 
-def _first(headings: tuple[ColumnHeading, ...], usual: int) -> str:
-    return headings[usual].name if len(headings) > usual else ""
-
-
 def name_of_row(curve: GraphCurve) -> str:
-    """A curve by its name, else by what it is to be drawn from."""
+    """Return the name of a curve, else its column, drive and file."""
     column = column_label(curve.y) if curve.y else "first column"
     return curve.name or ", ".join(part for part in (column, curve.drive, Path(curve.source).stem) if part)
 
 
 def _patch(colour: str) -> QIcon:
-    picture = QPixmap(QSize(36, 20))
-    picture.setDevicePixelRatio(2.0)
-    picture.fill(QColor(colour))
-    return QIcon(picture)
+    image = QPixmap(QSize(36, 20))
+    image.setDevicePixelRatio(2.0)
+    image.fill(QColor(colour))
+    return QIcon(image)
 
 
-# -- curve rows ------------------------------------------------------------------------------------------
-
-LIST_HEIGHT = 128
-EMPTY = "No curve yet: press Add, or drop files here"
+# -- list of curves --------------------------------------------------------------------------------------
 
 
 @frozen
 class CurveRow:
-    """What the list shows of a curve: name, colour, whether it is drawn; fault: why it is not; note: what was left out of it, or
-    what the design at hand has not of it (lacking)."""
+    """Row of the list of curves.
+
+    Attributes
+    ----------
+    name, colour : str
+    shown : bool
+        Whether the user shows the curve.
+    fault : str
+        Why it cannot be drawn.
+    note : str
+        What is omitted from it, or missing in the current design.
+    is_missing : bool
+        Whether the current design does not have the curve.
+    """
 
     name: str
     colour: str
     shown: bool
     fault: str = ""
     note: str = ""
-    lacking: bool = False
+    is_missing: bool = False
 
 
 class _List(QListWidget):
-    """moved (-1 or 1): Alt+Up, Alt+Down; removed: Delete."""
+    """List with keys. Signals: ``moved`` (-1 or 1) for Alt+Up and Alt+Down; ``removed`` for Delete."""
 
     moved = Signal(int)
     removed = Signal()
@@ -465,18 +471,15 @@ class _List(QListWidget):
 
 
 class CurveRows(QWidget):
-    """List and buttons.
+    """List of curves with its buttons. Signals: ``selected`` (int); ``ticked`` (int, bool), shown or hidden."""
 
-    chosen (int); ticked (int, bool): shown or hidden; removed, copied; moved (-1 or 1)
-    """
-
-    chosen = Signal(int)
+    selected = Signal(int)
     ticked = Signal(int, bool)
 
     def __init__(
         self, slots: dict[str, Callable[[], object]], additions: Sequence[tuple[str, str, Callable[[], object]]]
     ) -> None:
-        """slots: of copy, remove, up, down, undo, redo; additions: text, tip and slot of the menu of Add."""
+        """Slots: for copy, remove, up, down, undo, redo; additions: text, tip and slot of each entry of the menu Add."""
         super().__init__()
         self.list = _List()
         self.list.setAccessibleName("Curves")
@@ -494,19 +497,19 @@ class CurveRows(QWidget):
             action.setToolTip(tip)
             action.setStatusTip(tip)
             action.triggered.connect(lambda _=False, slot=slot: slot())
-        add = list_button("Add", "insert", "One curve more", None)
+        add = list_button("Add", "insert", "Add a curve", None)
         add.setMenu(self.menu)
         add.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.buttons = {
             "add": add,
-            "copy": list_button("Copy", "duplicate", "The chosen curve once more", slots["copy"]),
-            "remove": list_button("Remove", "delete", "Take the chosen curve away (Del)", slots["remove"]),
-            "up": list_button("↑", "", "Further up in the list (Alt+Up)", slots["up"]),
-            "down": list_button("↓", "", "Further down in the list, drawn above (Alt+Down)", slots["down"]),
+            "copy": list_button("Copy", "duplicate", "Duplicate the selected curve", slots["copy"]),
+            "remove": list_button("Remove", "delete", "Remove the selected curve (Del)", slots["remove"]),
+            "up": list_button("↑", "", "Move up in the list (Alt+Up)", slots["up"]),
+            "down": list_button("↓", "", "Move down in the list; drawn on top (Alt+Down)", slots["down"]),
             "undo": list_button(
-                "Undo", "undo", "Take the last change of the graph back (Ctrl+Z in this list)", slots["undo"]
+                "Undo", "undo", "Undo the last change of the graph (Ctrl+Z in this list)", slots["undo"]
             ),
-            "redo": list_button("Redo", "redo", "Make it again (Ctrl+Y in this list)", slots["redo"]),
+            "redo": list_button("Redo", "redo", "Redo the change (Ctrl+Y in this list)", slots["redo"]),
         }
         bar = QHBoxLayout()
         bar.setContentsMargins(2, 1, 2, 1)
@@ -530,50 +533,52 @@ class CurveRows(QWidget):
         self.list.setMinimumSize(1, 40)
 
     def show_rows(self, rows: Sequence[CurveRow], row: int) -> None:
-        """These curves, one of them chosen."""
+        """Show these curves, one of them selected."""
         with QSignalBlocker(self.list):
             while self.list.count() > len(rows):
                 self.list.takeItem(self.list.count() - 1)
             while self.list.count() < len(rows):
                 self.list.addItem(QListWidgetItem())
-            for i, each in enumerate(rows):
-                self._fill(self.list.item(i), each)
+            for i, curve in enumerate(rows):
+                self._fill(self.list.item(i), curve)
             self.list.setCurrentRow(row)
-        there = 0 <= row < len(rows)
+        is_selected = 0 <= row < len(rows)
         enabled = {
-            "copy": there,
-            "remove": there,
+            "copy": is_selected,
+            "remove": is_selected,
             "up": row > 0,
-            "down": there and row < len(rows) - 1,
+            "down": is_selected and row < len(rows) - 1,
         }
         for name, on in enabled.items():
             self.buttons[name].setEnabled(on)
 
     @staticmethod
     def _fill(item: QListWidgetItem, row: CurveRow) -> None:
-        mark = "  (not drawn)" if row.fault else "  (not here)" if row.lacking else "  *" if row.note else ""
+        mark = (
+            "  (not drawn)" if row.fault else "  (not in this design)" if row.is_missing else "  *" if row.note else ""
+        )
         item.setText(row.name + mark)
         item.setToolTip(row.fault or row.note or row.name)
         item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(Qt.CheckState.Checked if row.shown else Qt.CheckState.Unchecked)
-        usual = item.listWidget().palette().text().color() if row.shown and not row.lacking else SCREEN.quiet
-        item.setForeground(QColor(SCREEN.limit if row.fault else usual))
+        normal = item.listWidget().palette().text().color() if row.shown and not row.is_missing else SCREEN.quiet
+        item.setForeground(QColor(SCREEN.limit if row.fault else normal))
         item.setIcon(_swatch(row.colour))
 
     def _choose(self, row: int) -> None:
-        self.chosen.emit(row)
+        self.selected.emit(row)
 
     def _tick(self, item: QListWidgetItem) -> None:
         self.ticked.emit(self.list.row(item), item.checkState() == Qt.CheckState.Checked)
 
 
 def _swatch(colour: str) -> QIcon:
-    """A short line in a colour; nothing where there is none."""
-    picture = QPixmap(QSize(36, 20))
-    picture.setDevicePixelRatio(2.0)
-    picture.fill(Qt.GlobalColor.transparent)
+    """Icon of a short line; empty without a colour."""
+    image = QPixmap(QSize(36, 20))
+    image.setDevicePixelRatio(2.0)
+    image.fill(Qt.GlobalColor.transparent)
     if colour:
-        painter = QPainter(picture)
+        painter = QPainter(image)
         painter.fillRect(1, 4, 16, 2, QColor(colour))
         painter.end()
-    return QIcon(picture)
+    return QIcon(image)

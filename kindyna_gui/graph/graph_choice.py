@@ -1,4 +1,4 @@
-"""Channels and files."""
+"""Selection of channels for the page Graph, and files read in the background for the page Curves."""
 
 from __future__ import annotations
 
@@ -24,8 +24,6 @@ from kindyna_gui.forms.tables import CopyKey
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import legible
 
-# -- graph choice ----------------------------------------------------------------------------------------
-
 GROUPS: Mapping[str, str] = MappingProxyType(
     {
         KINEMATICS: "Kinematics",
@@ -36,42 +34,49 @@ GROUPS: Mapping[str, str] = MappingProxyType(
         ORBIT: "Flexible shaft, steady",
     }
 )
-"""Tables of the core in the order of the tree."""
+"""Tables of core in the order of the tree, with their titles."""
 
 HEADINGS = ("Quantity", "", "Unit")
-LEAST_WIDTH, USUAL_WIDTH, ROW_HEIGHT = 150, 272, 20  # pixels; symbols are left out where the tree is narrow
+LEAST_WIDTH, DEFAULT_WIDTH, ROW_HEIGHT = 150, 272, 20  # pixels; a narrower tree hides the symbols
 FIRST = (("displacement",), ("velocity",), ("acceleration",))
-"""Quantities of the plots a new graph begins with."""
+"""Quantities of each plot of a new graph."""
+PAUSE_MS, PROGRESS_MS = 100, 100
+Stamp = tuple[int, int, int] | None
+"""Time of the last change [ns], size [bytes] and inode of a file; None if it does not exist."""
+READING = "is being read"
+CANCELLED = "reading was cancelled; Files > Read files again reads it"
+
+# -- channels of a graph ---------------------------------------------------------------------------------
 
 
 @dataclass
 class Choice:
-    """Plots in order, each a list of quantities, and which of them takes the next one ticked."""
+    """Plots of a graph, each a list of quantities; the active plot receives the next quantity."""
 
     plots: list[list[str]] = field(default_factory=lambda: [list(row) for row in FIRST])
     active: int = 0
 
     @property
     def chosen(self) -> list[str]:
-        """Every quantity shown, in the order of the plots."""
+        """All quantities on display, in the order of the plots."""
         return [name for plot in self.plots for name in plot]
 
     def tick(self, name: str, units: Mapping[str, str]) -> None:
-        """Show a quantity: in the active plot where that is empty or of the same unit, else in a plot of its own.
+        """Show a quantity: in the active plot if that is empty or has the same unit, else in a new plot.
 
-        units: unit of each quantity.
+        units: quantity -> unit.
         """
         if name in self.chosen:
             return
-        here = self.plots[self.active] if self.plots else None
-        if here is not None and all(units[other] == units[name] for other in here):
-            here.append(name)
-            return
-        self.plots.append([name])
-        self.active = len(self.plots) - 1
+        plot = self.plots[self.active] if self.plots else None
+        if plot is not None and all(units[member] == units[name] for member in plot):
+            plot.append(name)
+        else:
+            self.plots.append([name])
+            self.active = len(self.plots) - 1
 
     def untick(self, name: str) -> None:
-        """Show a quantity no longer; a plot that has nothing left goes, too."""
+        """Remove a quantity, and its plot if that becomes empty."""
         for index, plot in enumerate(self.plots):
             if name in plot:
                 plot.remove(name)
@@ -80,36 +85,37 @@ class Choice:
                 return
 
     def add(self) -> None:
-        """An empty plot at the end, which takes what is ticked next; there is never more than one."""
+        """Activate an empty plot at the end, which is added if there is none."""
         if [] not in self.plots:
             self.plots.append([])
         self.active = self.plots.index([])
 
     def remove(self, index: int) -> None:
-        """A plot less."""
+        """Remove a plot."""
         del self.plots[index]
         if index < self.active or self.active >= len(self.plots):
             self.active = max(0, self.active - 1)
 
-    def keep(self, names: Iterable[str]) -> None:
-        """Drop what this kind of design does not have."""
+    def restrict_to(self, names: Iterable[str]) -> None:
+        """Remove all quantities except these."""
         known = set(names)
         for name in [name for name in self.chosen if name not in known]:
             self.untick(name)
 
 
 def tip_of(row: Quantity) -> str:
-    """Equation and source of a channel."""
-    lines = [f"<b>{escape(row.label)}</b> {escape(legible(row.symbol))}"]
-    lines.append(f"{escape(legible(row.equation))}<br>Source: {escape(row.source)}")
-    lines.append(f"<span style='color:{SCREEN.quiet}'>column {escape(row.slug)} of {row.table}</span>")
-    return "<br>".join(lines)
+    """Return the tip of a channel: equation, source and column."""
+    return (
+        f"<b>{escape(row.label)}</b> {escape(legible(row.symbol))}<br>"
+        f"{escape(legible(row.equation))}<br>Source: {escape(row.source)}<br>"
+        f"<span style='color:{SCREEN.quiet}'>column {escape(row.slug)} of {row.table}</span>"
+    )
 
 
 class ChannelTree(QTreeWidget):
-    """Every channel of a design, by the table it stands in, to be ticked.
+    """Tree of the channels of a design, by table, with a box for each.
 
-    ticked   (quantity, on): the user has ticked or unticked a quantity
+    Signal ``ticked`` (str, bool): the user has ticked or unticked a quantity.
     """
 
     ticked = Signal(str, bool)
@@ -126,10 +132,10 @@ class ChannelTree(QTreeWidget):
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setIconSize(QSize(12, 10))
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        head = self.header()
-        head.setStretchLastSection(False)
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        header = self.header()
+        header.setStretchLastSection(False)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         CopyKey(self)
         self._items: dict[str, QTreeWidgetItem] = {}
         self._rows: tuple[Quantity, ...] = ()
@@ -138,17 +144,17 @@ class ChannelTree(QTreeWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        self.setColumnHidden(1, self.width() < USUAL_WIDTH - 4)
+        self.setColumnHidden(1, self.width() < DEFAULT_WIDTH - 4)
 
     def show_rows(self, rows: Sequence[Quantity], reasons: Mapping[str, str]) -> None:
-        """List these channels; reasons: why some cannot be drawn, by quantity."""
+        """List these channels; reasons: quantity -> why it cannot be drawn."""
         with QSignalBlocker(self):
             if tuple(rows) != self._rows:
                 self._build(rows)
             for row in rows:
-                item, why = self._items[row.name], reasons.get(row.name, "")
-                item.setForeground(0, QColor(SCREEN.quiet if why else SCREEN.ink))
-                item.setToolTip(0, escape(why) or tip_of(row))
+                item, text = self._items[row.name], reasons.get(row.name, "")
+                item.setForeground(0, QColor(SCREEN.quiet if text else SCREEN.ink))
+                item.setToolTip(0, escape(text) or tip_of(row))
 
     def _build(self, rows: Sequence[Quantity]) -> None:
         self.clear()
@@ -169,14 +175,14 @@ class ChannelTree(QTreeWidget):
             group.setExpanded(True)
 
     def show_ticks(self, names: Iterable[str]) -> None:
-        """Tick these and no others."""
-        on = set(names)
+        """Tick exactly these quantities."""
+        ticked = set(names)
         with QSignalBlocker(self):
             for name, item in self._items.items():
-                item.setCheckState(0, Qt.CheckState.Checked if name in on else Qt.CheckState.Unchecked)
+                item.setCheckState(0, Qt.CheckState.Checked if name in ticked else Qt.CheckState.Unchecked)
 
     def item_of(self, quantity: str) -> QTreeWidgetItem:
-        """The line of a quantity. Raises KeyError."""
+        """Return the row of a quantity. Raises KeyError."""
         return self._items[quantity]
 
     def _changed(self, item: QTreeWidgetItem, column: int) -> None:
@@ -185,10 +191,10 @@ class ChannelTree(QTreeWidget):
             self.ticked.emit(name, item.checkState(0) == Qt.CheckState.Checked)
 
     def _clicked(self, item: QTreeWidgetItem, column: int) -> None:
-        """Symbol and unit belong to the box as its name does."""
+        """Change the box also for a click on symbol or unit."""
         if column > 0 and item.data(0, Qt.ItemDataRole.UserRole):
-            on = item.checkState(0) == Qt.CheckState.Checked
-            item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)
+            is_checked = item.checkState(0) == Qt.CheckState.Checked
+            item.setCheckState(0, Qt.CheckState.Unchecked if is_checked else Qt.CheckState.Checked)
 
 
 def _item(group: QTreeWidgetItem, row: Quantity) -> QTreeWidgetItem:
@@ -204,48 +210,57 @@ def _item(group: QTreeWidgetItem, row: Quantity) -> QTreeWidgetItem:
 
 
 def _swatch(colour: str) -> QIcon:
-    """A short line in the colour of a family."""
-    picture = QPixmap(QSize(24, 20))
-    picture.setDevicePixelRatio(2.0)
-    picture.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(picture)
+    """Icon of a short line in the colour of a family."""
+    image = QPixmap(QSize(24, 20))
+    image.setDevicePixelRatio(2.0)
+    image.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(image)
     painter.fillRect(1, 4, 11, 2, QColor(colour))
     painter.end()
-    return QIcon(picture)
+    return QIcon(image)
 
 
-# -- graph sources ---------------------------------------------------------------------------------------
-
-PAUSE_MS, PROGRESS_MS = 100, 100
-Stamp = tuple[int, int, int] | None
-READING, CANCELLED = "is being read", "reading was cancelled; Files > Read files again reads it"
+# -- files of a graph ------------------------------------------------------------------------------------
 
 
 def _stamp(path: str) -> Stamp:
-    """By which a file is seen to be another; None where there is none."""
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except OSError:
         return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return status.st_mtime_ns, status.st_size, status.st_ino
 
 
 @dataclass
 class _File:
-    """source: as last read, None where it never was; fault: why it could not be, now; note: why it may be out of date."""
+    """A file of the graph.
+
+    Attributes
+    ----------
+    source : Source or None
+        Content as read last.
+    fault : str
+        Why it cannot be read.
+    note : str
+        Why the content may be out of date.
+    stamp : Stamp
+        State of the file when it was read.
+    is_due : bool
+        Whether it must be read.
+    """
 
     source: Source | None = None
     fault: str = READING
     note: str = ""
     stamp: Stamp = None
-    wanted: bool = True  # is to be read
+    is_due: bool = True
 
 
 class GraphSources(QObject):
-    """What the rows of a graph name, by the path of its file.
+    """The current design and the files that the curves of a graph name, read in the background.
 
-    changed    a source has come, changed, or vanished
-    progress   (what is being read, 0 ... 1); an empty text: nothing is
+    Signals: ``changed``, a file was read, has changed, or was removed; ``progress`` (str, float), name of the file
+    being read, empty if none is, and the part of it that is read, 0 ... 1.
     """
 
     changed = Signal()
@@ -264,12 +279,12 @@ class GraphSources(QObject):
         self._system.fileChanged.connect(lambda _: self._soon.start())
         self._system.directoryChanged.connect(lambda _: self._soon.start())
         self._ticking = QTimer(self, interval=PROGRESS_MS)
-        self._ticking.timeout.connect(self._tell)
+        self._ticking.timeout.connect(self._report_progress)
 
-    # -- what there is --------------------------------------------------------------------------------------
+    # -- sources --------------------------------------------------------------------------------------------
 
     def __call__(self, name: str) -> Source:
-        """The source of a row. Raises KindynaError where it is not there, or not yet."""
+        """Return the source of a curve. Raises KindynaError where it cannot be read, or is not read yet."""
         if not name:
             if self.design is None:
                 raise KindynaError("there is no design")
@@ -280,51 +295,52 @@ class GraphSources(QObject):
         return file.source
 
     def note(self, name: str) -> str:
-        """Why what is shown of a file may be out of date; empty where it is not."""
+        """Return why the curves of a file may be out of date; empty if they are not."""
         file = self._files.get(name)
         return f"{Path(name).name} {file.note}" if file is not None and file.note else ""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The files, in the order in which they came."""
+        """Paths of the files, in the order of their opening."""
         return tuple(self._files)
 
     @property
     def reading(self) -> bool:
-        """Whether there are files whose numbers are still to come."""
+        """Whether files are being read."""
         return self._work.busy
 
     @property
     def busy(self) -> bool:
+        """Whether files are being read, or about to be compared."""
         return self.reading or self._soon.isActive()
 
     # -- reading --------------------------------------------------------------------------------------------
 
-    def want(self, names: Iterable[str]) -> None:
-        """These files and no others: what is new is read."""
-        wanted = [name for name in dict.fromkeys(names) if name]
-        new = [name for name in wanted if name not in self._files]
-        if set(self._files) == set(wanted):
+    def request(self, names: Iterable[str]) -> None:
+        """Use exactly these files, and read the new ones."""
+        paths = [name for name in dict.fromkeys(names) if name]
+        new = [name for name in paths if name not in self._files]
+        if set(self._files) == set(paths):
             return
-        self._files = {name: self._files.get(name) or _File() for name in wanted}
+        self._files = {name: self._files.get(name) or _File() for name in paths}
         self._watch()
         if new:
             self._read()
 
     def read_again(self) -> None:
-        """All files, also those that could not be read, or whose reading was cancelled."""
+        """Read all files, also those that could not be read or were cancelled."""
         for file in self._files.values():
-            file.wanted = True
+            file.is_due = True
         self._read()
 
     def _read(self) -> None:
-        open_ones = [name for name, file in self._files.items() if file.wanted]
-        if not open_ones:
+        due = [name for name, file in self._files.items() if file.is_due]
+        if not due:
             return
-        self._done = dict.fromkeys(open_ones, 0.0)
-        for name in open_ones:
+        self._done = dict.fromkeys(due, 0.0)
+        for name in due:
             self._files[name].stamp = _stamp(name)
-        self._work.start([(name, partial(self._job, self._done, name)) for name in open_ones])
+        self._work.start([(name, partial(self._job, self._done, name)) for name in due])
         self._ticking.start()
 
     @staticmethod
@@ -332,35 +348,32 @@ class GraphSources(QObject):
         return read_source(Path(name), partial(done.__setitem__, name))
 
     def cancel(self) -> None:
-        """Read no further; the rows of what was not read say so."""
+        """Stop reading; the rows of the files that were not read show it."""
         self._work.cancel()
 
     def _take(self, name: str, result: object) -> None:
         self._done.pop(name, None)
-        stopped = isinstance(result, Cancelled)
-        for each in [key for key, file in self._files.items() if file.wanted] if stopped else [name]:
-            if each in self._files:
-                self._keep(self._files[each], result)
-        if stopped or not self._done:
+        is_cancelled = isinstance(result, Cancelled)
+        for path in [key for key, file in self._files.items() if file.is_due] if is_cancelled else [name]:
+            if path in self._files:
+                self._store(self._files[path], result)
+        if is_cancelled or not self._done:
             self._ticking.stop()
             self.progress.emit("", 0.0)
         self.changed.emit()
 
     @staticmethod
-    def _keep(file: _File, result: object) -> None:
-        file.wanted = False
+    def _store(file: _File, result: object) -> None:
+        file.is_due = False
         if isinstance(result, Cancelled | KindynaError):
-            file.fault = (
-                CANCELLED
-                if isinstance(result, Cancelled)
-                else str(result).split("\n")[0].partition(": ")[2] or str(result)
-            )
+            first_line = str(result).split("\n")[0].partition(": ")[2] or str(result)
+            file.fault = CANCELLED if isinstance(result, Cancelled) else first_line
             if file.source is not None:
-                file.note = f"has changed and cannot be read ({file.fault}); shown as it was read last"
+                file.note = f"has changed and cannot be read ({file.fault}); its last curves are shown"
         else:
             file.source, file.fault, file.note = result, "", ""  # type: ignore[assignment]
 
-    def _tell(self) -> None:
+    def _report_progress(self) -> None:
         if self._done:
             name = next(iter(self._done))
             self.progress.emit(Path(name).name, self._done[name])
@@ -368,7 +381,7 @@ class GraphSources(QObject):
     # -- watching -------------------------------------------------------------------------------------------
 
     def compare(self) -> None:
-        """Look at all files now: what has changed is read again, what has vanished is kept as it was."""
+        """Check all files now: read those that have changed; removed ones keep their last curves."""
         self._soon.stop()
         self._watch()
         changed = False
@@ -379,23 +392,23 @@ class GraphSources(QObject):
             changed = True
             file.stamp = stamp
             if stamp is None:
-                file.note = "has vanished; shown as it was read last" if file.source is not None else ""
+                file.note = "was removed; its last curves are shown" if file.source is not None else ""
             else:
-                file.wanted = True
-        if any(file.wanted for file in self._files.values()):
+                file.is_due = True
+        if any(file.is_due for file in self._files.values()):
             self._read()
         if changed:
             self.changed.emit()
 
     def _watch(self) -> None:
-        wanted = {str(each) for name in self._files for each in (Path(name), Path(name).parent) if each.exists()}
+        paths = {str(path) for name in self._files for path in (Path(name), Path(name).parent) if path.exists()}
         watched = {*self._system.files(), *self._system.directories()}
-        if watched - wanted:
-            self._system.removePaths(sorted(watched - wanted))
-        if wanted - watched:
-            self._system.addPaths(sorted(wanted - watched))
+        if watched - paths:
+            self._system.removePaths(sorted(watched - paths))
+        if paths - watched:
+            self._system.addPaths(sorted(paths - watched))
 
     def close(self) -> None:
-        """Nothing is read any longer."""
+        """Stop reading for good."""
         self._ticking.stop()
         self._work.close()

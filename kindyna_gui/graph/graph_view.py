@@ -1,4 +1,4 @@
-"""Graph."""
+"""Page Graph: selected channels in plots of their own, straight or polar."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from core.motion.extremes import Extremes
 from core.output.channels import channels
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
+from kindyna_gui.graph.graph_choice import DEFAULT_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.look import icon, text_button
@@ -28,15 +28,17 @@ from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.saving import save_numbers, save_picture
 
-# -- the plots of a graph: their two forms, and the panel that holds one ---------------------------------
-
 LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
+EMPTY = "Tick channels in the tree on the left to draw them here"
+TREE_SHARE = 0.4  # of the width, at most
 Plot = LivePlot | LivePolar
+
+# -- straight and polar plots ----------------------------------------------------------------------------
 
 
 @frozen
 class PanelForm:
-    """Straight or polar: name, tip, a plot of the form, and the file of a picture."""
+    """Form of the plots: how to construct one, how to write them to a file, and their arrangement."""
 
     label: str
     tip: str
@@ -49,11 +51,11 @@ class PanelForm:
 FORMS: Mapping[str, PanelForm] = MappingProxyType(
     {
         "straight": PanelForm(
-            "Straight", "The cam angle along, the value upwards",
+            "Straight", "Values over the cam angle",
             lambda i, n: LivePlot(names=i == 0, angles=i == n - 1), curves_file, LEAST_STRAIGHT, lambda *_: 1,
         ),
         "polar": PanelForm(
-            "Polar", "The cam angle round about, the value outwards",
+            "Polar", "Values as distances from the centre, the cam angle as direction",
             lambda i, n: LivePolar(), polar_file, LEAST_POLAR, columns_for,
         ),
     }
@@ -61,11 +63,11 @@ FORMS: Mapping[str, PanelForm] = MappingProxyType(
 
 
 class Panel(QWidget):
-    """One plot with a button that takes it away; a bar on its left where it takes what is ticked next."""
+    """A plot with a button that removes it; a bar on the left marks the active plot."""
 
     BAR = 3
 
-    def __init__(self, plot: Plot, take_away: Callable[[], None]) -> None:
+    def __init__(self, plot: Plot, remove: Callable[[], None]) -> None:
         super().__init__()
         self.plot, self.active = plot, False
         row = QHBoxLayout(self)
@@ -74,32 +76,33 @@ class Panel(QWidget):
         self.close_button = QToolButton(self, autoRaise=True)
         self.close_button.setIcon(icon("close"))
         self.close_button.setIconSize(QSize(12, 12))
-        self.close_button.setToolTip("Take this plot away")
-        self.close_button.setAccessibleName("Take this plot away")
+        self.close_button.setToolTip("Remove this plot")
+        self.close_button.setAccessibleName("Remove this plot")
         self.close_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.close_button.clicked.connect(take_away)
+        self.close_button.clicked.connect(remove)
 
     def offer_close(self, on: bool) -> None:
-        """Whether the button is there; the names of the curves stay clear of it."""
+        """Show or hide the button; the names of the curves do not overlap it."""
         self.close_button.setVisible(on)
-        if isinstance(self.plot, LivePlot):  # a polar one always does
+        if isinstance(self.plot, LivePlot):  # in a polar plot they never overlap
             self.plot.reserve_corner(float(self.close_button.sizeHint().width()) if on else 0.0)
 
     def name_angle(self, study: Study) -> None:
-        """Cam angle or driver angle, also where no curve is drawn."""
+        """Name the axis of angles, also if no curve is drawn."""
         if isinstance(self.plot, LivePlot):
             self.plot.name_angle(study)
 
     @property
     def lacks_extremes(self) -> bool:
-        """Whether other curves are drawn than those whose extremes were shown last."""
+        """Whether the extremes of the curves are not marked yet."""
         return self.plot.lacks_extremes
 
-    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
-        """Mark them."""
-        self.plot.show_extremes(found)
+    def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
+        """Mark the extremes, by quantity; None removes the marks."""
+        self.plot.show_extremes(extremes)
 
     def set_active(self, on: bool) -> None:
+        """Mark the plot as the active one, or not."""
         self.active = on
         self.update()
 
@@ -117,14 +120,11 @@ class Panel(QWidget):
         painter.end()
 
 
-# -- graph view ------------------------------------------------------------------------------------------
-
-EMPTY = "Tick channels in the tree on the left to draw them here"
-TREE_SHARE = 0.4  # of the width, at most
+# -- page ------------------------------------------------------------------------------------------------
 
 
 class GraphView(MarkedView):
-    """The page of the graph."""
+    """The page Graph: the tree of channels, and the plots."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -133,8 +133,8 @@ class GraphView(MarkedView):
         self.panels: list[Panel] = []
         self._rows: dict[str, Quantity] = {}
         self._reasons: dict[str, str] = {}
-        self._built: tuple[object, ...] = ()
-        self._shared = False
+        self._built: tuple[object, ...] = ()  # form and number of the plots
+        self._has_sizes = False
         self._paper = ContentArea(session, player)
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
         self._paper.setAutoFillBackground(True)
@@ -143,20 +143,20 @@ class GraphView(MarkedView):
         self.area.setWidget(self._paper)
         self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.area.viewport().installEventFilter(self)
-        self._parted = parted = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=True)
-        parted.addWidget(self.tree)
-        parted.addWidget(self.area)
-        parted.setStretchFactor(1, 1)
-        self.set_column(self._tools(), parted, grows=parted)
-        self._in_sight = QTimer(self, singleShot=True, interval=0)
-        self._in_sight.timeout.connect(self._show_active)
+        self._splitter = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=True)
+        self._splitter.addWidget(self.tree)
+        self._splitter.addWidget(self.area)
+        self._splitter.setStretchFactor(1, 1)
+        self.set_column(self._tools(), self._splitter, grows=self._splitter)
+        self._scroll_timer = QTimer(self, singleShot=True, interval=0)
+        self._scroll_timer.timeout.connect(self._show_active)
         self.tree.ticked.connect(self._ticked)
 
     def _tools(self) -> QHBoxLayout:
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
         row.setSpacing(3)
-        self.add_button = self._button("Add plot", "An empty plot that takes what is ticked next", "add")
+        self.add_button = self._button("Add plot", "Add an empty plot for the next channel that you tick", "add")
         self.add_button.clicked.connect(self.add_plot)
         row.addWidget(self.add_button)
         row.addSpacing(8)
@@ -172,17 +172,17 @@ class GraphView(MarkedView):
             self.form_buttons[name] = button
         row.addStretch(1)
         for text, tip, slot in (
-            ("Picture...", "Write the plots as PNG or SVG", self.export_picture),
-            ("Numbers...", "Write the channels shown as a CSV table", self.export_numbers),
+            ("Picture...", "Write the plots as an image, PNG or SVG", self.export_picture),
+            ("Numbers...", "Write the channels on display as a CSV table", self.export_numbers),
         ):
             button = self._button(text, tip, "export")
             button.clicked.connect(slot)
             row.addWidget(button)
         return row
 
-    def _button(self, text: str, tip: str, picture: str) -> QToolButton:
+    def _button(self, text: str, tip: str, icon_name: str) -> QToolButton:
         button = text_button(text, flat=True)
-        button.setIcon(icon(picture))
+        button.setIcon(icon(icon_name))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setToolTip(tip)
         button.setStatusTip(tip)
@@ -191,18 +191,18 @@ class GraphView(MarkedView):
 
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Those that the channels shown need, and no others."""
+        """Stages that the channels on display need."""
         return stages_of(self.choice.chosen)
 
-    # -- what is shown ------------------------------------------------------------------------------------
+    # -- display ------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
         rows = channels(study.design)
         self._rows = {row.name: row for row in rows}
-        self.choice.keep(self._rows)
+        self.choice.restrict_to(self._rows)
         if study.by_crank and not self.choice.chosen:
             self.choice = Choice(first_graph(study))
-        if not self.choice.plots:  # a graph without a plot would not say how to fill it
+        if not self.choice.plots:  # an empty plot says how to fill it
             self.choice.add()
         self._reasons = {}
         for name in self.choice.chosen:
@@ -219,14 +219,14 @@ class GraphView(MarkedView):
                 panel.plot.set_curves(study, drawable, bands=self.bands.read(drawable))
             else:
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
-        self.look_for_extremes(study)
+        self.request_extremes(study)
 
     def lacking(self, study: Study) -> list[Quantity]:
         return self.drawn if any(panel.lacks_extremes for panel in self.panels) else []
 
-    def show_extremes(self, found: Mapping[str, Extremes] | None) -> None:
+    def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
         for panel in self.panels:
-            panel.show_extremes(found)
+            panel.show_extremes(extremes)
 
     def follow(self, theta: float) -> None:
         self.extremes.resume()
@@ -237,21 +237,20 @@ class GraphView(MarkedView):
 
     @property
     def drawn(self) -> list[Quantity]:
-        """The channels that are drawn, in the order of the plots."""
+        """Channels that are drawn, in the order of the plots."""
         return [self._rows[name] for name in self.choice.chosen if name in self._rows and name not in self._reasons]
 
     def _rebuild(self) -> None:
-        """Make the plots anew where their number or form has changed; mark the active one, tick the tree."""
+        """Create the plots if their number or form has changed; mark the active one, tick the tree."""
         count = len(self.choice.plots)
-        wanted = (self.form, count)
-        if wanted != self._built:
+        if (self.form, count) != self._built:
             paper = QWidget()
             self._grid = QGridLayout(paper)
             self._grid.setContentsMargins(0, 4, 4, 4)
             self._grid.setSpacing(2)
             self.panels = [self._panel(i, count) for i in range(count)]
-            self._built = wanted
-            self._lay()
+            self._built = self.form, count
+            self._arrange()
             self._paper.replace(paper)
         for index, panel in enumerate(self.panels):
             panel.set_active(count > 1 and index == self.choice.active)
@@ -265,29 +264,29 @@ class GraphView(MarkedView):
         plot.installEventFilter(self)
         (plot.viewport() if isinstance(plot, LivePlot) else plot).installEventFilter(self)
         plot.setMinimumHeight(FORMS[self.form].least)
-        self.offer_deeds(plot, partial(self._rows_of, index))
+        self.offer_actions(plot, partial(self._rows_of, index))
         for text, slot in (("Export picture...", self.export_picture), ("Export numbers...", self.export_numbers)):
             action = QAction(text, plot)
             action.triggered.connect(slot)
             plot.addAction(action)
         plot.addAction(self.marks)
         if isinstance(plot, LivePlot):
-            plot.addAction(plot.whole_action)
+            plot.addAction(plot.full_range_action)
         return panel
 
     def _rows_of(self, index: int) -> list[Quantity]:
-        """What a plot shows."""
+        """Channels drawn in a plot."""
         names = self.choice.plots[index] if index < len(self.choice.plots) else ()
         return [self._rows[name] for name in names if name in self._rows and name not in self._reasons]
 
-    def _lay(self) -> None:
-        """Put the plots into a column, or polar ones into a grid in which they are as large as can be."""
+    def _arrange(self) -> None:
+        """Arrange the plots in a column, polar ones in the grid in which they are largest."""
         if not self.panels:
             return
-        room = self.area.viewport().size()
+        size = self.area.viewport().size()
         form, count = FORMS[self.form], len(self.panels)
-        most = max(1, room.width() // form.least)
-        columns = min(form.columns(count, room.width(), room.height()), most)
+        most = max(1, size.width() // form.least)
+        columns = min(form.columns(count, size.width(), size.height()), most)
         grid = self._grid
         for row in range(grid.rowCount()):
             grid.setRowStretch(row, 0)
@@ -296,37 +295,37 @@ class GraphView(MarkedView):
             grid.setRowStretch(index // columns, 1)
 
     def _changed(self) -> None:
-        """The choice has changed: read the channels from the session."""
+        """Refresh after a change of the selection, and scroll to the active plot."""
         self._stale = True
         self.pull()
-        self._in_sight.start()
+        self._scroll_timer.start()
 
     def _show_active(self) -> None:
-        """Scroll to the plot that has just got something, once it has its place."""
+        """Scroll to the active plot, once the plots are arranged."""
         if self.choice.active < len(self.panels):
             self.area.ensureWidgetVisible(self.panels[self.choice.active], 0, 0)
 
-    # -- what the user does -------------------------------------------------------------------------------
+    # -- input --------------------------------------------------------------------------------------------
 
     def _ticked(self, name: str, on: bool) -> None:
         if on:
-            self.choice.tick(name, {q: row.unit.symbol for q, row in self._rows.items()})
+            self.choice.tick(name, {key: row.unit.symbol for key, row in self._rows.items()})
         else:
             self.choice.untick(name)
         self._changed()
 
     def add_plot(self) -> None:
-        """An empty plot."""
+        """Add an empty plot."""
         self.choice.add()
         self._changed()
 
     def remove_plot(self, index: int) -> None:
-        """Take a plot away."""
+        """Remove a plot."""
         self.choice.remove(index)
         self._changed()
 
     def set_form(self, name: str) -> None:
-        """``straight`` or ``polar``."""
+        """Set the form of the plots, ``straight`` or ``polar``."""
         self.form = name
         self.form_buttons[name].setChecked(True)
         self._changed()
@@ -341,43 +340,43 @@ class GraphView(MarkedView):
             self._rebuild()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """A click into a plot makes it the active one; another room, another grid."""
+        """Activate the plot that is clicked; arrange the plots after a change of size."""
         if event.type() == QEvent.Type.MouseButtonPress:
             for index, panel in enumerate(self.panels):
                 if isinstance(watched, QWidget) and (panel.plot is watched or panel.plot.isAncestorOf(watched)):
                     self._choose_plot(index)
         elif event.type() == QEvent.Type.Resize and watched is self.area.viewport():
-            self._lay()
+            self._arrange()
         return super().eventFilter(watched, event)
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
-        if not self._shared:  # the width is known only now
-            self._shared = True
-            tree = min(USUAL_WIDTH, round(TREE_SHARE * self.width()))
-            self._parted.setSizes([tree, self.width() - tree])
+        if not self._has_sizes:  # the width is not known before
+            self._has_sizes = True
+            tree_width = min(DEFAULT_WIDTH, round(TREE_SHARE * self.width()))
+            self._splitter.setSizes([tree_width, self.width() - tree_width])
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if not obey(self.player, event):
             super().keyPressEvent(event)
 
-    # -- as files -----------------------------------------------------------------------------------------
+    # -- export -------------------------------------------------------------------------------------------
 
     def picture(self, ending: str) -> bytes:
-        """The plots on paper, without cursor; the page as it is where nothing is drawn."""
+        """Return the plots without the cursor, or the page if nothing is drawn, as the content of a file."""
         self.pull()
         rows = [self._rows_of(index) for index in range(len(self.choice.plots))]
         shown = [row for row in rows if row]
         if not shown:
             return super().picture(ending)
-        bands = self.bands.read([each for row in shown for each in row])
+        bands = self.bands.read([channel for row in shown for channel in row])
         return FORMS[self.form].file(self.session.study, shown, ending, self.marks.isChecked(), bands)
 
     def export_picture(self) -> None:
-        """Ask for a file, and write the graph into it as a picture."""
+        """Ask for a file, and write the plots to it as an image."""
         save_picture(self, "graph")
 
     def export_numbers(self) -> None:
-        """Ask for a file, and write the curves into it as a table."""
+        """Ask for a file, and write the curves to it as a table."""
         if self.drawn:
             save_numbers(self, self.drawn, "graph")

@@ -1,4 +1,4 @@
-"""A graph under the mouse: a drag zooms, a click sets a point, the wheel narrows and widens, and every step can be taken back."""
+"""A graph with mouse and keys: drag and wheel zoom, a click sets a point, and Back undoes each zoom."""
 
 from __future__ import annotations
 
@@ -16,20 +16,18 @@ from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import GraphRange, narrowed, shifted, zoomed
 
 CLICK = 4.0  # pixels: a shorter drag is a click
-NOTCH = 0.8  # of the range that a notch of the wheel leaves
-WHEEL_MS = 400  # notches closer together are one step
+NOTCH = 0.8  # factor of the range for one notch of the wheel
+WHEEL_MS = 400  # notches within this time are one step
 MOST_STEPS = 100
 TIP = (
-    "Drag: zoom into a part. Click on a curve: a point, a second click its partner. Wheel: zoom (over an axis only it). "
-    "Middle button or Shift: move. Double click: all. Backspace: back. Esc: no points. Left, right: move the last point."
+    "Drag: zoom. Click on a curve: point A, then point B. Wheel: zoom, over an axis this axis only. "
+    "Middle button or Shift: move. Double click: show all. Backspace: back. Esc: remove the points. "
+    "Left, right: move the last point."
 )
 
 
 class LiveGraph(GraphPlot):
-    """The graph on the screen.
-
-    points_changed   other points, or none; part_changed: another part is shown
-    """
+    """The graph on the screen. Signals: ``points_changed``; ``part_changed``, the visible part has changed."""
 
     points_changed = Signal()
     part_changed = Signal()
@@ -37,35 +35,39 @@ class LiveGraph(GraphPlot):
     def __init__(self, parent: QWidget | None = None) -> None:
         self._past: list[GraphRange] = []
         self._pressed: QPointF | None = None
-        self._held: GraphRange | None = None  # while it is moved: what was shown before
+        self._moved_from: GraphRange | None = None  # visible part at the start of a move
         super().__init__(parent)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setToolTip(TIP)
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
     def show_graph(
-        self, graph: Graph, found: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
+        self, graph: Graph, data: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
     ) -> None:
         before = self.shown
-        super().show_graph(graph, found, keep and bool(self._past), message, bands)
+        super().show_graph(graph, data, keep and bool(self._past), message, bands)
         if self.shown != before:
             self._past.clear()
-            self._pressed = self._held = None  # what the mouse holds is no longer there
+            self._pressed = self._moved_from = None  # the graph under the mouse has changed
             self.show_rubber(None)
             self.part_changed.emit()
 
-    # -- what part of it ------------------------------------------------------------------------------------
+    # -- visible part ---------------------------------------------------------------------------------------
 
     @property
     def part(self) -> dict[str, Any]:
-        """The part that the mouse has chosen, as plain data; empty where all is shown."""
+        """The visible part as plain data; empty if all is visible."""
         if not self._past or not self.data.series or self.shown == self.full_range():
             return {}
-        return {"axes": self._signs(), "x": list(self.shown.x), "values": [list(ends) for ends in self.shown.values]}
+        return {
+            "axes": self._axis_keys(),
+            "x": list(self.shown.x),
+            "values": [list(ends) for ends in self.shown.values],
+        }
 
-    def take_part(self, data: Mapping[str, Any]) -> None:
-        """Show a part that was kept, where the axes are what they were; ``back`` leads to the whole."""
-        if not self.data.series or data.get("axes") != self._signs():
+    def restore_part(self, data: Mapping[str, Any]) -> None:
+        """Show a saved part if the axes are the same; ``back`` shows all."""
+        if not self.data.series or data.get("axes") != self._axis_keys():
             return
         try:
             across, values = _ends(data["x"]), tuple(_ends(row) for row in data["values"])
@@ -74,33 +76,33 @@ class LiveGraph(GraphPlot):
         if len(values) == len(self.data.axes):
             self._step(GraphRange(across, values))
 
-    def _signs(self) -> list[str]:
-        """Of each axis what its numbers mean."""
-        own = [
+    def _axis_keys(self) -> list[str]:
+        """Side, unit and scale of each axis."""
+        keys = [
             f"{axis.side} {rung.symbol} {axis.scale.log}" for axis, rung in zip(self.data.axes, self.rungs, strict=True)
         ]
-        return [f"x {self.data.x_unit} {self.graph.x.log}", *own]
+        return [f"x {self.data.x_unit} {self.graph.x.log}", *keys]
 
     @property
     def can_go_back(self) -> bool:
-        """Whether another part was shown before."""
+        """Whether there is a step of zooming to undo."""
         return bool(self._past)
 
     def _step(self, shown: GraphRange) -> None:
-        """Show another part, as a step that can be taken back."""
+        """Show another part, as a step that ``back`` undoes."""
         if shown != self.shown:
             self._past = [*self._past[1 - MOST_STEPS :], self.shown]
             self.show_range(shown)
             self.part_changed.emit()
 
     def back(self) -> None:
-        """The part that was shown before."""
+        """Undo one step of zooming."""
         if self._past:
             self.show_range(self._past.pop())
             self.part_changed.emit()
 
     def show_all(self) -> None:
-        """The whole graph, or what is typed for it."""
+        """Show all curves, or the ranges set for the axes."""
         if self.data.series:
             self._step(self.full_range())
 
@@ -109,24 +111,24 @@ class LiveGraph(GraphPlot):
         return GraphRange(x, tuple(narrowed(ends, box.top(), box.bottom()) for ends in self.shown.values))
 
     def _wheeled(self, at: QPointF, factor: float) -> GraphRange:
-        """Over an axis only that one; with it all others keep what they show."""
+        """Zoom about a point of the plot; over an axis zoom this axis only."""
         x = zoomed(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
         values = self.shown.values
         if at.y() >= 0.0:
             side = self._axis_at(at)
-            chosen = range(len(values)) if 0.0 <= at.x() <= 1.0 else () if side is None else (side,)
-            values = tuple(zoomed(ends, at.y(), factor) if i in chosen else ends for i, ends in enumerate(values))
+            indices = range(len(values)) if 0.0 <= at.x() <= 1.0 else () if side is None else (side,)
+            values = tuple(zoomed(ends, at.y(), factor) if i in indices else ends for i, ends in enumerate(values))
         return GraphRange(x, values)
 
     def _axis_at(self, at: QPointF) -> int | None:
-        """The axis of values beside the plot that stands there."""
+        """Index of the axis of values at a point outside the plot."""
         if at.x() < 0.0:
             return self._slots.index(0) if 0 in self._slots else None
         scene = self._view.sceneBoundingRect()
-        place = scene.left() + at.x() * scene.width()
+        x = scene.left() + at.x() * scene.width()
         for slot, (axis, _) in enumerate(self._right_axes, 1):
             box = axis.sceneBoundingRect()
-            if slot in self._slots and box.left() <= place <= box.right():
+            if slot in self._slots and box.left() <= x <= box.right():
                 return self._slots.index(slot)
         return None
 
@@ -136,29 +138,31 @@ class LiveGraph(GraphPlot):
         event.accept()
         if not self.data.series:
             return
-        moves = event.button() == Qt.MouseButton.MiddleButton or bool(
+        is_move = event.button() == Qt.MouseButton.MiddleButton or bool(
             event.modifiers() & Qt.KeyboardModifier.ShiftModifier
         )
-        if moves or event.button() == Qt.MouseButton.LeftButton:
-            self._pressed, self._held = event.position(), self.shown if moves else None
+        if is_move or event.button() == Qt.MouseButton.LeftButton:
+            self._pressed, self._moved_from = event.position(), self.shown if is_move else None
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._pressed is None:
             return
         begin, end = self.fraction(self._pressed), self.fraction(event.position())
-        if self._held is not None:
-            x = shifted(self._held.x, begin.x() - end.x())
-            self.show_range(GraphRange(x, tuple(shifted(ends, begin.y() - end.y()) for ends in self._held.values)))
+        if self._moved_from is not None:
+            x = shifted(self._moved_from.x, begin.x() - end.x())
+            self.show_range(
+                GraphRange(x, tuple(shifted(ends, begin.y() - end.y()) for ends in self._moved_from.values))
+            )
         elif self._is_drag(event.position()):
             self.show_rubber(self._box(begin, end))
 
     def _is_drag(self, at: QPointF) -> bool:
         assert self._pressed is not None
-        way = at - self._pressed
-        return max(abs(way.x()), abs(way.y())) >= CLICK
+        distance = at - self._pressed
+        return max(abs(distance.x()), abs(distance.y())) >= CLICK
 
     def _box(self, begin: QPointF, end: QPointF) -> QRectF:
-        """In fractions, inside the plot; a drag along one axis takes all of the other."""
+        """Rectangle of a drag, in fractions of the plot; a drag along one axis keeps the range of the other."""
         x = sorted(min(max(f, 0.0), 1.0) for f in (begin.x(), end.x()))
         y = sorted(min(max(f, 0.0), 1.0) for f in (begin.y(), end.y()))
         wide, high = (x[1] - x[0]) * self._view.width(), (y[1] - y[0]) * self._view.height()
@@ -170,14 +174,14 @@ class LiveGraph(GraphPlot):
         event.accept()
         if self._pressed is None:
             return
-        drag, begin, held = self._is_drag(event.position()), self.fraction(self._pressed), self._held
+        is_drag, begin, moved_from = self._is_drag(event.position()), self.fraction(self._pressed), self._moved_from
         end = self.fraction(event.position())
-        self._pressed = self._held = None
+        self._pressed = self._moved_from = None
         self.show_rubber(None)
-        if held is not None:
-            now, self.shown = self.shown, held
-            self._step(now)
-        elif drag:
+        if moved_from is not None:
+            shown, self.shown = self.shown, moved_from
+            self._step(shown)
+        elif is_drag:
             self._step(self._zoomed(self._box(begin, end)))
         else:
             self._point_to(event.position())
@@ -189,10 +193,10 @@ class LiveGraph(GraphPlot):
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.accept()
-        turned = event.angleDelta().y() or event.angleDelta().x()
-        if not self.data.series or not turned:
+        delta = event.angleDelta().y() or event.angleDelta().x()
+        if not self.data.series or not delta:
             return
-        shown = self._wheeled(self.fraction(event.position()), NOTCH ** (turned / 120.0))
+        shown = self._wheeled(self.fraction(event.position()), NOTCH ** (delta / 120.0))
         if self._wheel.isActive():
             self.show_range(shown)
             self.part_changed.emit()
@@ -214,19 +218,19 @@ class LiveGraph(GraphPlot):
     # -- points ---------------------------------------------------------------------------------------------
 
     def set_points(self, points: tuple[GraphPoint, ...]) -> None:
-        """Mark these two, one or none."""
+        """Mark up to two points."""
         self.show_points(points)
         self.points_changed.emit()
 
     def _point_to(self, pixel: QPointF) -> None:
-        """A first point, then its partner; a third click begins anew."""
+        """Set point A, then point B; a third click sets point A again."""
         point = self.nearest(pixel)
         if point is not None:
             self.set_points((*self.points, point) if len(self.points) == 1 else (point,))
 
     def _shift_point(self, sign: float) -> None:
-        """The last point by a pixel, or to the next point of a curve that goes back."""
-        *others, last = self.points
+        """Move the last point by a pixel; on a curve whose x is not ordered, to its next point."""
+        *before, last = self.points
         series = self.data.series[last.series]
         if series.is_ordered:
             wide = self.shown.x[1] - self.shown.x[0]
@@ -234,14 +238,14 @@ class LiveGraph(GraphPlot):
             at = last.x * 10.0**pixel if self.graph.x.log else last.x + pixel
             point = point_at(self.data, last.series, at)
         else:
-            there = int(np.nanargmin((series.x - last.x) ** 2 + (series.y - last.y) ** 2)) + int(sign)
-            i = min(max(there, 0), series.x.size - 1)
+            nearest = int(np.nanargmin((series.x - last.x) ** 2 + (series.y - last.y) ** 2))
+            i = min(max(nearest + int(sign), 0), series.x.size - 1)
             point = GraphPoint(last.series, float(series.x[i]), float(series.y[i]))
-        self.set_points((*others, point))
+        self.set_points((*before, point))
 
 
 def _ends(row: Any) -> tuple[float, float]:
-    """Raises TypeError, ValueError."""
+    """Return the ends of a saved range. Raises TypeError, ValueError."""
     low, high = (float(end) for end in row)
     if not (isfinite(low) and isfinite(high) and low < high):
         raise ValueError

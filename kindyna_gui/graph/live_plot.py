@@ -1,4 +1,4 @@
-"""Plots under the mouse."""
+"""Plots over one turn with mouse and keys: set the cam angle, open a limit, and drag a peak to change the design."""
 
 from __future__ import annotations
 
@@ -27,16 +27,21 @@ if TYPE_CHECKING:
     from kindyna_gui.touch_targets import MouseReadout
 
 
-# -- peak drag -------------------------------------------------------------------------------------------
+DRAGGED = ("pressure_angle",)  # first letters of the quantities whose peaks can be dragged
+DECIMALS = 2  # of the field during a drag
+REACH = 8.0  # pixels from a marked peak within which the mouse grabs it
+TIP = "Click or drag to set the cam angle; right-click to export"
 
-PULLED = ("pressure_angle",)  # beginnings of the quantities whose peaks are drawn
-DECIMALS = 2  # of the field meanwhile
+# -- dragging a peak -------------------------------------------------------------------------------------
 
 
 class PeakDrag:
-    """What the mouse does with the peaks of a view's plots; one drag is one step.
+    """Drag of a peak in the plots of a view: changes the field that determines it, as one step of undo.
 
-    lines   what answers beside the mouse, each with whether a limit is passed
+    Attributes
+    ----------
+    lines : list of (str, bool)
+        Texts next to the mouse, each with True beyond a limit.
     """
 
     def __init__(self, view: View, player: Player) -> None:
@@ -44,76 +49,80 @@ class PeakDrag:
         self._trade: Trade | None = None
         self._work: object = None
         self._unit, self._typed = "", ""
-        self._beside: MouseReadout | None = None
+        self._text: MouseReadout | None = None
         self.lines: list[tuple[str, bool]] = []
 
-    def can_take(self, name: str) -> bool:
-        """Whether the peaks of a quantity can be drawn."""
+    def can_grab(self, name: str) -> bool:
+        """Whether the peaks of a quantity can be dragged."""
         cam = self._session.design.drive.cam
-        return name.startswith(PULLED) and hasattr(cam, "base_radius_mm") and not self._session.on_balancer
+        return name.startswith(DRAGGED) and hasattr(cam, "base_radius_mm") and not self._session.on_balancer
 
-    def take(self, name: str, unit: str, highest: bool) -> bool:
-        """Hold the highest or lowest value of a quantity in this unit; False where nothing is traded for it."""
+    def grab(self, name: str, unit: str, highest: bool) -> bool:
+        """Begin to drag the highest or lowest value of a quantity; False if no field determines it."""
         from core.find import trade
 
-        self._trade = trade(self._session.design, name, highest) if self.can_take(name) else None
+        self._trade = trade(self._session.design, name, highest) if self.can_grab(name) else None
         if self._trade is None:
             return False
         self._player.play(False)
         self._session.begin_drag(self._view)
         self._work, self._unit, self._typed = self._session.work, unit, ""
-        self._answer()
+        self._show_effect()
         return True
 
-    def drag(self, wanted: float) -> None:
-        """The peak is drawn to this value."""
+    def drag(self, peak: float) -> None:
+        """Drag the peak to a value."""
         if self._trade is not None and not self._typed:
-            self._put(self._trade.field_value(wanted, self._present), wanted, DECIMALS)
+            self._put(self._trade.field_value(peak, self._current), peak, DECIMALS)
 
     @property
-    def _present(self) -> float:
-        """The value of the field now: a drag goes on from there, where several values give a peak."""
+    def _current(self) -> float:
+        """Current value of the field: the next value is close to it where several give the same peak."""
         return float(get(self._session.design, self._trade.path)) if self._trade is not None else 0.0
 
-    def _put(self, value: float | None, wanted: float, decimals: int) -> bool:
-        held = self._trade
-        assert held is not None
-        entry = entry_at(self._session.design, held.path)
+    def _put(self, value: float | None, peak: float, decimals: int) -> bool:
+        trade = self._trade
+        assert trade is not None
+        entry = entry_at(self._session.design, trade.path)
         assert entry is not None
         info = entry.info
         value = None if value is None else round(value, decimals)
         if value is None or not info.admits(value):
-            self._answer(f"No {info.in_sentence} gives {measure(wanted, self._unit)}")
+            self._show_effect(f"No {info.in_sentence} gives {measure(peak, self._unit)}")
             return False
-        done = self._session.put(put(self._session.design, held.path, value), f"Change {info.in_sentence}", held.path)
-        self._answer("" if done else f"{info.label} {value_text(value, split_unit(held.path)[1])} is not possible")
-        return done
+        changed = put(self._session.design, trade.path, value)
+        is_done = self._session.put(changed, f"Change {info.in_sentence}", trade.path)
+        self._show_effect(
+            "" if is_done else f"{info.label} {value_text(value, split_unit(trade.path)[1])} is not possible"
+        )
+        return is_done
 
-    def _answer(self, why_not: str = "") -> None:
+    def _show_effect(self, refusal: str = "") -> None:
+        """Update the texts: the effect on the design, and why a value was refused."""
         from kindyna_gui.touch_targets import readout_lines
 
         assert self._trade is not None
         stages = tuple(self._session.stages_on_screen())
         self.lines = readout_lines(self._session.study, self._trade.path, stages)
-        self.lines += [(why_not, True)] if why_not else []
+        self.lines += [(refusal, True)] if refusal else []
 
     def key(self, event: QKeyEvent) -> bool:
-        """Escape takes the drag back; a number that is typed meanwhile is the peak that Return gives; False: the key is another's."""
+        """Handle a key: Escape cancels the drag, Return sets the peak to the typed number. False: not a key of the drag."""
         from kindyna_gui.touch_targets import extended_input
 
-        held = self._trade
-        if held is None:
+        trade = self._trade
+        if trade is None:
             return False
         if event.key() == Qt.Key.Key_Escape:
-            self.drop(back=True)
+            self.release(cancel=True)
         elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             from kindyna_gui.forms.number_box import parsed
 
-            wanted = parsed(self._typed, split_unit(held.key.partition(":")[0])[1]) if self._typed else None
-            if wanted is None:
-                self._answer(sentence(no_number(self._typed)))
-            elif self._put(held.exact_field_value(wanted, self._present), wanted, 12):
-                self.drop()
+            peak = parsed(self._typed, split_unit(trade.key.partition(":")[0])[1]) if self._typed else None
+            if peak is None:
+                self._show_effect(sentence(no_number(self._typed)))
+            elif self._put(trade.exact_field_value(peak, self._current), peak, 12):
+                self.release()
             self._typed = ""
         else:
             typed = extended_input(self._typed, event)
@@ -122,35 +131,32 @@ class PeakDrag:
             self._typed = typed
         return True
 
-    def drop(self, back: bool = False) -> None:
-        """Let go; back: it goes back where it was."""
-        held, self._trade = self._trade, None
-        if held is not None:
-            self._session.end_field_drag(held.path, self._work if back else None)
+    def release(self, cancel: bool = False) -> None:
+        """End the drag; cancel: restore the design from before it."""
+        trade, self._trade = self._trade, None
+        if trade is not None:
+            self._session.end_field_drag(trade.path, self._work if cancel else None)
 
     @property
     def active(self) -> bool:
-        """Whether a peak is held."""
+        """Whether a peak is being dragged."""
         return self._trade is not None
 
-    def tell(self, on_screen: QPoint) -> None:
-        """What answers, beside the mouse."""
+    def show_lines(self, on_screen: QPoint) -> None:
+        """Show the texts next to the mouse."""
         from kindyna_gui.touch_targets import MouseReadout
 
-        if self._beside is None:
-            self._beside = MouseReadout(self._view)
+        if self._text is None:
+            self._text = MouseReadout(self._view)
         typed = [(f"{self._typed}_", False)] if self._typed else []
-        self._beside.show_lines([*typed, *self.lines] if self.active else [], on_screen)
+        self._text.show_lines([*typed, *self.lines] if self.active else [], on_screen)
 
 
-# -- live plot -------------------------------------------------------------------------------------------
-
-REACH = 8.0  # pixels from a marked peak within which it is taken
-TIP = "Click or drag to set the cam angle; right click to export"
+# -- plots -----------------------------------------------------------------------------------------------
 
 
-class _Turned(AngleMouse):
-    """The angle where the mouse is, of curves that are there."""
+class _AnglePlot(AngleMouse):
+    """A plot whose curves set the cam angle with the mouse."""
 
     readings: Any
     angle_at: Any
@@ -170,9 +176,22 @@ class Peak:
 
 
 @frozen(eq=False)
-class Pull:
-    """A peak under the hand: where it was taken [pixels], its value, how much of it a pixel is and the unit of these; what the axis
-    had to show then."""
+class PeakGrip:
+    """A peak at the start of its drag.
+
+    Attributes
+    ----------
+    start : QPointF
+        Position of the mouse [pixels].
+    value : float
+        Value of the peak, in the display unit.
+    per_pixel : float
+        Change of the value for one pixel.
+    size : float
+        Size of the display unit.
+    core : (float, float)
+        Range of the axis.
+    """
 
     start: QPointF
     value: float
@@ -181,23 +200,26 @@ class Pull:
     core: tuple[float, float]
 
 
-class LivePlot(_Turned, CurvePlot):
-    """Curves over one turn under the mouse.
+class LivePlot(_AnglePlot, CurvePlot):
+    """Curves over one turn, with mouse and keys.
 
-    angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
-    limit_chosen  (path): the text of a limit was clicked, which is stated, or can be, in this field
+    Signals: ``angle_moved`` (float), the user has set the cam angle [rad]; ``limit_chosen`` (str), the user has
+    clicked the text of a limit, path of its field.
 
-    peaks         what is done with a peak that is drawn up and down; None: nothing
+    Attributes
+    ----------
+    peaks : PeakDrag or None
+        Handles the drag of a peak; None: peaks cannot be dragged.
     """
 
     angle_moved = Signal(float)
     limit_chosen = Signal(str)
     unseen = UNSEEN
     text_room = TEXT_ROOM
-    whole_action: QAction | None = None
-    whole_button: QToolButton | None = None
+    full_range_action: QAction | None = None
+    full_range_button: QToolButton | None = None
     peaks: PeakDrag | None = None
-    _pull: Pull | None = None
+    _grip: PeakGrip | None = None
 
     def __init__(self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True) -> None:
         super().__init__(parent, names=names, angles=angles)
@@ -205,52 +227,57 @@ class LivePlot(_Turned, CurvePlot):
         self.setToolTip(TIP)
         self.viewport().setMouseTracking(True)
         self.cache_axes()
-        self.whole_action = QAction("Show all", self, checkable=True, enabled=False)
-        self.whole_action.setToolTip("Let the axis reach to the peaks that are far off all the rest, or cut them off")
-        self.whole_action.toggled.connect(self.show_spikes)
-        self.whole_button = QToolButton(self, autoRaise=True)
-        self.whole_button.setDefaultAction(self.whole_action)
-        self.whole_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.whole_button.setFont(font(SMALL))
-        self.whole_button.hide()
+        self.full_range_action = QAction("Show all", self, checkable=True, enabled=False)
+        self.full_range_action.setToolTip("Extend the axis to isolated high peaks, or cut them off")
+        self.full_range_action.toggled.connect(self.show_spikes)
+        self.full_range_button = QToolButton(self, autoRaise=True)
+        self.full_range_button.setDefaultAction(self.full_range_action)
+        self.full_range_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.full_range_button.setFont(font(SMALL))
+        self.full_range_button.hide()
 
     def _covered(self, frame: Frame) -> list[QRectF]:
-        """The button in the upper right corner, where there are peaks far off all the rest."""
-        if self.whole_button is None or self.whole_action is None:  # the plot is still being made
+        """Area of the button in the upper right corner, shown if the axis cuts peaks off."""
+        if (
+            self.full_range_button is None or self.full_range_action is None
+        ):  # during the construction of the base class
             return []
-        self.whole_action.setEnabled(self.has_spikes)
-        self.whole_button.setVisible(self.has_spikes)
+        self.full_range_action.setEnabled(self.has_spikes)
+        self.full_range_button.setVisible(self.has_spikes)
         if not self.has_spikes:
             return []
-        size, corner = self.whole_button.sizeHint(), self.mapFromScene(self.getViewBox().sceneBoundingRect().topRight())
-        self.whole_button.setGeometry(corner.x() - size.width() - 1, corner.y() + 1, size.width(), size.height())
+        size, corner = (
+            self.full_range_button.sizeHint(),
+            self.mapFromScene(self.getViewBox().sceneBoundingRect().topRight()),
+        )
+        self.full_range_button.setGeometry(corner.x() - size.width() - 1, corner.y() + 1, size.width(), size.height())
         return [
             QRectF(frame.width - size.width() - 1.0, frame.height - size.height() - 1.0, size.width(), size.height())
         ]
 
     def angle_at(self, pixel: QPointF) -> float:
-        """The cam angle [deg] at a place of the widget [pixels], 0 ... 360 also beside the axes."""
-        place = self.getViewBox().mapSceneToView(self.mapToScene(pixel.toPoint()))
-        return min(max(float(place.x()), 0.0), 360.0)
+        """Return the cam angle [deg] at a position in the widget [pixels], limited to 0 ... 360."""
+        point = self.getViewBox().mapSceneToView(self.mapToScene(pixel.toPoint()))
+        return min(max(float(point.x()), 0.0), 360.0)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if (
             event.button() == Qt.MouseButton.LeftButton
             and self.is_spike_at(event.position())
-            and self.whole_action is not None
+            and self.full_range_action is not None
         ):
-            self.whole_action.trigger()
+            self.full_range_action.trigger()
             event.accept()
         elif event.button() == Qt.MouseButton.LeftButton and (field := self.limit_at(event.position())):
             self.limit_chosen.emit(field)
             event.accept()
-        elif event.button() != Qt.MouseButton.LeftButton or not self._take_peak(event.position()):
+        elif event.button() != Qt.MouseButton.LeftButton or not self._grab_peak(event.position()):
             super().mousePressEvent(event)
 
     # -- peaks ----------------------------------------------------------------------------------------------
 
-    def peak_at(self, place: QPointF) -> Peak | None:
-        """The marked extreme under a place of the widget [pixels], of those that can be drawn."""
+    def peak_at(self, pixel: QPointF) -> Peak | None:
+        """Return the marked extreme at a position in the widget [pixels], None if none there can be dragged."""
         if self.peaks is None:
             return None
         for mark in self._extreme_marks:
@@ -259,67 +286,66 @@ class LivePlot(_Turned, CurvePlot):
                 (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.approximates), ""
             )
             at = self.mapFromScene(self.getViewBox().mapViewToScene(QPointF(extreme.angle, extreme.value)))
-            near = abs(complex(at.x() - place.x(), at.y() - place.y())) <= REACH
-            if near and extreme.refined and not mark.outside and self.peaks.can_take(name):
+            is_hit = abs(complex(at.x() - pixel.x(), at.y() - pixel.y())) <= REACH
+            if is_hit and extreme.refined and not mark.outside and self.peaks.can_grab(name):
                 return Peak(name, extreme)
         return None
 
-    def _take_peak(self, place: QPointF) -> bool:
-        peak = self.peak_at(place)
+    def _grab_peak(self, pixel: QPointF) -> bool:
+        peak = self.peak_at(pixel)
         if peak is None or self.peaks is None or self._core is None:
             return False
-        if not self.peaks.take(peak.name, self._curves[0].channel.unit.symbol, peak.extreme.highest):
+        if not self.peaks.grab(peak.name, self._curves[0].channel.unit.symbol, peak.extreme.highest):
             return False
         low, high = self.getViewBox().viewRange()[1]
         per_pixel = (high - low) / self.getViewBox().height()
-        self._pull = Pull(place, peak.extreme.value, per_pixel, self.rung.size, self._core)
+        self._grip = PeakGrip(pixel, peak.extreme.value, per_pixel, self.rung.size, self._core)
         return True
 
     def _reach(self, core: tuple[float, float]) -> tuple[float, float]:
-        """Under the hand the axis only grows."""
-        kept = core if self._pull is None else self._pull.core
-        return super()._reach((min(core[0], kept[0]), max(core[1], kept[1])))
+        """Range of the axis; during a drag it only grows."""
+        before = core if self._grip is None else self._grip.core
+        return super()._reach((min(core[0], before[0]), max(core[1], before[1])))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        pull, peaks = self._pull, self.peaks
-        if pull is None or peaks is None:
+        grip, peaks = self._grip, self.peaks
+        if grip is None or peaks is None:
             if not event.buttons():
                 self.viewport().setCursor(self._cursor_at(event.position()))
             super().mouseMoveEvent(event)
         elif peaks.active:
-            peaks.drag(pull.size * (pull.value + (pull.start.y() - event.position().y()) * pull.per_pixel))
-            peaks.tell(event.globalPosition().toPoint())
+            peaks.drag(grip.size * (grip.value + (grip.start.y() - event.position().y()) * grip.per_pixel))
+            peaks.show_lines(event.globalPosition().toPoint())
 
-    def _cursor_at(self, place: QPointF) -> Qt.CursorShape:
-        """What the mouse shows that it can do there."""
-        if self.limit_at(place):
+    def _cursor_at(self, pixel: QPointF) -> Qt.CursorShape:
+        if self.limit_at(pixel):
             return Qt.CursorShape.PointingHandCursor
-        return Qt.CursorShape.SizeVerCursor if self.peak_at(place) is not None else Qt.CursorShape.ArrowCursor
+        return Qt.CursorShape.SizeVerCursor if self.peak_at(pixel) is not None else Qt.CursorShape.ArrowCursor
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._pull is not None and self.peaks is not None:
-            self.peaks.drop()
-            self._leave_peak()
+        if self._grip is not None and self.peaks is not None:
+            self.peaks.release()
+            self._end_peak_drag()
         super().mouseReleaseEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if self._pull is None or self.peaks is None or not self.peaks.key(event):
+        if self._grip is None or self.peaks is None or not self.peaks.key(event):
             super().keyPressEvent(event)
         elif self.peaks.active:
-            self.peaks.tell(QCursor.pos())
+            self.peaks.show_lines(QCursor.pos())
         else:
-            self._leave_peak()
+            self._end_peak_drag()
 
-    def _leave_peak(self) -> None:
-        """The axis fits its curves again."""
-        self._pull = None
+    def _end_peak_drag(self) -> None:
+        """Fit the axis to its curves again."""
+        self._grip = None
         if self.peaks is not None:
-            self.peaks.tell(QPoint())
+            self.peaks.show_lines(QPoint())
         self.draw_again()
 
 
-class LivePolar(_Turned, PolarPlot):
-    """Curves in polar form under the mouse."""
+class LivePolar(_AnglePlot, PolarPlot):
+    """Curves in polar form, with the mouse."""
 
     unseen = UNSEEN
 

@@ -45,7 +45,7 @@ _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
 # -- canvas ----------------------------------------------------------------------------------------------
 
 
-def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
+def draggable_joints(scene: MechanismScene | Assembly) -> dict[str, complex]:
     """Positions [mm] of the joints that can be dragged, by the names of their points."""
     from core.followers.dragging import joints_of  # its import takes longer than drawing the mechanism
 
@@ -58,7 +58,7 @@ def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
     return {name: position for name, position in geometry.handles(scene.index).items() if name in joints}
 
 
-def rims_now(scene: MechanismScene | Assembly) -> dict[str, tuple[complex, float]]:
+def draggable_circles(scene: MechanismScene | Assembly) -> dict[str, tuple[complex, float]]:
     """Centre and radius [mm] of the circles that can be dragged, by the paths of their fields."""
     from core.followers.dragging import rims_of
 
@@ -155,7 +155,7 @@ class Canvas(QGraphicsView):
         return rect
 
     def show_region(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
-        """Show the region around a point, at a scale in pixels per mm; ``keep_labels`` places labels again after a delay."""
+        """Show the region around a point at a scale [pixels/mm]; ``keep_labels`` places labels after a delay."""
         self._centre, self._scale = centre, scale
         self.setTransform(QTransform.fromScale(scale, -scale))
         visible = self.visible
@@ -209,14 +209,14 @@ class Canvas(QGraphicsView):
             return ""
         at = self._drawn_at(pixel)
         position = complex(at.x(), at.y())
-        joints = joints_now(self._scene)
+        joints = draggable_joints(self._scene)
         distances = {name: abs(joint - position) * self._scale for name, joint in joints.items()}
         nearest_joint = min(distances, key=lambda name: distances[name], default="")
         if nearest_joint and distances[nearest_joint] <= REACH:
             return nearest_joint
         distances = {
             path: abs(abs(position - centre) - radius) * self._scale
-            for path, (centre, radius) in (rims_now(self._scene) if rims else {}).items()
+            for path, (centre, radius) in (draggable_circles(self._scene) if rims else {}).items()
         }
         rim = min(distances, key=lambda path: distances[path], default="")
         return rim if rim and distances[rim] <= RIM else ""

@@ -87,7 +87,7 @@ def label(links: Links) -> str:
 
 
 def method_text(row: CentreRow) -> str:
-    """Construction of a centre: at sight, by its pair, or the crossing of two lines, one of which may be the contact normal."""
+    """Construction of a centre: at sight, or the crossing of two lines, one of which may be the contact normal."""
     if not row.lines:
         return "at sight"
     a, b = row.links
@@ -119,7 +119,7 @@ def _link(row: LinkRow) -> TableRow:
     cells = (str(row.link), *(plain(v) for v in (row.omega, row.omega / RPM, row.ratio, row.advantage)), "")
     return TableRow(
         cells,
-        tip="Angular velocity, counter-clockwise positive; its ratio to the driver or cam; torque for a driver torque of 1",
+        tip="Angular velocity, counter-clockwise positive; its ratio to driver or cam; torque for a driver torque of 1",
     )
 
 
@@ -320,7 +320,7 @@ class CircleView(View):
 
 
 class PolygonView(View):
-    """One polygon, selected in a list, that follows the player; at first velocities of a linkage, forces of a follower."""
+    """Polygon that follows the player, selected in a list; at first velocities of a linkage, forces of a follower."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

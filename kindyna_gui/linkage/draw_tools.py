@@ -50,6 +50,7 @@ class Snap:
 
     @property
     def target(self) -> DrawingTarget:
+        """The position, point and link as a target of an edit."""
         return DrawingTarget(self.at, self.point, self.link)
 
 
@@ -60,7 +61,7 @@ def grid_step(scale: float) -> float:
     return next(k * power for k in (1.0, 2.0, 5.0, 10.0) if k * power >= least * (1.0 - 1e-9))
 
 
-def on_grid(at: complex, scale: float) -> complex:
+def grid_point(at: complex, scale: float) -> complex:
     """Return the nearest crossing of the grid."""
     step = grid_step(scale)
     digits = max(0, -math.floor(math.log10(step)))
@@ -84,7 +85,7 @@ def edges(corners: Sequence[complex]) -> Iterator[tuple[complex, complex]]:
         yield from zip(corners, [*corners[1:], corners[0]], strict=True)
 
 
-def inside(at: complex, corners: Sequence[complex]) -> bool:
+def is_inside(at: complex, corners: Sequence[complex]) -> bool:
     """Whether a position is inside a face."""
     odd = False
     for first, second in edges(corners) if len(corners) > 2 else ():
@@ -101,7 +102,7 @@ def faces_at(linkage: Linkage, positions: PointPositions, at: complex, scale: fl
     for link in reversed(linkage.links):
         corners = outline(link, positions)
         near = any(abs(at - nearest_on_segment(at, first, second)) * scale <= FACE for first, second in edges(corners))
-        if link.number != FRAME_LINK and (near or inside(at, corners)):
+        if link.number != FRAME_LINK and (near or is_inside(at, corners)):
             numbers.append(link.number)
     return numbers
 
@@ -122,7 +123,7 @@ def nearest_mark(marks: Sequence[complex], at: complex, scale: float) -> complex
     return complex(marks[best]) if distances[best] * scale <= NEAR else None
 
 
-def snapped(
+def snap_to(
     linkage: Linkage,
     positions: PointPositions,
     at: complex,
@@ -167,7 +168,7 @@ def snapped(
             on = through + along * ((at - through) * along.conjugate()).real
             if abs(at - on) * scale <= ALONG:
                 return Snap(on, LINE, "on the line", link=face)
-    grid = on_grid(at, scale)
+    grid = grid_point(at, scale)
     # close to a crossing of the grid the crossing has priority over a ray
     if start is None or abs(at - start) * scale < NEAR or abs(grid - at) * scale <= 0.25 * CELL:
         return Snap(grid, GRID, link=face)
@@ -176,7 +177,7 @@ def snapped(
     ray = cmath.rect(1.0, math.radians(step))
     on = start + ray * ((at - start) * ray.conjugate()).real
     if abs(on - at) * scale <= TURN:
-        length = abs(on_grid(complex(abs(on - start), 0.0), scale))
+        length = abs(grid_point(complex(abs(on - start), 0.0), scale))
         end = start + ray * length
         return Snap(complex(round(end.real, 9), round(end.imag, 9)), ANGLE, f"{step % 360.0:g}°", link=face)
     return Snap(grid, GRID, link=face)
@@ -201,11 +202,13 @@ class Drawing:
 
     @property
     def linkage(self) -> Linkage:
+        """The linkage of the design."""
         linkage: Linkage = self.design.drive.linkage
         return linkage
 
     @property
     def targets(self) -> list[DrawingTarget]:
+        """The clicks as targets of an edit."""
         return [snap.target for snap in self.snaps]
 
 
@@ -222,7 +225,7 @@ class DrawingEdit:
 
 @frozen
 class DrawTool:
-    """One tool: label, key, tip, a prompt for each click, the number of clicks, and the function that edits the design."""
+    """One tool: label, key, tip, a prompt for each click, number of clicks, function that edits the design."""
 
     name: str
     text: str
@@ -231,6 +234,11 @@ class DrawTool:
     prompts: tuple[str, ...]
     clicks: int = 0
     apply: Callable[[Drawing], DrawingEdit] | None = None
+
+
+def row_index(path: str) -> int:
+    """Index of a row in its list: 2 for ``loads.forces[2]``."""
+    return int(path[path.index("[") + 1 : -1])
 
 
 def _refused(problem: str, allowed: str) -> DesignError:

@@ -202,7 +202,7 @@ ACTIONS: tuple[DrawingAction, ...] = (
     DrawingAction("copy", "&Copy", "Ctrl+C", "Copy the selected links, for this or another design",
                   SelectionActions.copy, ("link",)),
     DrawingAction("paste", "&Paste", "Ctrl+V", "Insert the copied links",
-                  SelectionActions.paste, ("link", "sheet")),
+                  SelectionActions.paste, ("link", "canvas")),
     DrawingAction("mirror", "&Mirror", "Ctrl+Shift+M", "Mirror the selected links in the vertical line through their middle",
                   SelectionActions.mirror, ("link",)),
     DrawingAction("join", "&Join pins", "Ctrl+J", "Join the two selected pins into one",
@@ -222,7 +222,7 @@ ACTIONS: tuple[DrawingAction, ...] = (
     DrawingAction("rename", "R&ename...", "F2", "Rename the selected point",
                   lambda actions: actions.typed.rename(), ("point",)),
     DrawingAction("all", "Choose &all", "Ctrl+A", "Select all parts",
-                  SelectionActions.choose_all, ("sheet",)),
+                  SelectionActions.choose_all, ("canvas",)),
 )  # fmt: skip
 
 

@@ -13,11 +13,11 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QVBoxLayout, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, point_at, snapped
+from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, snap_to
 from kindyna_gui.linkage.drawing_actions import ACTIONS, DrawingAction, SelectionActions
 from kindyna_gui.linkage.drawing_mouse import SelectionInput, ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
-from kindyna_gui.linkage.sketch_picture import Marked
+from kindyna_gui.linkage.linkage_sketch import Highlights
 from kindyna_gui.linkage.typed_values import TypedValues
 from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
@@ -38,7 +38,7 @@ MENU_TOOLS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "point": ("bar", "plate", "slider", "slider_on", "ground", "driver", "gear", "force", "spring", "roller"),
         "link": ("bar", "point", "ground", "driver", "gear", "mass", "force", "spring"),
         "row": (),
-        "sheet": ("bar", "plate", "ground", "slider", "pin"),
+        "canvas": ("bar", "plate", "ground", "slider", "pin"),
     }
 )
 """Kind of part under the mouse -> tools that its menu offers."""
@@ -99,27 +99,15 @@ class DrawingMode(DrawnLinkage):
 
     def _tool_action(self, tool: DrawTool, owner: QWidget) -> QAction:
         action = QAction(icon(f"draw_{tool.name}"), tool.text, owner, checkable=True, checked=tool.name == CHOOSE)
-        action.setObjectName(f"draw:{tool.name}")
-        action.setShortcut(QKeySequence(tool.key))
-        action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
         action.setToolTip(f"{tool.text} ({tool.key}): {tool.tip}")
-        action.setStatusTip(tool.tip)
-        action.setEnabled(False)
         action.triggered.connect(partial(self.choose_tool, tool.name))
         self.group.addAction(action)
-        owner.addAction(action)
-        return action
+        return _added(action, f"draw:{tool.name}", tool, owner)
 
     def _menu_action(self, row: DrawingAction, edits: SelectionActions, owner: QWidget) -> QAction:
         action = QAction(row.text, owner)
-        action.setObjectName(f"deed:{row.name}")
-        action.setShortcut(QKeySequence(row.key))
-        action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
-        action.setStatusTip(row.tip)
-        action.setEnabled(False)
         action.triggered.connect(lambda *_: row.run(edits))
-        owner.addAction(action)
-        return action
+        return _added(action, f"deed:{row.name}", row, owner)
 
     @property
     def tool(self) -> DrawTool:
@@ -142,8 +130,7 @@ class DrawingMode(DrawnLinkage):
             self.player.play(False)
             self.canvas.viewport().installEventFilter(self)
             self.canvas.installEventFilter(self)
-            for action in (*self.tools.values(), *self.actions.values()):
-                action.setEnabled(True)
+            self._enable_actions(True)
             self.bar.show()
             self.switched.emit(True)
         self.choose_tool(tool)
@@ -157,11 +144,14 @@ class DrawingMode(DrawnLinkage):
             self.forget()
             self.canvas.viewport().removeEventFilter(self)
             self.canvas.removeEventFilter(self)
-            for action in (*self.tools.values(), *self.actions.values()):
-                action.setEnabled(False)
+            self._enable_actions(False)
             self.bar.hide()
             self.canvas.setCursor(Qt.CursorShape.ArrowCursor)
             self.switched.emit(False)
+
+    def _enable_actions(self, on: bool) -> None:
+        for action in (*self.tools.values(), *self.actions.values()):
+            action.setEnabled(on)
 
     def choose_tool(self, name: str, *_: object) -> None:
         """Change to one of ``TOOLS``."""
@@ -187,7 +177,7 @@ class DrawingMode(DrawnLinkage):
         self.choose(tuple(self.points), tuple(self.links), self.row)
 
     def refresh(self) -> None:
-        """Update strip and canvas after a change of design, angle or selection; end drawing in a design without links."""
+        """Update strip and canvas after a change; end drawing in a design without links."""
         if self.active and not self.session.typed.drive.links:
             self.stop()
         self.bar.prompt.setText(self.tool_input.prompt)
@@ -198,10 +188,10 @@ class DrawingMode(DrawnLinkage):
     # -- painting -----------------------------------------------------------------------------------------------
 
     @property
-    def marked(self) -> Marked:
+    def highlights(self) -> Highlights:
         """Parts to highlight: the selection, what is wrong, and what is locked."""
-        wrong = self.lack if self.tool_input.snaps == [] and len(self.layout[1]) > 2 else None
-        return Marked(
+        wrong = self.mobility if self.tool_input.snaps == [] and len(self.layout[1]) > 2 else None
+        return Highlights(
             self.points,
             self.links,
             self.row,
@@ -215,10 +205,10 @@ class DrawingMode(DrawnLinkage):
         painter.fillRect(self.canvas.viewport().rect(), QColor(SCREEN.paper))
         self.canvas.paint_under(painter)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        picture = self.picture
+        sketch = self.sketch
         if self.active:
-            picture.paint_grid(painter, self.canvas.visible)
-        picture.paint(painter, self.marked, dimensions=self.active, grey=self.still)
+            sketch.paint_grid(painter, self.canvas.visible)
+        sketch.paint(painter, self.highlights, dimensions=self.active, grey=self.static_links)
         if not self.active:
             return
         if (box := self.selection_input.box) is not None:
@@ -227,9 +217,9 @@ class DrawingMode(DrawnLinkage):
             painter.drawRect(box)
         for first, second in zip(self.tool_input.snaps, self.tool_input.snaps[1:], strict=False):
             painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
-            painter.drawLine(picture.to(first.at), picture.to(second.at))
+            painter.drawLine(sketch.to(first.at), sketch.to(second.at))
         if self.snap is not None and self.tool.name != CHOOSE:
-            picture.paint_snap(painter, self.snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
+            sketch.paint_snap(painter, self.snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
 
     def fit(self) -> None:
         """Show the whole drawing; an empty one with the width of a small machine."""
@@ -322,11 +312,8 @@ class DrawingMode(DrawnLinkage):
     def menu_at(self, pixel: QPointF) -> QMenu:
         """Build the context menu of a pixel: tools that start there, and actions on the part under it."""
         self.typed.at = pixel.toPoint()
-        picture, at = self.picture, self.position_at(pixel)
-        name = point_at(picture.positions, at, picture.scale)
-        row = "" if name else picture.load_at(at)
-        link = None if name or row else picture.link_at(pixel)
-        kind = "point" if name else "row" if row else "link" if link else "sheet"
+        name, row, link = self.part_at(pixel)
+        kind = "point" if name else "row" if row else "link" if link else "canvas"
         if name and name not in self.points:
             self.choose((name,))
         elif row:
@@ -335,7 +322,8 @@ class DrawingMode(DrawnLinkage):
             self.choose(links=(link,))
         menu = QMenu(self.canvas)
         design, positions = self.layout
-        snap = snapped(design.drive.linkage, positions, at, picture.scale, marks=self.canvas.marks)
+        at, scale = self.position_at(pixel), self.canvas.scale_now
+        snap = snap_to(design.drive.linkage, positions, at, scale, marks=self.canvas.marks)
         for tool in MENU_TOOLS[kind]:
             action = menu.addAction(icon(f"draw_{tool}"), _HERE.get(tool, f"{TOOLS[tool].text} here"))
             action.triggered.connect(partial(self._start_here, tool, snap))
@@ -350,3 +338,14 @@ class DrawingMode(DrawnLinkage):
         self.choose_tool(tool)
         self.tool_input.mouse = snap
         self.tool_input.set(snap)
+
+
+def _added(action: QAction, name: str, row: DrawTool | DrawingAction, owner: QWidget) -> QAction:
+    """Add the action of a tool or a menu row to its widget, disabled until drawing starts."""
+    action.setObjectName(name)
+    action.setShortcut(QKeySequence(row.key))
+    action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
+    action.setStatusTip(row.tip)
+    action.setEnabled(False)
+    owner.addAction(action)
+    return action

@@ -13,7 +13,7 @@ from core.design.linkage import FRAME_LINK
 from core.errors import DesignError, Fault
 from core.mechanism.drawing_edits import with_moved
 from core.mechanism.drawn import PointPositions, link_pose
-from kindyna_gui.linkage.draw_tools import CHOOSE, TOOLS, Drawing, DrawTool, Snap, grid_step, point_at, snapped
+from kindyna_gui.linkage.draw_tools import CHOOSE, TOOLS, Drawing, DrawTool, Snap, grid_step, row_index, snap_to
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, links_within
 
 DRAG = 4.0  # distance from which on a press is a drag, pixels
@@ -77,7 +77,7 @@ class ToolInput:
         design, positions = self.drawn.layout
         start = self.snaps[-1].at if self.snaps else None
         free = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
-        return snapped(
+        return snap_to(
             design.drive.linkage,
             positions,
             self.drawn.position_at(event.position()),
@@ -121,7 +121,7 @@ class ToolInput:
 
 
 class SelectionInput:
-    """Selecting and dragging with the mouse; ``edit_length`` is called with the link and the points of a clicked length."""
+    """Selecting and dragging; ``edit_length`` is called with the link and the points of a clicked length."""
 
     def __init__(self, drawn: DrawnLinkage, edit_length: Callable[[int, str, str], None]) -> None:
         self.drawn, self._edit_length = drawn, edit_length
@@ -158,18 +158,15 @@ class SelectionInput:
 
     def press(self, event: QMouseEvent) -> None:
         """Select the part under the mouse, or begin a selection box."""
-        picture, pixel = self.drawn.picture, event.position()
+        pixel = event.position()
         self.pressed = self._pixel = pixel
-        at = self.drawn.position_at(pixel)
-        self._grabbed, self._moved_from = at, None
+        self._grabbed, self._moved_from = self.drawn.position_at(pixel), None
         more = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        if not more and (length := picture.length_at(pixel)):
+        if not more and (length := self.drawn.sketch.length_at(pixel)):
             self._dragged = "length"
             self.drawn.choose(links=(length[0],))
             return
-        name = point_at(picture.positions, at, picture.scale)
-        row = "" if name else picture.load_at(at)
-        link = None if name or row else picture.link_at(pixel)
+        name, row, link = self.drawn.part_at(pixel)
         if not (name or row or link):
             self._dragged = "box"
             if not more:
@@ -214,7 +211,7 @@ class SelectionInput:
         first = next(iter(sorted(loose)))
         lead = positions[first] if len(loose) == 1 else self._grabbed
         canvas = self.drawn.canvas
-        snap = snapped(design.drive.linkage, positions, at, canvas.scale_now, None, every, free, canvas.marks)
+        snap = snap_to(design.drive.linkage, positions, at, canvas.scale_now, None, every, free, canvas.marks)
         shift = (snap.at if len(loose) == 1 else _rounded(at - self._grabbed, canvas.scale_now, free) + lead) - lead
         targets = {name: positions[name] + shift for name in loose}
         text = f"Move {', '.join(sorted(loose))}"
@@ -232,17 +229,17 @@ class SelectionInput:
             self._moved_from = None
             self.drawn.session.end_drag()
         if dragged == "length" and not far:
-            length = self.drawn.picture.length_at(event.position())
+            length = self.drawn.sketch.length_at(event.position())
             if length is not None:
                 self._edit_length(*length)
         elif dragged == "box" and far:
-            self._choose_in(QRectF(self.drawn.picture.to(self._grabbed), event.position()).normalized())
+            self._choose_in(QRectF(self.drawn.sketch.to(self._grabbed), event.position()).normalized())
         self.drawn.changed.emit()
 
     def _choose_in(self, box: QRectF) -> None:
-        picture = self.drawn.picture
-        points = {name for name, at in picture.positions.items() if box.contains(picture.to(at))}
-        links = links_within(picture.design, points)
+        sketch = self.drawn.sketch
+        points = {name for name, at in sketch.positions.items() if box.contains(sketch.to(at))}
+        links = links_within(sketch.design, points)
         self.drawn.choose(tuple(self.drawn.points | points), tuple(self.drawn.links | links))
 
     def _with_moved(self, design: Design, targets: PointPositions) -> Design:
@@ -262,8 +259,8 @@ class SelectionInput:
         """Move a centre of mass on its link."""
         if not self.drawn.row.startswith("loads.masses"):
             return
-        mass = design.drive.loads.masses[int(self.drawn.row[self.drawn.row.index("[") + 1 : -1])]
-        at = snapped(
+        mass = design.drive.loads.masses[row_index(self.drawn.row)]
+        at = snap_to(
             design.drive.linkage, positions, self.drawn.position_at(event.position()), self.drawn.canvas.scale_now
         ).at
         origin, axis = link_pose(design.drive.linkage, mass.link, positions)

@@ -1,4 +1,4 @@
-"""The linkage on the canvas: its layout at the current angle, the selection, what it lacks, and its edits as undo steps."""
+"""The linkage on the canvas: layout at the current angle, selection, mobility, and edits as undo steps."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from core.mechanism.unfinished import DrivenPart, Mobility, driven_part_of, mobi
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import DrawingEdit
-from kindyna_gui.linkage.sketch_picture import SketchPicture
+from kindyna_gui.linkage.draw_tools import DrawingEdit, point_at
+from kindyna_gui.linkage.linkage_sketch import LinkageSketch
 from kindyna_gui.player import Player
 
 
@@ -40,7 +40,7 @@ class DrawnLinkage(QObject):
         self.row = ""
         self.locked: set[str] = set()
         self._layout: tuple[object, Design, PointPositions] | None = None
-        self._lack: tuple[Design, Mobility, DrivenPart | None] | None = None
+        self._mobility: tuple[Design, Mobility, DrivenPart | None] | None = None
         self.lengths: dict[tuple[int, str, str], QRectF] = {}
 
     @property
@@ -72,7 +72,7 @@ class DrawnLinkage(QObject):
                 return with_positions(typed, {**positions, **fixed}), {**positions, **fixed}
             except (KindynaError, KeyError):
                 pass
-        if linkage.drawn is not None and (driven := self._lacking()[1]) is not None:
+        if linkage.drawn is not None and (driven := self._mobility_and_driven()[1]) is not None:
             try:
                 driven_positions = driven.positions(self.player.theta)
                 return with_positions(typed, driven_positions), driven_positions
@@ -81,11 +81,11 @@ class DrawnLinkage(QObject):
         return typed, point_positions(linkage)
 
     @property
-    def picture(self) -> SketchPicture:
+    def sketch(self) -> LinkageSketch:
         design, positions = self.layout
         transform = self.canvas.viewportTransform()
         to = lambda at: transform.map(QPointF(at.real, at.imag))  # noqa: E731
-        return SketchPicture(design, positions, to, self.canvas.scale_now, self.lengths)
+        return LinkageSketch(design, positions, to, self.canvas.scale_now, self.lengths)
 
     def position_at(self, pixel: QPointF) -> complex:
         """Position [mm] at a pixel."""
@@ -93,30 +93,37 @@ class DrawnLinkage(QObject):
         at = inverse.map(pixel)
         return complex(at.x(), at.y())
 
+    def part_at(self, pixel: QPointF) -> tuple[str, str, int | None]:
+        """Return the point, the row of the loads, or the link under a pixel, in this priority; the others are empty."""
+        sketch, at = self.sketch, self.position_at(pixel)
+        name = point_at(sketch.positions, at, sketch.scale)
+        row = "" if name else sketch.load_at(at)
+        return name, row, None if name or row else sketch.link_at(pixel)
+
     # -- mobility -------------------------------------------------------------------------------------------------
 
     @property
-    def lack(self) -> Mobility:
+    def mobility(self) -> Mobility:
         """What the drawing lacks to be a mechanism."""
-        return self._lacking()[0]
+        return self._mobility_and_driven()[0]
 
-    def _lacking(self) -> tuple[Mobility, DrivenPart | None]:
+    def _mobility_and_driven(self) -> tuple[Mobility, DrivenPart | None]:
         """Return the mobility of the drawing, and the part that the driver moves if the drawing is incomplete."""
         design = self.session.typed
         if design.drive.linkage.drawn is None:
             design = self.layout[0]
-        if self._lack is None or self._lack[0] is not design:
-            lack = mobility(design.drive.linkage)
-            self._lack = (design, lack, None if lack.is_finished else driven_part_of(design, lack))
-        return self._lack[1:]
+        if self._mobility is None or self._mobility[0] is not design:
+            state = mobility(design.drive.linkage)
+            self._mobility = (design, state, None if state.is_finished else driven_part_of(design, state))
+        return self._mobility[1:]
 
     @property
-    def still(self) -> frozenset[int]:
+    def static_links(self) -> frozenset[int]:
         """Links of an incomplete drawing that do not follow the driver; none while drawing if nothing moves."""
-        lack, driven = self._lacking()
-        if lack.is_finished or (driven is None and self.active):
+        state, driven = self._mobility_and_driven()
+        if state.is_finished or (driven is None and self.active):
             return frozenset()
-        return frozenset(self.layout[0].drive.linkage.by_number) - (frozenset(lack.driven) if driven else frozenset())
+        return frozenset(self.layout[0].drive.linkage.by_number) - (frozenset(state.driven) if driven else frozenset())
 
     def state_text(self) -> str:
         """Text that says what the drawing lacks to be a mechanism, and what to do."""
@@ -125,7 +132,7 @@ class DrawnLinkage(QObject):
             return "The canvas is empty: set a fixed pivot with Ground, or draw a bar"
         if len(design.drive.links) < 2:
             return "Draw a bar from a pivot"
-        return "; ".join(self.lack.sentences) or "1 degree of freedom, set by the driver: the linkage moves"
+        return "; ".join(self.mobility.sentences) or "1 degree of freedom, set by the driver: the linkage moves"
 
     # -- selection ------------------------------------------------------------------------------------------------
 
@@ -134,7 +141,7 @@ class DrawnLinkage(QObject):
         link_points = {link.number: link.places for link in self.session.typed.drive.links}
         self.points = {name for name in points if any(name in names for names in link_points.values())}
         self.links = {n for n in links if n in link_points}
-        self.row = row if row and row in self.picture.load_positions() else ""
+        self.row = row if row and row in self.sketch.load_positions() else ""
         self.changed.emit()
 
     @property
@@ -156,7 +163,7 @@ class DrawnLinkage(QObject):
         try:
             result = edit()
         except KindynaError as error:
-            self.message.emit(why(self.layout[0], error))
+            self.message.emit(refusal_text(self.layout[0], error))
             return False
         if not isinstance(result, DrawingEdit):
             result = DrawingEdit(result, text, tuple(self.points), tuple(self.links), self.row)
@@ -182,7 +189,7 @@ class DrawnLinkage(QObject):
                 return CrankMotion(self.session.study.driver_ranges).theta(drawn_position(drawn))
             except KindynaError:
                 return None
-        driven = self._lacking()[1]
+        driven = self._mobility_and_driven()[1]
         return None if driven is None else driven.drawn_theta
 
 
@@ -195,7 +202,7 @@ def links_within(design: Design, points: Collection[str]) -> set[int]:
     }
 
 
-def why(design: Design, error: KindynaError) -> str:
+def refusal_text(design: Design, error: KindynaError) -> str:
     """Return the reason why something cannot be drawn, in a sentence."""
     if isinstance(error, DesignError):
         fault = error.faults[0]
@@ -203,4 +210,4 @@ def why(design: Design, error: KindynaError) -> str:
     return reason(design, error)
 
 
-__all__ = ["DrawnLinkage", "why"]
+__all__ = ["DrawnLinkage", "links_within", "refusal_text"]

@@ -63,8 +63,8 @@ def _load(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, ge
 
 
 def _face(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> MouseTarget | None:
-    inside = abs(at - complex(geometry.reference[scene.index])) <= geometry.face_radius
-    if not inside or geometry.face_radius == 0.0:
+    is_inside = abs(at - complex(geometry.reference[scene.index])) <= geometry.face_radius
+    if not is_inside or geometry.face_radius == 0.0:
         return None
     noun = geometry.study.design.drive.face.noun
     return MouseTarget(noun[:1].upper() + noun[1:], geometry.face_path, "contact_force")

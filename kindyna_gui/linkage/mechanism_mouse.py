@@ -15,7 +15,7 @@ from core.design import AttachedEnd, Target, entry_at, put, split_unit
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import allowed_text, no_number, reason, value_text
-from kindyna_gui.linkage.canvas import Canvas, rims_now
+from kindyna_gui.linkage.canvas import Canvas, draggable_circles
 from kindyna_gui.linkage.picking import Picker, PickFunction, next_row, paint_row, rows_at
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -61,7 +61,7 @@ class MechanismMouseView(View):
 
     load_opened  (path): a row of the loads was clicked; empty for a load without a row
     is_stale     the drawing shows the last valid design, not the typed one
-    shows_sheet  the linkage is shown as drawn: while drawing, and if it is incomplete
+    shows_layout the linkage is shown as drawn: while drawing, and if it is incomplete
     """
 
     load_opened = Signal(str)
@@ -70,7 +70,7 @@ class MechanismMouseView(View):
         self.scene = MechanismScene()
         self.canvas = Canvas(self.scene)
         super().__init__(session, player)
-        self.is_stale = self.shows_sheet = False
+        self.is_stale = self.shows_layout = False
         self.drag: JointDrag | None = None
         self.picker = Picker(self.canvas, self.scene)
         self._drives: DrivesMouse | None = None  # created when all drives are first drawn
@@ -110,7 +110,7 @@ class MechanismMouseView(View):
     def _run_from(self, at: complex) -> Callable[[complex], None] | None:
         """Return the function that moves the link at a position to the mouse; None if there is no link."""
         geometry, index = self.scene.geometry, self.scene.index
-        if geometry is None or self.shows_sheet or self.is_stale or not self.session.design.drive.links:
+        if geometry is None or self.shows_layout or self.is_stale or not self.session.design.drive.links:
             return None
         name = self.picker.face_at(geometry, geometry.moving, at)
         if name is None:
@@ -138,7 +138,7 @@ class MechanismMouseView(View):
         self.session.begin_drag(self)
         joints = joints_of(self.session.design)
         field = joints[name].field if name in joints else name
-        rim = rims_now(self.scene).get(name)
+        rim = draggable_circles(self.scene).get(name)
         self.drag = JointDrag(name, field, self.session.work, rim, self.canvas.pressed_position)
         self._escape.setEnabled(True)
 
@@ -261,7 +261,7 @@ class MechanismMouseView(View):
     def _target_at(self, at: complex) -> MouseTarget | None:
         from kindyna_gui.linkage.drives_mouse import target_at
 
-        if not self._shows_solution or self.shows_sheet:
+        if not self._shows_solution or self.shows_layout:
             return None
         return target_at(self.canvas, self.scene, self.picker, at)
 
@@ -269,7 +269,7 @@ class MechanismMouseView(View):
         """Open the context menu of the part at a position."""
         from kindyna_gui.touch_targets import open_menu
 
-        if not self.shows_sheet and self._host is not None:
+        if not self.shows_layout and self._host is not None:
             open_menu(self._target_at(complex(position.x(), position.y())), self, self._host, on_screen)
 
     # -- painting and keys ------------------------------------------------------------------------------------

@@ -85,13 +85,13 @@ class MechanismView(MechanismMouseView):
         session.started.connect(self._request_fit)
         session.drive_chosen.connect(self._request_fit)
         session.step_changed.connect(self._show_step)
-        session.full_design_changed.connect(self._name_drives)
+        session.full_design_changed.connect(self._update_strip)
         session.incomplete_changed.connect(self.invalidate)
         session.file_changed.connect(self._load_underlay)
         self.strip.chosen.connect(self._choose_drive)
         self.strip.arranged.connect(self.arrange)
         self.all_canvas.clicked.connect(self._click_drive)
-        self._name_drives()
+        self._update_strip()
         self._load_underlay()
         self._pinned: PinnedOutline | None = None
         Pins.of(session).changed.connect(self.canvas.viewport().update)
@@ -155,7 +155,7 @@ class MechanismView(MechanismMouseView):
         """Whether a linkage is being drawn with the mouse."""
         return self._drawing is not None and self._drawing.active
 
-    def _has_to_show_sheet(self) -> bool:
+    def _has_to_show_layout(self) -> bool:
         typed = self.session.typed.drive
         if self.draws or not typed.links or typed.linkage.drawn is None:
             return self.draws
@@ -184,14 +184,14 @@ class MechanismView(MechanismMouseView):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Stages that are drawn; forces and the twist of the shaft are computed only if their layers are shown."""
-        if self.shows_sheet:
+        if self.shows_layout:
             return ()
         forces = ("dynamics",) if any(self._layer_states[name] for name in FORCE_LAYERS) else ()
         return ("linkage", "cam", *forces, *(("stability",) if self._layer_states[TWIST] else ()))
 
     # -- drives -------------------------------------------------------------------------------------------
 
-    def _name_drives(self) -> None:
+    def _update_strip(self) -> None:
         """Show the names of the drives in the strip, if there are several."""
         self.strip.setVisible(self.session.several)
         if self.session.several:
@@ -199,11 +199,11 @@ class MechanismView(MechanismMouseView):
 
     def update_style(self) -> None:
         """Apply a change of theme or font."""
-        self._name_drives()
+        self._update_strip()
 
     def _choose_drive(self, number: int) -> None:
         if not self.session.choose_drive(number):
-            self._name_drives()
+            self._update_strip()
 
     @property
     def draws_all(self) -> bool:
@@ -226,7 +226,7 @@ class MechanismView(MechanismMouseView):
             self._choose_drive(number)
 
     @property
-    def _layers_of_all(self) -> tuple[str, ...]:
+    def _all_drive_layers(self) -> tuple[str, ...]:
         """Layers that are shown while all drives are drawn."""
         return tuple(name for name in (*DRIVE_LAYERS, *SELECTED_LAYERS) if self._layer_states[name])
 
@@ -237,19 +237,15 @@ class MechanismView(MechanismMouseView):
 
             self._drives = DrivesMouse(self, self.all_canvas, self.assembly, self.session, self.player)
             self._drives.drag_changed = self._escape.setEnabled
-        self._layers_drawn = self._layers_of_all
+        self._layers_drawn = self._all_drive_layers
         self.assembly.show_shaft(
             self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT, self._layers_drawn
         )
         missing = self.assembly.missing
         self.note.show_message(
-            f"Not drawn: {', '.join(missing)}" if missing else self._what_is_missing(self.session.study)
+            f"Not drawn: {', '.join(missing)}" if missing else self._missing_text(self.session.study)
         )
-        if self._needs_fit:
-            self.all_canvas.fit()
-            self._needs_fit = False
-        else:
-            self.all_canvas.show_again()
+        self._fit_or_keep(self.all_canvas)
 
     # -- refresh and follow -------------------------------------------------------------------------------
 
@@ -258,35 +254,38 @@ class MechanismView(MechanismMouseView):
         self.is_stale = session.incomplete is not None and (self.draws_all or session.typed != session.design)
         if self.draws:
             self.drawing.refresh()
-        self.shows_sheet = self._has_to_show_sheet()
+        self.shows_layout = self._has_to_show_layout()
         if self.draws_all:
             self._show_all()
             return
         self._pages.setCurrentWidget(self.canvas)
-        if self.shows_sheet:
-            self._show_sheet()
-            return
-        self._draw(study)
+        if self.shows_layout:
+            self._show_layout()
+        else:
+            self._draw(study)
 
     def _draw(self, study: Study) -> None:
         """Draw the mechanism in the current turn."""
         self._apply_layers()
         self._update_readout()
-        self._show_missing_cam(study)
+        self._update_note(study)
         self.scene.show_step(
             self.session.step if set(STEP_LAYERS) <= set(available_layers(study)) else None, draw=False
         )
         self.scene.update_study(self._in_turn(study), keep_labels=True, lay=not self._needs_fit)
         self.canvas.rest.start()
+        self._fit_or_keep(self.canvas)
+
+    def _fit_or_keep(self, canvas: Canvas) -> None:
         if self._needs_fit:
-            self.canvas.fit()
+            canvas.fit()
             self._needs_fit = False
         else:
-            self.canvas.show_again()
+            canvas.show_again()
 
-    def _show_sheet(self) -> None:
+    def _show_layout(self) -> None:
         """Show the linkage as drawn, also if it is incomplete."""
-        self.note.show_message(self._note_of_underlay if self.draws else self.drawing.state_text())
+        self.note.show_message(self._underlay_note if self.draws else self.drawing.state_text())
         if self._needs_fit:
             self._needs_fit = False
             self.drawing.fit()
@@ -312,12 +311,12 @@ class MechanismView(MechanismMouseView):
             return study
         return study_in_turn
 
-    def _show_missing_cam(self, study: Study) -> None:
+    def _update_note(self, study: Study) -> None:
         """Show a note on what cannot be drawn."""
-        self.note.show_message(linked(self._what_is_missing(study)))
+        self.note.show_message(linked(self._missing_text(study)))
 
-    def _what_is_missing(self, study: Study) -> str:
-        """Text that says why the drawing is stale, or why cam, pressure, forces or underlay are not drawn; else empty."""
+    def _missing_text(self, study: Study) -> str:
+        """Reason why the drawing is stale, or why cam, pressure, forces or underlay are not drawn; else empty."""
         if self.is_stale:
             return f"Showing the last version that can be assembled. {misfit_sentences(self.session)[0]}"
         text = ""
@@ -331,20 +330,20 @@ class MechanismView(MechanismMouseView):
                 text = why_no_forces(study)
             except NoSolution as error:
                 text = f"No forces: {reason(study.design, error)}"
-        return text or self._note_of_underlay
+        return text or self._underlay_note
 
     @property
-    def _note_of_underlay(self) -> str:
+    def _underlay_note(self) -> str:
         """Text that says why the underlay is not shown."""
         return self._underlay.missing if self._underlay is not None else ""
 
     def follow(self, theta: float) -> None:
         if self.draws_all:
-            if self._layers_of_all != self._layers_drawn:
+            if self._all_drive_layers != self._layers_drawn:
                 self._show_all()
             self.assembly.set_machine(self.player.machine)
             return
-        if self.shows_sheet:
+        if self.shows_layout:
             self.drawing.refresh()
             return
         if self.scene.turn != self._turn:
@@ -354,7 +353,7 @@ class MechanismView(MechanismMouseView):
         self.scene.set_angle(theta)
 
     def fit(self) -> None:
-        if self.shows_sheet and not self.draws_all:
+        if self.shows_layout and not self.draws_all:
             self.drawing.fit()
             return
         if self.up_to_date and not self.in_trouble:
@@ -389,7 +388,7 @@ class MechanismView(MechanismMouseView):
             painter.fillRect(self.rect(), veil)
 
     def _paint_over(self, painter: QPainter) -> None:
-        if self.shows_sheet:
+        if self.shows_layout:
             self.drawing.paint(painter)
             return
         self._paint_veil(painter)
@@ -423,7 +422,7 @@ class MechanismView(MechanismMouseView):
             if self.scene.layer_selected(name) != shown:
                 self.scene.set_layer(name, shown)
                 if name in FORCE_LAYERS:
-                    self._show_missing_cam(self.session.study)
+                    self._update_note(self.session.study)
                 if self.canvas.fitted and name in (*CHAINS, DIMENSIONS):  # these need room around the mechanism
                     self.canvas.fit(keep_labels=True)
 

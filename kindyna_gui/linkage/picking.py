@@ -159,7 +159,7 @@ class Picker(QObject):
         return self._scene.geometry
 
     def candidates(self) -> list[PickCandidate]:
-        """Return the named attachments that can be picked now; at equal positions the first has priority."""
+        """Return the named attachments that can be picked; at equal positions the first has priority."""
         geometry = self._geometry
         if geometry is None or not self.active:
             return []

@@ -23,9 +23,9 @@ from core.mechanism.drawing_edits import with_length, with_moved, with_name
 from core.mechanism.drawn import assembled, point_positions, with_input_values, with_positions
 from core.output.lines import shortest
 from kindyna_gui.forms.number_box import parsed
-from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap
+from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index
 from kindyna_gui.linkage.drawing_mouse import ToolInput
-from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, why
+from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
 from kindyna_gui.pictures.style import SCREEN
 
 Typed = float | str | None
@@ -250,9 +250,7 @@ class TypedValues:
         if self.drawn.row:
             kind = self.drawn.row.partition("[")[0].rpartition(".")[2]
             fields = ROW_BOXES.get(kind, ())
-            if kind == "drivers" and input_slides(
-                linkage, linkage.drivers[int(self.drawn.row[len("linkage.drivers[") : -1])]
-            ):
+            if kind == "drivers" and input_slides(linkage, linkage.drivers[row_index(self.drawn.row)]):
                 fields = tuple(
                     RACK_OFFSET if name == "offset_deg" else (label, name, unit) for label, name, unit in fields
                 )
@@ -271,7 +269,7 @@ class TypedValues:
 
     def _set_row(self, row: str, fields: Sequence[tuple[str, str, Any]], values: Sequence[Typed]) -> str:
         if row.startswith("linkage.drivers"):
-            return self._set_input(int(row[row.index("[") + 1 : -1]), values)
+            return self._set_input(row_index(row), values)
 
         def changed() -> Design:
             design, _ = self.drawn.layout
@@ -286,7 +284,7 @@ class TypedValues:
         return ""
 
     def _set_input(self, index: int, values: Sequence[Typed]) -> str:
-        """Set ratio, offset and wheels of a second input; wheels alone give the ratio, a ratio alone removes the wheels."""
+        """Set ratio, offset and wheels of a second input; wheels give the ratio, a ratio alone removes the wheels."""
         design, _ = self.drawn.layout
         old = design.drive.linkage.drivers[index]
         ratio, offset, first, second, module = (value if isinstance(value, float) else None for value in values[:5])
@@ -364,14 +362,14 @@ class TypedValues:
     def rename(self) -> None:
         """Open the box with the name of the selected point."""
         if name := self.drawn.selected_point():
-            at = self.drawn.picture.to(self.drawn.layout[1][name]).toPoint()
+            at = self.drawn.sketch.to(self.drawn.layout[1][name]).toPoint()
 
             def accept(values: Sequence[Typed]) -> str:
                 new = str(values[0] or "")
                 try:
                     design = with_name(self.drawn.layout[0], name, new)
                 except KindynaError as error:
-                    return why(self.drawn.layout[0], error)
+                    return refusal_text(self.drawn.layout[0], error)
                 self.boxes.close_all()
                 self.drawn.apply(lambda: DrawingEdit(design, f"Rename {name} to {new}", points=(new,)))
                 return ""

@@ -45,7 +45,7 @@ LINE_OPACITY = 0.8  # initial opacity of the lines of a DXF
 
 
 @frozen(eq=False)
-class Sheet:
+class UnderlayContent:
     """Content of an underlay in its units: an image with width and height, or the lines and snap positions of a DXF."""
 
     image: QImage | None = None
@@ -71,7 +71,7 @@ class Sheet:
             painter.drawPath(placed.map(self.lines))
 
 
-def read_sheet(path: Path) -> Sheet:
+def read_content(path: Path) -> UnderlayContent:
     """Read an image, an SVG or a DXF; raises KindynaError if it is missing or cannot be read."""
     ending = path.suffix.lower()
     if ending == DXF:
@@ -82,7 +82,7 @@ def read_sheet(path: Path) -> Sheet:
             for at in z[1:].tolist():
                 lines.lineTo(QPointF(at.real, at.imag))
         marks = [*drawn.corners.tolist(), *drawn.centres.tolist()]
-        return Sheet(lines=lines, marks=marks, unit_mm=drawn.unit_mm, notes=drawn.notes)
+        return UnderlayContent(lines=lines, marks=marks, unit_mm=drawn.unit_mm, notes=drawn.notes)
     if not path.is_file():
         raise FileError(f"{path}: no such file; choose another file, or restore this one")
     if ending == ".svg":
@@ -98,7 +98,7 @@ def read_sheet(path: Path) -> Sheet:
             painter = QPainter(image)
             renderer.render(painter)
             painter.end()
-            return Sheet(image, size.width(), size.height(), unit_mm=SVG_MM)
+            return UnderlayContent(image, size.width(), size.height(), unit_mm=SVG_MM)
     else:
         reader = QImageReader(str(path))
         reader.setAutoTransform(False)
@@ -108,7 +108,7 @@ def read_sheet(path: Path) -> Sheet:
             raise FileError(f"{path}: {size.width()} x {size.height()} pixels; allowed: at most {at_most}")
         image = reader.read()
         if not image.isNull():
-            return Sheet(image, image.width(), image.height())
+            return UnderlayContent(image, image.width(), image.height())
     raise FileError(f"{path}: cannot be read as an image; allowed: {' | '.join(ENDINGS)}")
 
 
@@ -138,7 +138,7 @@ FIELDS: Sequence[tuple[str, str, Unit | None]] = (
 
 
 class UnderlayDesk(QObject):
-    """The underlay of the current design: painted under the canvas, placed with the mouse, saved next to the design's file.
+    """Underlay of the current design: painted under the canvas, placed with the mouse, saved next to its file.
 
     message  (text): what to click, or why an image cannot be shown
     missing  why the underlay is not shown, or empty
@@ -152,7 +152,7 @@ class UnderlayDesk(QObject):
         self.canvas, self._session, self._owner = canvas, session, owner
         self.underlay: Underlay | None = None
         self.missing = ""
-        self._sheet: Sheet | None = None
+        self._content: UnderlayContent | None = None
         self._path: Path | None = None
         self._is_new = True
         self._panel: UnderlayPanel | None = None
@@ -188,22 +188,22 @@ class UnderlayDesk(QObject):
 
     def _show(self, underlay: Underlay | None) -> None:
         """Show another underlay, or none."""
-        self.underlay, self._sheet = underlay, None
+        self.underlay, self._content = underlay, None
         self._show_missing("")
         if underlay is not None:
             try:
-                self._sheet = read_sheet(underlay.file)
+                self._content = read_content(underlay.file)
             except KindynaError as error:
                 self._show_missing(str(error))
         self._update()
-        if self._sheet is not None and self._sheet.notes:
-            self.message.emit(f"Underlay: {'; '.join(self._sheet.notes)}")
+        if self._content is not None and self._content.notes:
+            self.message.emit(f"Underlay: {'; '.join(self._content.notes)}")
 
     def _update(self) -> None:
-        sheet, underlay = self._sheet, self.underlay
-        shown = sheet is not None and underlay is not None
+        content, underlay = self._content, self.underlay
+        shown = content is not None and underlay is not None
         self.canvas.under = self._paint if shown else None
-        self.canvas.marks = [underlay.to_plane(z) for z in sheet.marks] if shown and sheet and underlay else ()
+        self.canvas.marks = [underlay.to_plane(z) for z in content.marks] if shown and content and underlay else ()
         if underlay is None or underlay.locked or not shown:
             self.choose_method("")
         if self._panel is not None:
@@ -235,22 +235,24 @@ class UnderlayDesk(QObject):
             return
         Settings().folder = path.parent
         try:
-            sheet = read_sheet(path)
+            content = read_content(path)
         except KindynaError as error:
             dialogs.show_faults(self._panel or self._owner, f"{path.name} cannot be shown.", str(error).splitlines())
             return
         visible = self.canvas.visible
-        if sheet.lines is not None:
-            self.put(Underlay(path, scale_mm_per_unit=sheet.unit_mm, opacity=LINE_OPACITY))
+        if content.lines is not None:
+            self.put(Underlay(path, scale_mm_per_unit=content.unit_mm, opacity=LINE_OPACITY))
             return
-        scale = sheet.unit_mm or SHARE * min(visible.width() / sheet.wide, visible.height() / sheet.high)
+        scale = content.unit_mm or SHARE * min(visible.width() / content.wide, visible.height() / content.high)
         middle = visible.center()
-        self.put(Underlay(path, middle.x() - 0.5 * scale * sheet.wide, middle.y() - 0.5 * scale * sheet.high, scale))
+        self.put(
+            Underlay(path, middle.x() - 0.5 * scale * content.wide, middle.y() - 0.5 * scale * content.high, scale)
+        )
 
     def _paint(self, painter: QPainter) -> None:
-        if self._sheet is None or self.underlay is None:
+        if self._content is None or self.underlay is None:
             return
-        self._sheet.paint(painter, self.underlay, self.canvas.viewportTransform())
+        self._content.paint(painter, self.underlay, self.canvas.viewportTransform())
         painter.resetTransform()
         painter.setOpacity(1.0)
         painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
@@ -429,4 +431,4 @@ def _row(*widgets: QWidget) -> QHBoxLayout:
     return row
 
 
-__all__ = ["UnderlayDesk", "UnderlayPanel", "read_sheet"]
+__all__ = ["UnderlayDesk", "UnderlayPanel", "read_content"]

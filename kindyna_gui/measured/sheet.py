@@ -237,7 +237,7 @@ class SheetModel(QAbstractTableModel):
         if role == Qt.ItemDataRole.DisplayRole:
             return (self.sheet.names[section - 1] or str(section)) if section else "Line"
         if role == Qt.ItemDataRole.ForegroundRole and section - 1 in self._colours:
-            return QColor(SCREEN.letters(self._colours[section - 1]))
+            return QColor(SCREEN.text_colour(self._colours[section - 1]))
         if role == Qt.ItemDataRole.ToolTipRole:
             return "Unchecked lines are left out; Space checks or unchecks the selected lines" if not section else None
         return None

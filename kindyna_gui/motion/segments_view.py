@@ -488,7 +488,7 @@ class SegmentsView(MarkedView):
 
     def _show_derivatives(self, study: Study) -> None:
         self.derivatives.show_study(study, self.bands)
-        self.look_for_extremes(study)
+        self.request_extremes(study)
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.derivatives.lacking(study)

@@ -33,7 +33,7 @@ from core.output.lines import shortest
 from core.project import load, load_linked, save
 from core.requests import command_words
 from kindyna_gui import dialogs
-from kindyna_gui.background import beside
+from kindyna_gui.background import in_background
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.texts import command_text, misfit_sentences, session_options
 from kindyna_gui.drives import replace_chosen
@@ -86,10 +86,10 @@ class DesignActions(QObject):
 
     def import_linkage(self) -> None:
         """Begin with a linkage imported from another program."""
-        from kindyna_gui.files.beginnings import linkage_wanted
+        from kindyna_gui.files.beginnings import ask_linkage
 
         if self._window.documents.may_leave():
-            linkage = linkage_wanted(self._window)
+            linkage = ask_linkage(self._window)
             if linkage is not None:
                 self._window.documents.begin(linkage.design, linkage.design.name)
 
@@ -122,7 +122,7 @@ class DesignActions(QObject):
         from core.motion.split import shift_motion
 
         angle = (
-            dialogs.shift_wanted(self._window, lambda deg: self._command(shift_deg=deg)) if self._has_motion() else None
+            dialogs.ask_shift(self._window, lambda deg: self._command(shift_deg=deg)) if self._has_motion() else None
         )
         if angle is not None:
             self.change(lambda: shift_motion(self._session.design, angle), f"Shift the motion by {shortest(angle)}°")
@@ -152,7 +152,7 @@ class DesignActions(QObject):
             dialogs.show_faults(self._window, f"{path.name} cannot be read.", str(error).splitlines())
             return
         command = partial(self._command, path)
-        number = dialogs.drive_wanted(self._window, drive_names(design), command) if design.listed else 0
+        number = dialogs.ask_drive(self._window, drive_names(design), command) if design.listed else 0
         if number is not None:
             source = only(design, number)
             self.change(lambda: with_motion_of(self._session.design, source), f"Take the motion of {source.name}")
@@ -184,7 +184,7 @@ class DesignActions(QObject):
                 return
             if outputs := output_units(source):
                 unit = require_motion(session.design).unit
-                output = dialogs.output_wanted(self._window, {n: u for n, u in outputs.items() if u == unit})
+                output = dialogs.ask_output(self._window, {n: u for n, u in outputs.items() if u == unit})
         if output is not None:
             home = str(session.path) if session.path is not None else None
             link, files = output, [str(path) for path in paths]
@@ -226,7 +226,7 @@ class DesignActions(QObject):
                 "measured", command_words(MeasuredArguments, {"table": path, **options, **session_options(session)})
             )
 
-        choice = dialogs.segment_wanted(self._window, command if path is not None else None)
+        choice = dialogs.ask_segment(self._window, command if path is not None else None)
         if choice is not None:
             as_is, joined = choice
             make = partial(segment_from_table, session.typed, index, sheet, as_is=as_is, joined=joined)
@@ -290,7 +290,7 @@ class DesignActions(QObject):
             self.status_message.emit("Only a linkage has circuits")
             return
         try:
-            rows = beside(self._window, "Calculating the circuits of the linkage", lambda: circuits(design))
+            rows = in_background(self._window, "Calculating the circuits of the linkage", lambda: circuits(design))
         except KindynaError as error:
             self.status_message.emit(reason(design, error))
             return

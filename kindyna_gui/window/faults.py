@@ -48,7 +48,7 @@ class Faults(QObject):
     """
 
     status_message = Signal(str)
-    _in_thread = Signal(object, str)
+    _in_thread = Signal(str)
 
     def __init__(self, window: Window) -> None:
         super().__init__(window)
@@ -65,7 +65,7 @@ class Faults(QObject):
         self._session.incomplete_changed.connect(self._event_end.start)
         self._session.refused.connect(self._refused)
         window.menuBar().triggered.connect(self._chosen)
-        self._in_thread.connect(self._report_from_thread)
+        self._in_thread.connect(self._report)
         _install(self)
 
     # -- actions of the user, for the log -----------------------------------------------------------------
@@ -95,10 +95,7 @@ class Faults(QObject):
     def handle_in_thread(self, error: BaseException, thread: str) -> None:
         """Handle an exception raised in another thread, from which no widget may be used."""
         self.log.write(error, f"In the thread {thread}")
-        self._in_thread.emit(None, f"A calculation in the background failed ({short(error)}). See Help > Log.")
-
-    def _report_from_thread(self, _: object, sentence: str) -> None:
-        self._report(sentence)
+        self._in_thread.emit(f"A calculation in the background failed ({short(error)}). See Help > Log.")
 
     def _view_of(self, trace: TracebackType | None) -> str:
         """The title of the innermost view in a traceback; empty where there is none."""

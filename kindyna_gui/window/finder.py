@@ -83,7 +83,7 @@ def folded(text: str) -> str:
     return "".join(letter for letter in plain if not unicodedata.combining(letter) and letter not in "&…")
 
 
-def spelled(symbol: str) -> str:
+def greek_names(symbol: str) -> str:
     """Return the names of the Greek letters in a symbol: ``alpha``."""
     names = (unicodedata.name(letter, "") for letter in symbol)
     return " ".join(name.rpartition(" ")[2].lower() for name in names if name.startswith("GREEK"))
@@ -133,20 +133,20 @@ def _plain(text: str) -> str:
 def _fields(window: Window) -> Iterator[Match]:
     """Fields of the current drive, then of the other drives on its shaft."""
     session = window.session
-    design, whole = session.typed, session.typed_full_design
+    design, full = session.typed, session.typed_full_design
     for table in design.tables:
         holder = session.holder(table)
         if table == "motion":
             stroke = stroke_entry(design)
             yield _field(window, design, stroke, stroke.path, "")
         yield from (_field(window, holder, row, row.path, "") for row in rows_of(holder, table))
-    for i in range(len(whole.drives) if whole.listed else 0):
+    for i in range(len(full.drives) if full.listed else 0):
         if i != session.chosen:
-            drive = only(whole, i)
+            drive = only(full, i)
             for table in drive.tables:
                 if table != "shaft":
                     for row in rows_of(drive, table):
-                        yield _field(window, drive, row, path_of(i, row.path), f"{whole.drives[i].name}: ")
+                        yield _field(window, drive, row, path_of(i, row.path), f"{full.drives[i].name}: ")
 
 
 def _field(window: Window, design: Design, row: Entry, path: str, drive: str) -> Match:
@@ -160,7 +160,7 @@ def _field(window: Window, design: Design, row: Entry, path: str, drive: str) ->
         shown,
         sentence(row.info.help),
         partial(window.focus_field, path),
-        spelled(name),
+        greek_names(name),
         entry=row,
         path=path,
     )
@@ -174,7 +174,7 @@ def _channels(window: Window) -> Iterator[Match]:
         if row.slug:
             act = partial(window.show_view, plots[name]) if name in plots else partial(_draw, window, name)
             symbol = legible(row.symbol)
-            more = f"{symbol} {row.symbol} {spelled(row.symbol)} {row.slug}"
+            more = f"{symbol} {row.symbol} {greek_names(row.symbol)} {row.slug}"
             yield _match(
                 "Channel", row.label, f"{symbol}, {row.unit.symbol}".rstrip(", "), legible(row.equation), act, more
             )

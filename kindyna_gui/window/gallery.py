@@ -38,7 +38,7 @@ from core.mechanism.drivers import Circuit
 from core.project import load
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.texts import add_copy
-from kindyna_gui.files.beginnings import beginning, dwell_first, with_motion_kept
+from kindyna_gui.files.beginnings import beginning, dwell_first, with_previous_motion
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.painter import thumbnail
@@ -96,7 +96,7 @@ class GalleryChoice:
 
     def with_motion(self, motion: Motion | None) -> Design:
         """Return the design, with this motion where it can be kept."""
-        return with_motion_kept(self.design(), motion) if self.keeps_motion else self.design()
+        return with_previous_motion(self.design(), motion) if self.keeps_motion else self.design()
 
     def with_order(self, order: str) -> GalleryChoice:
         """Return the choice with its own motion in this order, where it can be ordered."""

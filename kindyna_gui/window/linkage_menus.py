@@ -15,7 +15,7 @@ from core.design import CRANK, AttachedEnd, Design, Driver, Target, get, holds_o
 from core.errors import KindynaError
 from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
 from core.output.load_text import row_name
-from kindyna_gui.background import beside
+from kindyna_gui.background import in_background
 from kindyna_gui.forms.load_rows import put_attachment
 from kindyna_gui.forms.loads_page import WHAT, first_field, parts_of, reordered, what_of
 from kindyna_gui.labels import driver_text
@@ -66,7 +66,7 @@ def _drive(window: Window, driver: Driver, *_: object) -> None:
     player.play(False)
 
     def changed() -> Design:
-        design = beside(window, SEARCH, partial(with_driver, before, driver, kinematics))
+        design = in_background(window, SEARCH, partial(with_driver, before, driver, kinematics))
         if design is None:
             raise KindynaError("cancelled")
         return design
@@ -249,7 +249,7 @@ class LoadActions(QObject):
             self.add(MASSES)
 
 
-def fill_added(window: Window, menu: QMenu) -> None:
+def fill_additions(window: Window, menu: QMenu) -> None:
     """Add an entry for each list of loads that the design can have."""
     for name in load_lists(window.session.typed.drive):
         text, tip = WHAT[name]
@@ -262,7 +262,7 @@ def _add(window: Window, name: str, *_: object) -> None:
     window.loads.add(name)
 
 
-def fill_taken(window: Window, menu: QMenu) -> None:
+def fill_removals(window: Window, menu: QMenu) -> None:
     """Add an entry that removes each row of the loads."""
     design = window.session.typed
     for name in load_lists(design.drive):

@@ -561,7 +561,7 @@ class MainWindow(Window):
 
     def save_layout(self) -> None:
         """Ask for a name and save the current layout under it."""
-        name = dialogs.layout_name_wanted(self, self.settings.named_layouts)
+        name = dialogs.ask_layout_name(self, self.settings.named_layouts)
         if name:
             self.layouts.save_as(name)
             self.status.show_message(f"Saved layout {name} under Named layouts")

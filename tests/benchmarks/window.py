@@ -43,7 +43,7 @@ from core.study import names_of
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.headless import quiet
-from kindyna_gui.linkage.canvas import joints_now
+from kindyna_gui.linkage.canvas import draggable_joints
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
@@ -380,7 +380,7 @@ def _drawing_a_joint(window: MainWindow) -> Iterator[Callable[[int], None]]:
 def _place_of_a_joint(view: MechanismView) -> QPointF:
     """Where in the drawing the first joint stands that can be drawn elsewhere."""
     canvas = view.canvas
-    place = next(iter(joints_now(view.scene).values()))
+    place = next(iter(draggable_joints(view.scene).values()))
     at = canvas.viewportTransform().map(QPointF(place.real, place.imag))
     assert canvas.joint_at(at), "a joint is under the mouse"
     return at

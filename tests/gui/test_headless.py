@@ -102,7 +102,7 @@ def test_the_page_of_stability_is_finished_before_its_picture_is_taken(
     assert not waiting
     assert rows > 30, "the coarse chart has few"
     assert "from rest" in text
-    assert "still to come" not in text
+    assert "nonlinear models …" not in text
 
 
 @pytest.mark.stress

@@ -42,7 +42,7 @@ from kindyna_gui.pictures.style import (
 )
 from kindyna_gui.pictures.units import readable, short, with_unit
 
-# -- cam and shaft ---------------------------------------------------------------------------------------
+# -- cam and shaft -------------------------------------------------------------------------------------
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0
 RIM = 1.2  # width of the plate of a grooved cam outside the groove, in units
@@ -226,7 +226,7 @@ CENTRE_LINES: Mapping[str, Callable[[Joint, Geometry], tuple[complex, complex]]]
 """Line that contains the instant centre (Kennedy), by the kind of pair between follower and frame."""
 
 
-# -- coloured profile ------------------------------------------------------------------------------------
+# -- coloured profile ----------------------------------------------------------------------------------
 
 COLOURS = 24  # colours of a scale
 WIDTH = 4.0  # width of the coloured line, pixels
@@ -288,7 +288,7 @@ def _pressure_scale(geometry: Geometry, theme: Theme) -> ColourScale:
     limit = PRESSURE_LIMITS[kind]
     ticks = tuple((part * limit, f"{short(part * limit)}°") for part in (0.0, 0.5, 1.0))
     stops = ((0.0, SKY), (0.45, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
-    return ColourScale("Pressure angle to the typical limit", 0.0, limit, stops, ticks, theme.limit)
+    return ColourScale("Pressure angle up to the typical limit", 0.0, limit, stops, ticks, theme.limit)
 
 
 def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
@@ -324,7 +324,7 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
         (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
     )
     stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
-    title = "Contact pressure" if allowable is None else "Contact pressure to the allowable value"
+    title = "Contact pressure" if allowable is None else "Contact pressure up to the allowable value"
     return ColourScale(title, 0.0, top, stops, ticks, "" if allowable is None else theme.limit)
 
 
@@ -447,7 +447,7 @@ def bar_width(scale: ColourScale) -> float:
     return least
 
 
-# -- values at a point of the profile --------------------------------------------------------------------
+# -- values at a point of the profile ------------------------------------------------------------------
 
 PROFILES: Mapping[str, str] = MappingProxyType({INNER: "Profile", OUTER: "Outer flank", SECOND: "Second cam"})
 STRAIGHT = 1e4  # a radius of curvature above this many cam radii counts as straight

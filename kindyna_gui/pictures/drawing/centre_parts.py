@@ -30,7 +30,7 @@ from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.drawing.overlay import MARGIN
+from kindyna_gui.pictures.drawing.overlay import MARGIN, Group
 from kindyna_gui.pictures.drawing.parts import GHOST_POSES
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
 from kindyna_gui.pictures.shapes import at, polyline
@@ -52,7 +52,7 @@ from kindyna_gui.pictures.style import (
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.settings import sized
 
-# -- instant centres -------------------------------------------------------------------------------------
+# -- instant centres -----------------------------------------------------------------------------------
 
 Z_LINES, Z_PATHS, Z_COUPLER, Z_CENTRES = 7.0, 0.5, 6.8, 13.0  # coupler curves are in front of the links
 DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance and length of an arrow at the edge, pixels
@@ -63,22 +63,6 @@ def centre_name(key: Key) -> str:
     """Name of a centre, such as ``13``; ``3,12`` where a number has two digits."""
     first, second = (link_number(body) for body in key)
     return f"{first}{second}" if max(first, second) < 10 else f"{first},{second}"
-
-
-class Group(QGraphicsItem):
-    """Parent item of other items."""
-
-    def __init__(self, children: Sequence[QGraphicsItem]) -> None:
-        super().__init__()
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-        for child in children:
-            child.setParentItem(self)
-
-    def boundingRect(self) -> QRectF:
-        return QRectF()
-
-    def paint(self, *_: object) -> None:
-        """Draw nothing: the children draw themselves."""
 
 
 class _Mark:
@@ -97,7 +81,7 @@ class _Mark:
         self.arrow = Outline(shaft, theme.pen(colour, OUTLINE), brush(colour))
         for item in (self.dot, self.arrow):
             item.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = centre_name(key)
 
     def show(self, on: bool) -> None:
@@ -225,7 +209,7 @@ def ghost_poses(geometry: Geometry, theme: Theme, layer: str) -> Iterator[DrawnP
     yield DrawnPart(f"{layer}.all", Outline(path, theme.pen(theme.quiet, THIN)), (layer,), Z_PATHS)
 
 
-# -- velocity ratios -------------------------------------------------------------------------------------
+# -- velocity ratios -----------------------------------------------------------------------------------
 
 Z_RATIOS = 9.0
 COLOURS = (BLUE, VERMILION, PURPLE, "#8C6D1F", "#00796B")  # colours of the ratios in turn
@@ -267,7 +251,7 @@ class _Dimension:
     def __init__(self, start: Key, end: Key, colour: str, theme: Theme) -> None:
         self.start, self.end = start, end
         self.line = Outline(QPainterPath(), theme.pen(colour, OUTLINE), brush(colour))
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = f"I{centre_name(start)}I{centre_name(end)}"
 
     def show(self, on: bool) -> None:
@@ -335,7 +319,7 @@ class RatioDimensions:
                 _Dimension(arms.base_key, arms.common_key, colour, theme),
                 _Dimension(arms.body_key, arms.common_key, colour, theme),
             )
-            self.rows.append((arms, lines, Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.0), backing=True)))
+            self.rows.append((arms, lines, Tag("", theme.text_colour(colour), theme, SMALL, (0.0, 0.0), backing=True)))
         items = [item for _, lines, tag in self.rows for d in lines for item in (d.line, d.tag)]
         self.item = Group([*items, *(tag for _, _, tag in self.rows)])
 
@@ -371,7 +355,7 @@ class RatioDimensions:
         direction = direction / abs(direction)
         return direction if direction.real > 0.0 or (direction.real == 0.0 and direction.imag > 0.0) else -direction
 
-    # -- the list ---------------------------------------------------------------------------------------------
+    # -- the list --------------------------------------------------------------------------------------
 
     @property
     def height(self) -> float:
@@ -391,7 +375,7 @@ class RatioDimensions:
             space.take(QRectF(x, y + LINE * number, tag.size[0], LINE))
 
 
-# -- layers of a general linkage -------------------------------------------------------------------------
+# -- layers of a general linkage -----------------------------------------------------------------------
 
 
 class Construct:
@@ -458,7 +442,7 @@ class Construct:
             self.kennedy.emphasise(target if step is not None else None)
             self.kennedy.hidden = step == 0
 
-    # -- layers ---------------------------------------------------------------------------------------------
+    # -- layers ----------------------------------------------------------------------------------------
 
     def _centres(self, layer: str) -> Iterator[DrawnPart]:
         self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._viewport, self.space)
@@ -497,7 +481,7 @@ _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = Mapping
 )
 
 
-# -- circle diagram --------------------------------------------------------------------------------------
+# -- circle diagram ------------------------------------------------------------------------------------
 
 _TINTS = (BLUE, GREEN)  # tints of the two triangles
 

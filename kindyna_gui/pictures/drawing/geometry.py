@@ -310,7 +310,7 @@ class Geometry:
             return np.full(self.samples, complex(np.inf, np.inf))
         return np.asarray(self.shape.centre.finite * MM)
 
-    # -- sizes --------------------------------------------------------------------------------------------
+    # -- sizes -----------------------------------------------------------------------------------------
 
     def tracks(self) -> Iterator[np.ndarray]:
         """Path over the turn (n,) [mm] of every point of every body."""

@@ -35,7 +35,7 @@ from kindyna_gui.pictures.shapes import HATCH, PIN, arc_arrow, circle, hatching,
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush
 from kindyna_gui.pictures.units import readable, short, with_unit
 
-# -- springs and dampers ---------------------------------------------------------------------------------
+# -- springs and dampers -------------------------------------------------------------------------------
 
 LAYER = ("loads",)
 COILS = 11
@@ -187,7 +187,7 @@ def spring_symbol(coiled: bool, damped: bool, unit: float, width: float = 1.0, c
     return joined(*parts, segments(ends))
 
 
-# -- forces, torques and masses --------------------------------------------------------------------------
+# -- forces, torques and masses ------------------------------------------------------------------------
 
 LONGEST, SHORTEST, ARROW_HEAD = 9.0, 3.5, 2.0  # longest and shortest arrow of a load, and its head, in units
 ARC, SPAN = 3.6, 250.0  # radius of a torque's arc in units, and its span [deg]

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from kindyna_gui.pictures.drawing.centre_parts import Construct
 
 
-# -- view ------------------------------------------------------------------------------------------------
+# -- view ----------------------------------------------------------------------------------------------
 
 FAR_CENTRES = 12.0  # instant centres farther away than this many sizes of the mechanism are not in the view
 MARGIN_UNITS = 4.5  # around the moving parts, in units of the symbols
@@ -129,7 +129,7 @@ def _about(rect: QRectF, width: float, height: float, scale: float) -> QRectF:
     return visible
 
 
-# -- scene -----------------------------------------------------------------------------------------------
+# -- scene ---------------------------------------------------------------------------------------------
 
 DEFAULT_SIZE = (900.0, 675.0)  # size of a view that is not given, pixels
 
@@ -207,7 +207,7 @@ class MechanismScene(QGraphicsScene):
         if study is not None:
             self.update_study(study)
 
-    # -- study --------------------------------------------------------------------------------------
+    # -- study -----------------------------------------------------------------------------------------
 
     def update_study(self, study: Study, keep_labels: bool = False, lay: bool = True) -> None:
         """Draw another study at the same cam angle, with the same layers and view.
@@ -393,7 +393,7 @@ class MechanismScene(QGraphicsScene):
         """Item of a part, such as ``cam``, ``roller``, ``body.arm`` or ``pin.pivot``; raises KeyError."""
         return self.parts[key].item
 
-    # -- layers ---------------------------------------------------------------------------------------------
+    # -- layers ----------------------------------------------------------------------------------------
 
     def layer_shown(self, name: str) -> bool:
         """Whether a layer is shown, because it is selected or a step of the construction needs it."""
@@ -429,7 +429,7 @@ class MechanismScene(QGraphicsScene):
         if self.overlay is not None:
             self.overlay.show_layers(self._shown)
 
-    # -- motion ---------------------------------------------------------------------------------------------
+    # -- motion ----------------------------------------------------------------------------------------
 
     def set_index(self, index: int) -> None:
         """Move all visible parts to the sample of this index."""
@@ -462,7 +462,7 @@ class MechanismScene(QGraphicsScene):
         if self.geometry is not None:
             self._move(self.geometry.nearest(theta), degrees(theta))
 
-    # -- values of the profile ---------------------------------------------------------------------------------------
+    # -- values of the profile -------------------------------------------------------------------------
 
     def read_profile(self, point: complex | None, reach: float = 0.0) -> None:
         """Show the values of the nearest profile point within ``reach`` [mm] of a point [mm]; None shows no values.
@@ -488,7 +488,7 @@ class MechanismScene(QGraphicsScene):
         self._dot.setPos(position.real, position.imag)
         self._dot.show()
 
-    # -- view of the scene ----------------------------------------------------------------------------------
+    # -- view of the scene -----------------------------------------------------------------------------
 
     def fit_rect(self) -> QRectF:
         """Rectangle that contains the mechanism over the turn [mm]."""
@@ -514,7 +514,7 @@ class MechanismScene(QGraphicsScene):
         return fitted(rect, width, height, strip)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
-        """Visible rectangle [mm] and scale [pixels per mm] that fit the mechanism into a view without strips of text."""
+        """Visible rectangle [mm] and scale [pixels per mm] that fit the mechanism to a view without strips of text."""
         return filled(self._extent, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import cmath
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -31,7 +31,7 @@ from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, TEXT, THIN, Theme
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.settings import size_of, sized
 
-# -- dimensions ------------------------------------------------------------------------------------------
+# -- dimensions ----------------------------------------------------------------------------------------
 
 AWAY, LEVEL = 4.0, 3.5  # distance of a dimension line from the part, and from the next dimension line, in units
 BEYOND, DIMENSION_HEAD = 1.0, 1.6  # extension line beyond the dimension line, and arrow head, in units
@@ -162,7 +162,7 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All dimensions of the drive, which move with their bodies."""
     colour = theme.family("length")
     for number, (row, drawn, origin, turn, body) in enumerate(placed_dimensions(geometry)):
-        tag = Tag(dimension_text(row), theme.letters(colour), theme, SMALL, backing=True)
+        tag = Tag(dimension_text(row), theme.text_colour(colour), theme, SMALL, backing=True)
         items = (
             ("lines", Outline(drawn.lines, theme.pen(colour, THIN))),
             ("heads", Outline(drawn.heads, None, brush(colour))),
@@ -186,7 +186,7 @@ def dimension_strokes(geometry: Geometry) -> list[tuple[np.ndarray, np.ndarray]]
     return [(track - half, track + half) for track in tracks]
 
 
-# -- texts and scales in the corners ---------------------------------------------------------------------
+# -- texts and scales in the corners -------------------------------------------------------------------
 
 MARGIN = 12.0  # from the edge of the view, pixels
 TOP_STRIP, BOTTOM_STRIP = 30.0, 44.0  # strips of the view for texts, free of the mechanism, pixels
@@ -207,20 +207,29 @@ class VectorUnit:
     mm_per_unit: float
 
 
-class _Corner(QGraphicsItem):
-    """A point of the scene whose children are drawn in pixels, y downwards."""
+class Group(QGraphicsItem):
+    """Parent item that draws nothing but its children."""
 
-    def __init__(self) -> None:
+    def __init__(self, children: Sequence[QGraphicsItem] = ()) -> None:
         super().__init__()
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.setZValue(Z_OVERLAY)
+        for child in children:
+            child.setParentItem(self)
 
     def boundingRect(self) -> QRectF:
         return QRectF()
 
     def paint(self, *_: object) -> None:
         """Draw nothing: the children draw themselves."""
+
+
+class _Corner(Group):
+    """A point of the scene whose children are drawn in pixels, y downwards."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
+        self.setZValue(Z_OVERLAY)
 
 
 class ScaleBar(_Corner):
@@ -435,7 +444,7 @@ class Overlay:
         self._reading_room = visible.width() * scale - self._text.size[0] - 4.0 * MARGIN
 
 
-# -- velocities and forces --------------------------------------------------------------------------------
+# -- velocities and forces -----------------------------------------------------------------------------
 
 LONGEST, ARROW_HEAD = 16.0, 1.8  # longest arrow and its head, in units
 Z_ARROW = 11.0

@@ -37,7 +37,7 @@ from kindyna_gui.pictures.style import DASHED, OUTLINE, SCREEN, SMALL, TEXT, THI
 from kindyna_gui.pictures.units import nice_below, number, readable, short, with_unit
 from kindyna_gui.settings import sized
 
-# -- layout of names --------------------------------------------------------------------------------------
+# -- layout of names -----------------------------------------------------------------------------------
 
 CROSSES, COVERS, LEAVES, MOVES, LATER = 3.0, 6.0, 12.0, 0.8, 0.15
 """Costs: covering a vector, covering a text, leaving the sheet, changing the position, taking a later position."""
@@ -142,7 +142,7 @@ def _crossed(middles: np.ndarray, half: complex, start: complex, end: complex) -
     return np.asarray(low < high)
 
 
-# -- diagrams and their sheet ----------------------------------------------------------------------------
+# -- diagrams and their sheet --------------------------------------------------------------------------
 
 EDGE, STRIP = 34.0, 26.0  # margin around the polygon, and strip for the scale below it, pixels
 TIP_LENGTH, TIP_SHAPE = 9.0, 0.3  # arrow head: its length in pixels, and half its width by its length
@@ -270,7 +270,7 @@ class PolygonSheet(QWidget):
     def minimumSizeHint(self) -> QSize:
         return QSize(140, 120)
 
-    # -- contents ------------------------------------------------------------------------------------
+    # -- contents --------------------------------------------------------------------------------------
 
     def set_box(self, box: tuple[complex, complex]) -> None:
         """Set the scale by the lower left and upper right of all vectors over the turn [SI]."""
@@ -341,7 +341,7 @@ class PolygonSheet(QWidget):
         """List of the vectors that are too short for a name, with their values."""
         scale = self.frame.scale
         short_ones = [s for s in self._strokes if s.value and abs(s.vector) * scale < SHORTEST]
-        return f"Short: {', '.join(f'{s.name} {s.index} {s.value}' for s in short_ones)}" if short_ones else ""
+        return f"Short vectors: {', '.join(f'{s.name} {s.index} {s.value}' for s in short_ones)}" if short_ones else ""
 
     @property
     def scale_bar(self) -> tuple[float, float]:
@@ -351,7 +351,7 @@ class PolygonSheet(QWidget):
         value = nice_below(min(BAR, 0.4 * self.width()) / scale)
         return value, value * scale
 
-    # -- drawing ------------------------------------------------------------------------------------------
+    # -- drawing ---------------------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -441,7 +441,7 @@ class PolygonSheet(QWidget):
             )
         for s in diagram.strokes:
             if abs(s.vector) * frame.scale >= SHORTEST:
-                colour = theme.letters(self._pen(s).color().name())
+                colour = theme.text_colour(self._pen(s).color().name())
                 across = _away(s.vector) * 1j
                 if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
                     across = -across  # outside the polygon
@@ -504,9 +504,9 @@ def _write(painter: QPainter, text: PlacedName) -> None:
         left += gap + QFontMetricsF(font(pixels)).horizontalAdvance(part)
 
 
-# -- force polygons ---------------------------------------------------------------------------------------
+# -- force polygons ------------------------------------------------------------------------------------
 
-FORCES = PolygonKind("force", "N", 1.0, "No force acts on this body at this angle.")
+FORCES = PolygonKind("force", "N", 1.0, "No force acts at this angle.")
 SYMBOLS: Mapping[str, str] = MappingProxyType(
     {REACTION: "F", CONTACT: "F", FRICTION: "R", DRIVE: "D", SPRING: "S", LOAD: "P", WEIGHT: "G", INERTIA: "\u2212ma"}
 )
@@ -605,7 +605,7 @@ def pair_diagram(name: str, force: complex, turn: np.ndarray) -> PolygonDiagram:
     return PolygonDiagram(FORCES, (stroke,), (PolygonCorner("", "", 0j),), curve=finite, lines=(text,))
 
 
-# -- velocity polygons ------------------------------------------------------------------------------------
+# -- velocity polygons ---------------------------------------------------------------------------------
 
 VELOCITIES = PolygonKind("velocity", "mm/s", 1e3, "Nothing moves at this angle.")
 

@@ -1,4 +1,4 @@
-"""Figures of the papers as pictures: tables, plots, charts, mechanisms with what is constructed on them."""
+"""Figures of the papers as files: tables, plots, charts, and mechanisms with constructions on them."""
 
 from __future__ import annotations
 
@@ -28,28 +28,29 @@ from kindyna_gui.pictures.paper.sheets import TableSheet, figure_file
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
 
-MECHANISM, BESIDE, POLYGON, SMALL_ONE = (900, 640), 300, (640, 560), (270, 250)  # pixels
-WITHOUT = ("labels", "scale", "normal", "centre", "loads")  # what would make a thicket of a small drawing
-NEAR = 6.0  # sizes of the mechanism: centres farther away are left out of the picture
-ROOM = 0.06  # of the picture, around centres
+MECHANISM, POLYGON, SMALL_MECHANISM = (900, 640), (640, 560), (270, 250)  # sizes, pixels
+CIRCLE_DIAGRAM = 300  # width and height, pixels
+OMITTED_LAYERS = ("labels", "scale", "normal", "centre", "loads")  # layers that would clutter a small drawing
+NEAR = 6.0  # centres farther away than this many sizes of the mechanism are not in the view
+ROOM = 0.06  # margin around centres, by the size of the mechanism
 
 
 class _Titled(PaperSheet):
-    """A picture under its title; what stands beside it, and a line below."""
+    """A picture with its title, and optionally a second widget to its right and a line below."""
 
     def __init__(
-        self, title: str, theme: Theme, picture: QWidget, beside: QWidget | None = None, below: str = ""
+        self, title: str, theme: Theme, picture: QWidget, right: QWidget | None = None, below: str = ""
     ) -> None:
         super().__init__(theme)
         grid = QGridLayout(self)
         grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         grid.setSpacing(4)
         picture.setFixedSize(picture.size())
-        columns = 1 if beside is None else 2
+        columns = 1 if right is None else 2
         grid.addWidget(_line(title, theme, SMALL + 2), 0, 0, 1, columns)
         grid.addWidget(picture, 1, 0)
-        if beside is not None:
-            grid.addWidget(beside, 1, 1)
+        if right is not None:
+            grid.addWidget(right, 1, 1)
         if below:
             grid.addWidget(_line(below, theme, SMALL + 1), 2, 0, 1, columns)
         self.adjustSize()
@@ -74,68 +75,68 @@ def _table(table: FigureTable, ending: str) -> bytes:
     return _file(TableSheet(table), ending, table.title)
 
 
-def _posed(posed: MechanismPicture, ending: str) -> bytes:
-    """A mechanism at its angle; with a step of the construction the circle diagram beside it, and the step in words below."""
+def _mechanism(picture: MechanismPicture, ending: str) -> bytes:
+    """Mechanism at an angle; a step of the construction adds the circle diagram and a sentence."""
     theme = _theme(ending)
     scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
-    for layer in posed.layers:
+    for layer in picture.layers:
         scene.set_layer(layer, True)
-    for layer in posed.without:
+    for layer in picture.without:
         scene.set_layer(layer, False)
-    scene.update_study(posed.study)
-    scene.set_angle(radians(posed.angle_deg))
-    if posed.step is not None:
-        scene.show_step(posed.step)
+    scene.update_study(picture.study)
+    scene.set_angle(radians(picture.angle_deg))
+    if picture.step is not None:
+        scene.show_step(picture.step)
     rect = scene.fit_rect()
-    there = posed.study.at_theta(np.array([radians(posed.angle_deg)]))
-    if "centres" in posed.layers:
-        rect = _with_centres(rect, there, posed.layers)
+    study = picture.study.at_theta(np.array([radians(picture.angle_deg)]))
+    if "centres" in picture.layers:
+        rect = _with_centres(rect, study, picture.layers)
     sheet = MechanismSheet(scene, *MECHANISM, mechanism.fitted(rect, *MECHANISM))
-    if posed.step is None:
-        return _file(_Titled(posed.title, theme, sheet), ending, posed.title)
-    plan = there.centres.construction
+    if picture.step is None:
+        return _file(_Titled(picture.title, theme, sheet), ending, picture.title)
+    plan = study.centres.construction
     diagram = CircleDiagram()
-    diagram.setFixedSize(BESIDE, BESIDE)
-    diagram.show_step(there.centres.bodies, plan, min(posed.step, len(plan.steps)))
-    below = construction_text(plan, min(posed.step, len(plan.steps)))
-    return _file(_Titled(posed.title, theme, sheet, diagram, below), ending, posed.title)
+    diagram.setFixedSize(CIRCLE_DIAGRAM, CIRCLE_DIAGRAM)
+    diagram.show_step(study.centres.bodies, plan, min(picture.step, len(plan.steps)))
+    below = construction_text(plan, min(picture.step, len(plan.steps)))
+    return _file(_Titled(picture.title, theme, sheet, diagram, below), ending, picture.title)
 
 
-def _beside(beside: MechanismRow, ending: str) -> bytes:
+def _mechanism_grid(row: MechanismRow, ending: str) -> bytes:
     theme = _theme(ending)
     grid = QWidget()
     cells = QGridLayout(grid)
     cells.setContentsMargins(0, 0, 0, 0)
-    for number, posed in enumerate(beside.mechanisms):
+    for number, picture in enumerate(row.mechanisms):
         scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
-        for layer in WITHOUT:
+        for layer in OMITTED_LAYERS:
             scene.set_layer(layer, False)
-        scene.update_study(posed.study)
-        scene.set_angle(radians(posed.angle_deg))
+        scene.update_study(picture.study)
+        scene.set_angle(radians(picture.angle_deg))
         if scene.overlay is not None:
             scene.overlay.angle.hide()
-        sheet = MechanismSheet(scene, *SMALL_ONE, scene.fill(*SMALL_ONE))
-        sheet.setFixedSize(*SMALL_ONE)
-        row, column = divmod(number, beside.columns)
-        cells.addWidget(_line(posed.title, theme, SMALL), 2 * row, column)
-        cells.addWidget(sheet, 2 * row + 1, column)
+        sheet = MechanismSheet(scene, *SMALL_MECHANISM, scene.fill(*SMALL_MECHANISM))
+        sheet.setFixedSize(*SMALL_MECHANISM)
+        line, column = divmod(number, row.columns)
+        cells.addWidget(_line(picture.title, theme, SMALL), 2 * line, column)
+        cells.addWidget(sheet, 2 * line + 1, column)
     grid.adjustSize()
-    return _file(_Titled(beside.title, theme, grid), ending, beside.title)
+    return _file(_Titled(row.title, theme, grid), ending, row.title)
 
 
-def _with_centres(rect: QRectF, there: Study, layers: Collection[str]) -> QRectF:
-    """What holds the mechanism and every centre that is not too far away [mm]; where velocity ratios are drawn, those that they use."""
-    size, table = max(rect.width(), rect.height()), there.centres
-    driver = body_name(there.design.drive.linkage.driver.link)
+def _with_centres(rect: QRectF, study: Study, layers: Collection[str]) -> QRectF:
+    """Extend a rectangle [mm] by the near centres of a study, with velocity ratios only by their centres."""
+    size, table = max(rect.width(), rect.height()), study.centres
+    driver = body_name(study.design.drive.linkage.driver.link)
     arms = [
         ratio_arms(table, *pair) for layer, pairs in CHAINS.items() if layer in layers for pair in pairs(table, driver)
     ]
     keys = {key for arm in arms for key in (arm.base_key, arm.body_key, arm.common_key)} or set(table.centres)
-    places = [
+    centres = [
         complex(table.centres[key].finite[0]) * 1e3 for key in keys if not table.centres[key].is_far(table.size)[0]
     ]
     middle = complex(rect.center().x(), rect.center().y())
-    for z in places:
+    for z in centres:
         if np.isfinite(abs(z)) and abs(z - middle) < NEAR * size:
             rect = rect.united(QRectF(z.real - ROOM * size, z.imag - ROOM * size, 2.0 * ROOM * size, 2.0 * ROOM * size))
     return rect
@@ -146,7 +147,7 @@ def _chart(chart: Chart, ending: str) -> bytes:
     plot = ChartPlot(theme=theme)
     plot.resize(*SHEET_OF_CHART)
     plot.show_chart(chart)
-    plot.grab()  # the axes find their sizes
+    plot.grab()  # the axes compute their sizes
     plot.show_chart(chart)
     return _file(_Titled(chart.name, theme, plot), ending, chart.name)
 
@@ -156,18 +157,18 @@ def _polygon(polygon: Polygon, ending: str) -> bytes:
     sheet = PolygonSheet()
     sheet.resize(*POLYGON)
     sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
-    there = study.at_theta(np.array([radians(polygon.angle_deg)]))
-    words = f"{study.angle_name.capitalize()} {polygon.angle_deg:.1f}°"
-    sheet.show_diagram(velocity_diagram(velocity_polygon(there.linkage), study.omega), words)
+    posed = study.at_theta(np.array([radians(polygon.angle_deg)]))
+    angle_text = f"{study.angle_name.capitalize()} {polygon.angle_deg:.1f}°"
+    sheet.show_diagram(velocity_diagram(velocity_polygon(posed.linkage), study.omega), angle_text)
     return _file(_Titled(polygon.title, _theme(ending), sheet), ending, polygon.title)
 
 
-def _arranged(arranged: ShaftPicture, ending: str) -> bytes:
+def _shaft(picture: ShaftPicture, ending: str) -> bytes:
     theme = _theme(ending)
     scene = Assembly(theme)
-    scene.show_shaft(arranged.study, 0, False)
-    scene.set_machine(radians(arranged.angle_deg))
-    return _file(_Titled(arranged.title, theme, MechanismSheet(scene, *MECHANISM)), ending, arranged.title)
+    scene.show_shaft(picture.study, 0, False)
+    scene.set_machine(radians(picture.angle_deg))
+    return _file(_Titled(picture.title, theme, MechanismSheet(scene, *MECHANISM)), ending, picture.title)
 
 
 PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
@@ -175,17 +176,17 @@ PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(
         FigureTable: _table,
         Figure: figure_file,
         Chart: _chart,
-        MechanismPicture: _posed,
-        MechanismRow: _beside,
+        MechanismPicture: _mechanism,
+        MechanismRow: _mechanism_grid,
         Polygon: _polygon,
-        ShaftPicture: _arranged,
+        ShaftPicture: _shaft,
     }
 )
-"""What is painted -> what paints it as a file with this ending."""
+"""Functions that write each kind of figure as a file."""
 
 
 def paper_file(drawing: Drawing, ending: str) -> bytes:
-    """A figure or table of a paper as a file, ``.png`` or ``.svg``."""
+    """Write a figure or table of a paper as a file, ``.png`` or ``.svg``."""
     return PAINTERS[type(drawing)](drawing, ending)
 
 

@@ -1,4 +1,4 @@
-"""The pictures of a report as vectors: each can be painted on any device, as large as wanted."""
+"""Pictures of the report as vector graphics, which can be painted on any device at any size."""
 
 from __future__ import annotations
 
@@ -36,29 +36,25 @@ from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme
 
-WIDTH = 680  # of every picture, pixels
-PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of what is around all of them, of the least of a sheet
-MECHANISM, CHART, BAND, AXIS = (
-    390,
-    380,
-    78,
-    48,
-)  # heights of a mechanism, a chart, a drive's band of a timing chart, its axis
-GLANCE = 300  # height of the picture of the first page, pixels
-ENLARGED = 16.0  # how far a reader may zoom into a mechanism before its curves show corners
+WIDTH = 680  # width of all pictures, pixels
+PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of the margins of a stack, and least height of a stack, pixels
+MECHANISM, CHART = 390, 380  # heights of a mechanism and of a stability chart, pixels
+BAND, AXIS = 78, 48  # heights of a drive's band and of the axis in a timing chart, pixels
+GLANCE = 300  # height of the picture on the first page, pixels
+ENLARGED = 16.0  # magnification up to which the curves of a mechanism are smooth
 SPEED = "Speed, rpm"
-UNSEEN = 0.04  # pixels by which a curve may be off
+UNSEEN = 0.04  # allowed deviation of a drawn curve, pixels
 _ROLE = QPalette.ColorRole
 COLOURS = {
     **dict.fromkeys((_ROLE.WindowText, _ROLE.Text, _ROLE.ButtonText), LIGHT.ink),
     **dict.fromkeys((_ROLE.Window, _ROLE.Base), LIGHT.paper),
 }
-FALLBACK = ('font-family="DejaVu Sans"', 'font-family="DejaVu Sans, Verdana, sans-serif"')  # of the same widths
+FALLBACK = ('font-family="DejaVu Sans"', 'font-family="DejaVu Sans, Verdana, sans-serif"')  # fonts of the same widths
 
 
 @frozen(eq=False)
 class Vector:
-    """A picture of so many pixels, and what paints it."""
+    """A picture with its size in pixels, and the function that paints it."""
 
     width: int
     height: int
@@ -66,13 +62,26 @@ class Vector:
 
 
 def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vector:
-    """A picture of a report, to be painted on a device of which so many dots are a pixel; part: of its usual height, its letters as
-    large. Raises NoSolution where its design has none."""
+    """Picture of a report.
+
+    Parameters
+    ----------
+    picture : ReportPicture
+    scale : float
+        Dots of the device per pixel.
+    part : float
+        Height as a fraction of the full height; texts keep their size.
+
+    Raises
+    ------
+    NoSolution
+        Where the design has none.
+    """
     return VECTORS[picture.name](picture.study, replace(LIGHT, ratio=scale), part)
 
 
 def svg(drawn: Vector, title: str) -> str:
-    """The same as SVG."""
+    """Write a picture as SVG."""
     data = QByteArray()
     buffer = QBuffer(data)
     generator = QSvgGenerator()
@@ -90,17 +99,17 @@ def svg(drawn: Vector, title: str) -> str:
     return bytes(data.data()).decode().replace(*FALLBACK)
 
 
-def _of_widget(widget: QWidget) -> Vector:
-    """A widget, painted as the screen would show it."""
-    for each in (widget, *widget.findChildren(QWidget)):  # the same whatever the window's own colours are
-        colours = each.palette()
+def _widget_vector(widget: QWidget) -> Vector:
+    """Picture of a widget as on the screen, in the light theme."""
+    for child in (widget, *widget.findChildren(QWidget)):
+        colours = child.palette()
         for role, colour in COLOURS.items():
             colours.setColor(role, QColor(colour))
-        each.setPalette(colours)
-        if isinstance(each, QGraphicsView):
-            each.setAutoFillBackground(False)
-            each.viewport().setAutoFillBackground(False)
-    widget.grab(QRect(0, 0, 1, 1))  # sizes of all that is inside are settled by drawing once
+        child.setPalette(colours)
+        if isinstance(child, QGraphicsView):
+            child.setAutoFillBackground(False)
+            child.viewport().setAutoFillBackground(False)
+    widget.grab(QRect(0, 0, 1, 1))  # drawing once sets the sizes of all children
     return Vector(widget.width(), widget.height(), lambda painter: QWidget.render(widget, painter, QPoint()))
 
 
@@ -114,54 +123,52 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study, Theme, float], Vector]:
 def _stack(study: Study, rows: Sequence[Any], theme: Theme, part: float) -> Vector:
     stack = PlotStack(study, rows, theme, UNSEEN)
     stack.resize(WIDTH, int(part * max(PLOT * len(rows) + EDGES, LEAST)))
-    return _of_widget(stack)
+    return _widget_vector(stack)
 
 
 def _links(study: Study, theme: Theme, part: float) -> Vector:
-    """Of a linkage without a cam: what its links do, without what the motion's own plots show."""
+    """Plots of the links of a linkage without a cam; the motion has its plots elsewhere."""
     rows = plot_rows(study, (*MOTION[:3], ("pressure_angle",)))
-    own = [row for row in rows if member_of(row[0].name)]
-    return _stack(study, own or rows, theme, part)
+    link_rows = [row for row in rows if member_of(row[0].name)]
+    return _stack(study, link_rows or rows, theme, part)
 
 
 def _mechanism(study: Study, theme: Theme, part: float) -> Vector:
-    return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * MECHANISM)))
+    return _widget_vector(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * MECHANISM)))
 
 
 def _glance(study: Study, theme: Theme, part: float) -> Vector:
-    """The machine for the first page: of a shaft all its drives side by side."""
+    """Mechanism for the first page; a shaft with all its drives side by side."""
     if not study.design.listed:
-        return _of_widget(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * GLANCE)))
+        return _widget_vector(MechanismSheet(report_scene(study, theme, ENLARGED), WIDTH, int(part * GLANCE)))
     scene = Assembly(theme)
     scene.show_shaft(study.camshaft, 0, about_shaft=False)
-    return _of_widget(MechanismSheet(scene, WIDTH, int(part * GLANCE)))
+    return _widget_vector(MechanismSheet(scene, WIDTH, int(part * GLANCE)))
 
 
 def _chart(study: Study, theme: Theme, part: float) -> Vector:
-    from core.output.stability_files import machine_chart  # no design without a flexible shaft loads it
+    from core.output.stability_files import machine_chart  # slow to load, and only needed for a flexible shaft
 
     drawn = machine_chart(study.flexible_shaft(), study.design.name)
     plot = ChartPlot(theme=theme)
     plot.resize(WIDTH, int(part * CHART))
     plot.show_chart(drawn)
-    plot.grab()  # the axes find their sizes
+    plot.grab()  # the axes compute their sizes
     plot.show_chart(drawn)
-    return _of_widget(plot)
+    return _widget_vector(plot)
 
 
 def _timing(study: Study, theme: Theme, part: float) -> Vector:
     height = int(part * (BAND * len(study.design.drives) + AXIS))
-    chart = TimingChart(
-        study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0)
-    )  # its pens grow with the painter
+    chart = TimingChart(study.design, WIDTH, height, DEGREES, replace(theme, ratio=1.0))  # its pens scale with the page
     return Vector(WIDTH, height, lambda painter: chart.paint(painter, ChartHighlights()))
 
 
 def _torque(study: Study, theme: Theme, part: float) -> Vector:
-    """Torque of the drives, of the whole, and the speed where a flywheel levels it."""
+    """Torques of the drives and of the shaft, and the speed of a shaft with a flywheel."""
     shaft = study.camshaft
-    angle, there = shaft.angle_degrees, [name for name in shaft.loading_drives if name not in shaft.failures]
-    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.drive_number(name))) for name in there]
+    names = [name for name in shaft.loading_drives if name not in shaft.failures]
+    drives = [(name, shaft.drive_torque(name), LIGHT.drive(shaft.drive_number(name))) for name in names]
     sums = [("Shaft", shaft.torque, theme.ink)]
     if shaft.design.balancer is not None:
         drives.append(("Balance cam", shaft.balancer_torque, BALANCE))
@@ -176,15 +183,15 @@ def _torque(study: Study, theme: Theme, part: float) -> Vector:
     column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
     for number, (upwards, curves) in enumerate(plots):
         plot = XYPlot("Machine angle, °" if number == len(plots) - 1 else "", upwards, theme=theme)
-        closed = np.append(angle, 360.0)
+        closed = np.append(shaft.angle_degrees, 360.0)
         plot.show_lines([Line(closed, np.append(values, values[0]), colour, name) for name, values, colour in curves])
-        if upwards == SPEED:  # which is never near 0
+        if upwards == SPEED:  # its range does not include 0
             low, high = float(curves[0][1].min()), float(curves[0][1].max())
             room = 0.1 * (high - low) or 1e-3 * high
             plot.getViewBox().setRange(yRange=(low - room, high + room), padding=0.0)
         column.addWidget(plot)
     sheet.resize(WIDTH, int(part * ((PLOT + 40) * len(plots) + 30)))
-    return _of_widget(sheet)
+    return _widget_vector(sheet)
 
 
 VECTORS: Mapping[str, Callable[[Any, Theme, float], Vector]] = MappingProxyType(
@@ -200,6 +207,6 @@ VECTORS: Mapping[str, Callable[[Any, Theme, float], Vector]] = MappingProxyType(
         "torque": _torque,
     }
 )
-"""The pictures of ``core.output.report.document``, by name."""
+"""Functions that draw the pictures of a report, by name."""
 
 __all__ = ["VECTORS", "Vector", "svg", "vector"]

@@ -1,4 +1,7 @@
-"""Sheets, tables, graphs as files."""
+"""Files of drawing sheets, plots, tables and graphs: PDF, SVG and PNG.
+
+Equal contents give equal bytes: PDF files have no date and a fixed identity.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,6 @@ from PySide6.QtCore import (
 from PySide6.QtGui import (
     QBrush,
     QColor,
-    QFont,
     QFontMetricsF,
     QImage,
     QPageSize,
@@ -77,46 +79,40 @@ if TYPE_CHECKING:
     from core.stability import Figure
 
 
-# -- a logo on paper, as large as its box lets it be -----------------------------------------------------
+# -- drawing sheets ------------------------------------------------------------------------------------
 
-
-def paint_logo(painter: QPainter, logo: Logo, box: QRectF) -> None:
-    """Its proportions kept, at the right edge of the box and half way up."""
-    drawn = QSvgRenderer(QByteArray(logo.data)) if logo.kind == SVG else QImage.fromData(logo.data)
-    size = QSizeF(drawn.defaultSize() if isinstance(drawn, QSvgRenderer) else drawn.size())
-    size.scale(box.size(), Qt.AspectRatioMode.KeepAspectRatio)
-    room = QRectF(box.right() - size.width(), box.center().y() - 0.5 * size.height(), size.width(), size.height())
-    if isinstance(drawn, QSvgRenderer):
-        drawn.render(painter, room)
-    else:
-        painter.drawImage(room, drawn)
-
-
-# -- sheet file ------------------------------------------------------------------------------------------
-
-UNITS_PER_MM = 100.0  # of the painter, a millimetre
-DPI = 2540  # at which that is so
-CAPITALS = 0.729  # height of a capital, of the size of the font
-SLIM = 0.15  # half the width of an arrowhead, of its length
+UNITS_PER_MM = 100.0  # units of the painter per millimetre
+DPI = 2540  # resolution that gives these units
+CAPITALS = 0.729  # height of a capital by the font size
+SLIM = 0.15  # half the width of an arrow head by its length
 INK, PAPER = "#000000", "#ffffff"
-LETTERS = re.compile(
-    rb"beginbfrange.*?endbfrange", re.DOTALL
-)  # what the shapes of a font mean: a space is called a tab by Qt
-PLACES = re.compile(rb"^\d{10}(?= \d{5} n)", re.MULTILINE)  # of the objects, in the table at the end
-START = re.compile(rb"(startxref\n)(\d+)")  # of that table
+UNICODE_MAP = re.compile(rb"beginbfrange.*?endbfrange", re.DOTALL)  # characters of a font; Qt maps a space to a tab
+OBJECT_OFFSETS = re.compile(rb"^\d{10}(?= \d{5} n)", re.MULTILINE)  # entries of the table of objects
+TABLE_OFFSET = re.compile(rb"(startxref\n)(\d+)")  # offset of that table
 DATES = re.compile(rb"/(?:CreationDate|ModDate) \([^)]*\)")
 
 
+def paint_logo(painter: QPainter, logo: Logo, box: QRectF) -> None:
+    """Paint a logo with its proportions, as large as the box allows, at the right edge at half the height."""
+    image = QSvgRenderer(QByteArray(logo.data)) if logo.kind == SVG else QImage.fromData(logo.data)
+    size = QSizeF(image.defaultSize() if isinstance(image, QSvgRenderer) else image.size())
+    size.scale(box.size(), Qt.AspectRatioMode.KeepAspectRatio)
+    target = QRectF(box.right() - size.width(), box.center().y() - 0.5 * size.height(), size.width(), size.height())
+    if isinstance(image, QSvgRenderer):
+        image.render(painter, target)
+    else:
+        painter.drawImage(target, image)
+
+
 class SheetPainter:
-    """Paints the items of a sheet on a device of ``DPI``."""
+    """Paints the items of a sheet on a device of ``DPI``; ``height`` is the height of the sheet [mm]."""
 
     def __init__(self, painter: QPainter, height: float) -> None:
-        """height: of the sheet [mm]."""
         self._painter, self._height = painter, height
 
     def paint(self, sheet: DrawingSheet) -> None:
         for item in sheet.items:
-            PAINTED[type(item)](self, item)
+            ITEM_PAINTERS[type(item)](self, item)
 
     def _at(self, z: complex) -> QPointF:
         return QPointF(UNITS_PER_MM * z.real, UNITS_PER_MM * (self._height - z.imag))
@@ -126,7 +122,7 @@ class SheetPainter:
         self._painter.drawPolyline(QPolygonF([self._at(z) for z in item.points]))
 
     def circle(self, item: SheetCircle) -> None:
-        """A circle of the sheet."""
+        """Paint a circle or an arc."""
         middle, radius = self._at(item.centre), UNITS_PER_MM * item.radius
         box = QRectF(middle.x() - radius, middle.y() - radius, 2.0 * radius, 2.0 * radius)
         path = QPainterPath()
@@ -135,7 +131,7 @@ class SheetPainter:
         self._path(path, item.kind)
 
     def curve(self, item: BezierLoop) -> None:
-        """A closed curve of cubic pieces, as one path."""
+        """Paint a closed Bézier curve as one path."""
         path = QPainterPath(self._at(complex(item.points[0, 0])))
         for _, a, b, c in item.points.tolist():
             path.cubicTo(self._at(a), self._at(b), self._at(c))
@@ -148,7 +144,7 @@ class SheetPainter:
         self._painter.drawPath(path)
 
     def arrow(self, item: ArrowHead) -> None:
-        """The filled head of an arrow."""
+        """Paint a filled arrow head."""
         back = item.tip - item.length * item.direction
         across = 1j * SLIM * item.length * item.direction
         self._painter.setPen(Qt.PenStyle.NoPen)
@@ -156,24 +152,23 @@ class SheetPainter:
         self._painter.drawPolygon(QPolygonF([self._at(z) for z in (item.tip, back + across, back - across)]))
 
     def logo(self, item: SheetLogo) -> None:
-        """A picture between two corners."""
+        """Paint a logo between two corners."""
         paint_logo(self._painter, item.logo, QRectF(self._at(item.low), self._at(item.high)).normalized())
 
     def text(self, item: SheetText) -> None:
-        face = _font(item.height)
+        face = font(round(UNITS_PER_MM * item.height / CAPITALS))
         width = QFontMetricsF(face, self._painter.device()).horizontalAdvance(item.text)
-        room = UNITS_PER_MM * item.room
-        narrow = min(1.0, room / width) if width else 1.0
+        factor = min(1.0, UNITS_PER_MM * item.room / width) if width else 1.0  # a long text is narrowed
         self._painter.save()
         self._painter.setFont(face)
         self._painter.setPen(QColor(INK))
         self._painter.translate(self._at(item.at))
-        self._painter.scale(narrow, 1.0)
+        self._painter.scale(factor, 1.0)
         self._painter.drawText(QPointF(-item.align * width, 0.0), item.text)
         self._painter.restore()
 
 
-PAINTED: Mapping[type, Callable[[SheetPainter, Any], None]] = MappingProxyType(
+ITEM_PAINTERS: Mapping[type, Callable[[SheetPainter, Any], None]] = MappingProxyType(
     {
         SheetLine: SheetPainter.line, SheetCircle: SheetPainter.circle, BezierLoop: SheetPainter.curve, ArrowHead: SheetPainter.arrow,
         SheetLogo: SheetPainter.logo, SheetText: SheetPainter.text,
@@ -191,12 +186,7 @@ def _pen(kind: str) -> QPen:
     return pen
 
 
-def _font(height: float) -> QFont:
-    """Whose capitals have this height [mm]."""
-    return font(round(UNITS_PER_MM * height / CAPITALS))
-
-
-def _on(device: QPaintDevice, paint: Callable[[QPainter], None]) -> None:
+def _paint_on(device: QPaintDevice, paint: Callable[[QPainter], None]) -> None:
     painter = QPainter(device)
     try:
         paint(painter)
@@ -205,7 +195,7 @@ def _on(device: QPaintDevice, paint: Callable[[QPainter], None]) -> None:
 
 
 def paint_sheet(painter: QPainter, sheet: DrawingSheet, room: QRect) -> None:
-    """The sheet as a white page in the middle of the room, as large as it fits."""
+    """Paint the sheet as a white page, centred and as large as the space allows."""
     factor = min(room.width() / sheet.width, room.height() / sheet.height) / UNITS_PER_MM
     page = QRectF(0.0, 0.0, UNITS_PER_MM * sheet.width, UNITS_PER_MM * sheet.height)
     painter.save()
@@ -217,7 +207,7 @@ def paint_sheet(painter: QPainter, sheet: DrawingSheet, room: QRect) -> None:
 
 
 def vector_svg(title: str, about: str, width: float, height: float, paint: Callable[[QPainter], None]) -> bytes:
-    """A page of so many mm as SVG; ``paint`` paints in hundredths of a millimetre."""
+    """Write a page of a size [mm] as SVG; ``paint`` paints in hundredths of a millimetre."""
     data = QByteArray()
     generator = QSvgGenerator()
     buffer = QBuffer(data)
@@ -228,18 +218,18 @@ def vector_svg(title: str, about: str, width: float, height: float, paint: Calla
     generator.setViewBox(QRect(0, 0, size.width(), size.height()))
     generator.setTitle(title)
     generator.setDescription(about)
-    _on(generator, paint)
+    _paint_on(generator, paint)
     return bytes(data.data())
 
 
 def vector_pdf(title: str, about: str, width: float, height: float, *pages: Callable[[QPainter], None]) -> bytes:
-    """The same as PDF, of as many pages, without the time at which it was written: the same pages give the same bytes."""
+    """Write pages of a size [mm] as PDF; each function paints one page in hundredths of a millimetre."""
     QHashSeed.setDeterministicGlobalSeed()  # several fonts are written in the order of their hashes
     try:
         data = _pdf(title, about, width, height, pages)
     finally:
         QHashSeed.resetRandomGlobalSeed()
-    return LETTERS.sub(lambda found: found[0].replace(b"<0009>", b"<0020>"), without_dates(data))
+    return UNICODE_MAP.sub(lambda match: match[0].replace(b"<0009>", b"<0020>"), without_dates(data))
 
 
 def _pdf(title: str, about: str, width: float, height: float, pages: Sequence[Callable[[QPainter], None]]) -> bytes:
@@ -255,36 +245,35 @@ def _pdf(title: str, about: str, width: float, height: float, pages: Sequence[Ca
     writer.setTitle(title)
     writer.setCreator("KINDYNA")
     writer.setDocumentXmpMetadata(_xmp(title, about))
-    writer.setDocumentId(_identity(title, about))
+    writer.setDocumentId(QUuid(str(uuid.uuid5(uuid.NAMESPACE_OID, f"{title}\n{about}"))))
 
     def paint(painter: QPainter) -> None:
-        for number, each in enumerate(pages):
+        for number, paint_page in enumerate(pages):
             if number:
                 writer.newPage()
-            each(painter)
+            paint_page(painter)
 
-    _on(writer, paint)
+    _paint_on(writer, paint)
     buffer.close()
     return bytes(data.data())
 
 
 def without_dates(data: bytes) -> bytes:
-    """A PDF without the time at which it was written, whose length depends on the time zone: what the table at the end says of
-    places behind it is moved."""
+    """Remove the dates from a PDF, and correct the offsets in the table at its end."""
     body, mark, table = data.rpartition(b"\nxref\n")
-    cuts = [(found.start(), len(found[0])) for found in DATES.finditer(body)]
+    cuts = [(match.start(), len(match[0])) for match in DATES.finditer(body)]
 
-    def moved(number: bytes) -> int:
-        place = int(number)
-        return place - sum(length for at, length in cuts if at < place)
+    def corrected(number: bytes) -> int:
+        offset = int(number)
+        return offset - sum(length for start, length in cuts if start < offset)
 
-    table = PLACES.sub(lambda found: b"%010d" % moved(found[0]), table)
-    table = START.sub(lambda found: found[1] + b"%d" % moved(found[2]), table)
+    table = OBJECT_OFFSETS.sub(lambda match: b"%010d" % corrected(match[0]), table)
+    table = TABLE_OFFSET.sub(lambda match: match[1] + b"%d" % corrected(match[2]), table)
     return DATES.sub(b"", body) + mark + table
 
 
 def _xmp(title: str, about: str) -> QByteArray:
-    """Title and description, as readers of PDF look for them; Qt's own would hold the time."""
+    """Metadata with title and description; Qt's metadata would contain the time."""
     title, about = escape(title), escape(about)
     text = (
         '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">'
@@ -296,18 +285,13 @@ def _xmp(title: str, about: str) -> QByteArray:
     return QByteArray(text.encode("utf-8", "replace"))
 
 
-def _identity(title: str, about: str) -> QUuid:
-    """By what the page is, not by chance."""
-    return QUuid(str(uuid.uuid5(uuid.NAMESPACE_OID, f"{title}\n{about}")))
-
-
 Writer = Callable[[str, str, float, float, Callable[[QPainter], None]], bytes]
 FILES: Mapping[str, Writer] = MappingProxyType({".pdf": vector_pdf, ".svg": vector_svg})
 assert tuple(FILES) == ENDINGS
 
 
 def sheet_file(sheet: DrawingSheet, ending: str) -> bytes:
-    """The sheet as a file of a row of ``FILES``."""
+    """Write a sheet as a file with an ending of ``FILES``."""
     ensure_app(offscreen=True)
     return FILES[ending](
         sheet.title,
@@ -318,20 +302,35 @@ def sheet_file(sheet: DrawingSheet, ending: str) -> bytes:
     )
 
 
-# -- sheets ----------------------------------------------------------------------------------------------
+# -- plots ---------------------------------------------------------------------------------------------
 
-CELL = (560, 560)  # of a plot on paper, pixels
+CELL = (560, 560)  # size of a polar plot, pixels
+WIDTH, HEIGHT = 960, 300  # size of a plot, pixels
+EQUAL_SCALES = (720, 640)  # size of a plot with equal scales on both axes, pixels
 
 
 def columns_for(count: int, width: float, height: float) -> int:
-    """Columns of a grid in which so many square plots become largest in the room given."""
+    """Columns of the grid in which ``count`` square plots are largest in a space of this size."""
     sizes = {c: min(width / c, height / math.ceil(count / c)) for c in range(1, max(1, count) + 1)}
     return max(sizes, key=lambda c: sizes[c])
 
 
 class PolarSheet(PaperSheet):
-    """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point; marks: whether
-    extremes are marked; bands: as ``set_curves``."""
+    """Polar plots in a grid, for files.
+
+    Parameters
+    ----------
+    study : Study
+    rows : sequence of sequences of Quantity
+        Curves of each plot.
+    theme : Theme
+    unseen : float [pixels]
+        Allowed deviation of the drawn curves; 0 draws every point.
+    marks : bool
+        Mark the extremes.
+    bands : mapping of ndarray
+        Shaded bands, as in `PolarPlot.set_curves`.
+    """
 
     def __init__(
         self,
@@ -346,13 +345,13 @@ class PolarSheet(PaperSheet):
         grid = QGridLayout(self)
         grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         columns = math.ceil(math.sqrt(len(rows)))
-        for place, row in enumerate(rows):
+        for number, row in enumerate(rows):
             plot = PolarPlot(self, theme)
             plot.unseen = unseen
             plot.set_curves(study, row, bands=bands)
             plot.show_extremes(channel_extremes(study, row) if marks else None)
             plot.show_cursor(False)
-            grid.addWidget(plot, place // columns, place % columns)
+            grid.addWidget(plot, number // columns, number % columns)
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
 
 
@@ -363,18 +362,14 @@ def polar_file(
     marks: bool = True,
     bands: Mapping[str, np.ndarray] = NO_BANDS,
 ) -> bytes:
-    """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoSolution where one has no values."""
+    """Write polar plots as a file, ``.png`` or ``.svg``; raises NoSolution where one has no values."""
     if ending == ".svg":
         return svg(PolarSheet(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
     return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))
 
 
-WIDTH, HEIGHT = 960, 300  # of one plot
-ALIKE = (720, 640)  # of one whose axes have one scale
-
-
 class XYSheet(PaperSheet):
-    """The plots of a figure under its title."""
+    """Plots of a figure under its title."""
 
     def __init__(self, figure: Figure, theme: Theme) -> None:
         super().__init__(theme)
@@ -384,85 +379,76 @@ class XYSheet(PaperSheet):
         title.setStyleSheet(f"color: {theme.ink}; font-size: {SMALL + 2}px")
         column.addWidget(title)
         self.plots: list[XYPlot] = []
-        for each in figure.plots:
-            plot = XYPlot(each.across, each.upwards, theme=theme)
-            plot.show_plot(each)
+        for row in figure.plots:
+            plot = XYPlot(row.across, row.upwards, theme=theme)
+            plot.show_plot(row)
             column.addWidget(plot, 1)
             self.plots.append(plot)
-        sizes = [ALIKE if each.alike else (WIDTH, HEIGHT) for each in figure.plots]
+        sizes = [EQUAL_SCALES if row.alike else (WIDTH, HEIGHT) for row in figure.plots]
         self.resize(max(width for width, _ in sizes), sum(height for _, height in sizes) + 40)
 
 
 def figure_file(figure: Figure, ending: str) -> bytes:
-    """A figure as a file, ``.png`` or ``.svg``."""
+    """Write a figure as a file, ``.png`` or ``.svg``."""
     vector = ending == ".svg"
     sheet = XYSheet(figure, LIGHT if vector else replace(LIGHT, ratio=RATIO))
-    sheet.grab()  # the axes find their sizes
+    sheet.grab()  # the axes compute their sizes
     return svg(sheet, figure.title) if vector else png(sheet)
 
 
-# -- table sheet -----------------------------------------------------------------------------------------
+# -- tables --------------------------------------------------------------------------------------------
 
-EDGE, GAP, ROOM = 16.0, 18.0, 6.0  # around it, between columns, above and below a row, pixels
-WIDEST, WIDEST_TITLE = 380.0, 560.0  # a column, the title, before words are broken
+EDGE, GAP, ROOM = 16.0, 18.0, 6.0  # margin, space between columns, space for a row beyond its text, pixels
+WIDEST, WIDEST_TITLE = 380.0, 560.0  # greatest width of a column and of the title, pixels
 DIGITS = 8
 MOST_ROWS = 40
 SIGNIFICANT = f".{DIGITS}g"
 
 
 class TableSheet(QWidget):
-    """As large as the table is."""
+    """A table of a figure, as large as its contents."""
 
     def __init__(self, table: FigureTable, theme: Theme = LIGHT) -> None:
         super().__init__()
         self._theme, self._title = theme, table.title
         rows = [[_words(value) for value in row] for row in table.rows]
-        left_out = len(rows) - MOST_ROWS
-        self._rows = rows[:MOST_ROWS] + (
-            [[f"… {left_out} rows more"] + [""] * (len(table.names) - 1)] if left_out > 0 else []
-        )
-        self._heads = [_head(name) for name in table.names]
+        self._rows = rows[:MOST_ROWS]
+        if len(rows) > MOST_ROWS:
+            self._rows.append([f"… {len(rows) - MOST_ROWS} more rows"] + [""] * (len(table.names) - 1))
+        self._headers = [name.replace("_", " ") for name in table.names]
         self._right = [all(_is_number(row[i]) or not row[i] for row in rows) for i in range(len(table.names))]
         self._widths = [
-            min(WIDEST, max(self._width(text, i) for text in column)) for i, column in enumerate(self._columns())
+            min(WIDEST, max(self._width(text, i) for text in column))
+            for i, column in enumerate(zip(self._headers, *self._rows, strict=True))
         ]
         self._heights = [
             max(self._height(text, width) for text, width in zip(row, self._widths, strict=True)) for row in self._rows
         ]
-        own = sum(self._widths) + GAP * (len(self._widths) - 1)
-        self._across = max(own, min(WIDEST_TITLE, self._title_width))
-        self.resize(round(self._across + 2.0 * EDGE), round(self._top + sum(self._heights) + EDGE))
-
-    def _columns(self) -> list[list[str]]:
-        return [[head, *(row[i] for row in self._rows)] for i, head in enumerate(self._heads)]
+        table_width = sum(self._widths) + GAP * (len(self._widths) - 1)
+        title_width = QFontMetricsF(font(TEXT + 1, bold=True)).horizontalAdvance(self._title)
+        self._across = max(table_width, min(WIDEST_TITLE, title_width))
+        self.resize(
+            round(self._across + 2.0 * EDGE), round(EDGE + self._line + self._title_height + sum(self._heights) + EDGE)
+        )
 
     def _width(self, text: str, column: int) -> float:
-        return QFontMetricsF(font(TEXT, bold=text == self._heads[column])).horizontalAdvance(text) + 2.0
+        return QFontMetricsF(font(TEXT, bold=text == self._headers[column])).horizontalAdvance(text) + 2.0
 
     def _height(self, text: str, width: float) -> float:
         box = QFontMetricsF(font(TEXT)).boundingRect(QRectF(0.0, 0.0, width, 1e6), Qt.TextFlag.TextWordWrap, text)
         return float(box.height()) + ROOM
 
     @property
-    def _title_width(self) -> float:
-        return QFontMetricsF(font(TEXT + 1, bold=True)).horizontalAdvance(self._title)
-
-    @property
     def _line(self) -> float:
         return QFontMetricsF(font(TEXT)).height() + ROOM
-
-    @property
-    def _top(self) -> float:
-        """Where the rows begin."""
-        return EDGE + self._line + self._title_height
 
     @property
     def _title_height(self) -> float:
         if not self._title:
             return 0.0
-        room = QRectF(0.0, 0.0, self._across, 1e6)
-        letters = QFontMetricsF(font(TEXT + 1, bold=True))
-        return float(letters.boundingRect(room, Qt.TextFlag.TextWordWrap, self._title).height()) + 2.0 * ROOM
+        box = QRectF(0.0, 0.0, self._across, 1e6)
+        metrics = QFontMetricsF(font(TEXT + 1, bold=True))
+        return float(metrics.boundingRect(box, Qt.TextFlag.TextWordWrap, self._title).height()) + 2.0 * ROOM
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -475,7 +461,7 @@ class TableSheet(QWidget):
             painter.drawText(box, int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap), self._title)
             y += self._title_height
         painter.setFont(font(TEXT, bold=True))
-        self._row(painter, self._heads, y, self._line)
+        self._row(painter, self._headers, y, self._line)
         y += self._line
         painter.setPen(QPen(QColor(self._theme.ink), THIN))
         painter.drawLine(round(EDGE), round(y - 0.5 * ROOM), round(self.width() - EDGE), round(y - 0.5 * ROOM))
@@ -499,11 +485,6 @@ class TableSheet(QWidget):
             x += width + GAP
 
 
-def _head(name: str) -> str:
-    """A column's name as words."""
-    return name.replace("_", " ")
-
-
 def _is_number(text: str) -> bool:
     try:
         float(text.replace("\N{MINUS SIGN}", "-"))
@@ -513,26 +494,26 @@ def _is_number(text: str) -> bool:
 
 
 def _words(value: object) -> str:
-    """Numbers with as many digits as are read, with a proper minus."""
+    """Value as a text; numbers with ``DIGITS`` digits and a minus sign."""
     text = str(value)
     if not _is_number(text) or text.isdecimal():
         return text
     return format(float(text), SIGNIFICANT).replace("-", "\N{MINUS SIGN}")
 
 
-# -- a graph as a file: png, svg or pdf ------------------------------------------------------------------
+# -- graphs --------------------------------------------------------------------------------------------
 
-PIXEL = 0.26  # mm of paper that a pixel is
+PIXEL = 0.26  # mm of paper per pixel
 
 
 def graph_file(picture: GraphImage, shown: GraphRange | None = None, bands: Bands = NO_CHANNEL_BANDS) -> bytes:
-    """The file's bytes; shown: the part of the graph, None: all of it; bands: as ``show_graph``."""
+    """Write a graph as PNG, SVG or PDF; ``shown`` is the visible part, None for all, ``bands`` as in ``show_graph``."""
     ensure_app(offscreen=True)
     raster = picture.ending == ".png"
     plot = GraphPlot(theme=replace(LIGHT, ratio=RATIO) if raster else LIGHT)
     plot.resize(picture.width, picture.height)
     plot.show_graph(picture.graph, picture.data, bands=bands)
-    plot.grab()  # the axes find their sizes
+    plot.grab()  # the axes compute their sizes
     plot.show_range(shown or plot.shown)
     if raster:
         return png(plot)
@@ -543,5 +524,5 @@ def graph_file(picture: GraphImage, shown: GraphRange | None = None, bands: Band
         painter.scale(PIXEL * UNITS_PER_MM, PIXEL * UNITS_PER_MM)
         QWidget.render(plot, painter, QPoint())
 
-    curves = ", ".join(each.name for each in picture.data.series)
+    curves = ", ".join(series.name for series in picture.data.series)
     return vector_pdf(picture.name, f"Curves: {curves}", picture.width * PIXEL, picture.height * PIXEL, paint)

@@ -225,7 +225,7 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     wait_for(lambda: view.up_to_date)
     wanted = explained(user.session.full_study, "torque_nm")
     assert view.header.text().startswith(wanted.headline(7))
-    assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed there", "Torque of Clamp there"]
+    assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed", "Torque of Clamp"]
 
 
 def test_every_number_of_the_design_can_be_chosen(user: User) -> None:

@@ -417,7 +417,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     assert isinstance(view, PlotView)
     view.all_drives.trigger()
     settle()
-    shaft, lines = unit.session.shaft, view.plot_of_all.lines
+    shaft, lines = unit.session.shaft, view.drives_plot.lines
     assert len(lines) == 5
     x, total = lines[-1]
     drives = sum(np.interp(x, *line) for line in lines[:-1])
@@ -425,13 +425,13 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     at = [np.interp(302.72, *line) for line in lines]
     assert max(range(4), key=lambda i: at[i]) == list(shaft.drives).index("Lift")
     unit.window.player.set_machine(radians(90.0))
-    assert isclose(view.plot_of_all.cursor_at, 90.0)
+    assert isclose(view.drives_plot.cursor_at, 90.0)
 
     made = replace(unit.session.full_design, waviness=Waviness(amplitude_mm=0.05, lobes_from=10, lobes_to=30))
     unit.session.put_full_design(made, "Waves")
     view.bands.set_shown(True)
-    wait_for(lambda: all(line.band is not None for line in view.plot_of_all.shown))
-    for line in view.plot_of_all.shown:
+    wait_for(lambda: all(line.band is not None for line in view.drives_plot.shown))
+    for line in view.drives_plot.shown:
         assert line.band is not None
         angles, (low, _, middle, _, high) = line.band
         own, size = np.interp(angles, line.x, line.y), np.ptp(line.y)
@@ -439,7 +439,7 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
         assert np.abs(middle - own).max() < 0.05 * size, "in their place on the shaft"
         assert (high - low).max() > 1e-4 * size
     click_drive(unit, 0)
-    assert view.plot_of_all.shown[2].band is not None, "another drive at hand changes nothing"
+    assert view.drives_plot.shown[2].band is not None, "another drive at hand changes nothing"
     view.bands.set_shown(False)
     view.all_drives.trigger()
     settle()

@@ -199,7 +199,7 @@ def test_a_page_does_not_end_with_a_heading(lift: Study, app: QApplication) -> N
         assert not page[-1][0].joined
         assert page[-1][1] + page[-1][0].height <= room
         assert all(a[1] + a[0].height <= b[1] + 1e-9 for a, b in pairwise(page))
-    heads = {id(strip.head) for strip in strips if strip.head is not None}
+    heads = {id(strip.header) for strip in strips if strip.header is not None}
     assert [id(strip) for page in laid for strip, _ in page if id(strip) not in heads] == [
         id(strip) for strip in strips
     ]
@@ -214,8 +214,8 @@ def test_a_picture_is_drawn_lower_rather_than_leaving_half_a_page_empty(app: QAp
     laid = pages(strips, PAPERS["A4"][1] - 40.0)
     filled = [page[-1][1] + page[-1][0].height for page in laid]
     assert min(filled[:-1]) > 0.6 * 257.0
-    whole = [strip.height for strip in strips if strip.lower is not None]
-    shown = [strip.height for page in laid for strip, _ in page if strip.lower is not None]
+    whole = [strip.height for strip in strips if strip.shrunk is not None]
+    shown = [strip.height for page in laid for strip, _ in page if strip.shrunk is not None]
     assert len(whole) == len(shown)
     assert all(0.55 * a < b <= a for a, b in zip(whole, shown, strict=True))
     assert shown != whole, "the curves of the motion stand on the page at hand"

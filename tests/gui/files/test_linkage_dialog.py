@@ -39,7 +39,7 @@ def test_a_pasted_expression_begins_a_design_with_the_input_chosen(open_user: Op
         assert names == ["P0", "P3"]
         assert not dialog.picture.pixmap().isNull()
         assert "4 links, 4 joints" in dialog.message.text()
-        assert "Left out: unit of length" in dialog.message.text()
+        assert "Not imported: unit of length" in dialog.message.text()
         dialog.units.setCurrentText("cm")
         dialog.inputs.item(0).setCheckState(Qt.CheckState.Unchecked)
         dialog.inputs.item(1).setCheckState(Qt.CheckState.Checked)
@@ -64,7 +64,7 @@ def test_a_file_is_opened_and_named_after(open_user: Open, tmp_path: Path, monke
 
     def answer(dialog: LinkageDialog) -> None:
         dialog.open_button.click()
-        assert "Left out: connector 4: it is on the drawing's layer" in dialog.message.text()
+        assert "Not imported: connector 4: it is on the drawing's layer" in dialog.message.text()
         dialog.accept()
 
     with answering(LinkageDialog, answer):

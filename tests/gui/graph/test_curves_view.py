@@ -88,7 +88,7 @@ def pick(view: CurvesView, box: str, value: str) -> None:
 
 
 def pixel(view: CurvesView, series: int, x: float) -> QPoint:
-    return view.plot.pixel_of(GraphPoint(series, x, view.found.series[series].at(x))).toPoint()
+    return view.plot.pixel_of(GraphPoint(series, x, view.data.series[series].at(x))).toPoint()
 
 
 def click(view: CurvesView, at: QPoint) -> None:
@@ -114,13 +114,13 @@ def test_a_file_over_the_design_its_difference_and_the_steps_back(
     assert view.plot.titles == {"bottom": "Cam angle, °", "left": "Displacement, mm", "right1": "Force, kN"}
     pick(view, "y", "lift_mm")
     pick(view, "side", "auto")
-    assert len(view.found.axes) == 1
+    assert len(view.data.axes) == 1
     view.add_difference()
     read(view)
-    assert view.found.faults == {}
-    shown = view.found.series[2]
+    assert view.data.faults == {}
+    shown = view.data.series[2]
     inside = slice(0, np.searchsorted(shown.x, 359.0))
-    lift = np.interp(shown.x, *(view.found.series[1].x, view.found.series[1].y))
+    lift = np.interp(shown.x, *(view.data.series[1].x, view.data.series[1].y))
     study = Study(LIFT)
     own = np.interp(shown.x, study.angle_degrees, 1e3 * study.motion.displacement[0])
     np.testing.assert_allclose(shown.y[inside], (lift - own)[inside], atol=1e-9)
@@ -146,22 +146,22 @@ def test_a_file_that_changes_is_read_again_and_one_that_vanishes_stays_with_a_no
 ) -> None:
     view.add_files([table])
     read(view)
-    assert view.found.series[1].y.tolist() == [10, 30, 20, 40, 10]
+    assert view.data.series[1].y.tolist() == [10, 30, 20, 40, 10]
     table.write_text(TABLE.replace("90,30", "90,abc"), "utf-8")
     view.sources.compare()
     read(view)
-    np.testing.assert_array_equal(view.found.series[1].y, [10, np.nan, 20, 40, 10])
+    np.testing.assert_array_equal(view.data.series[1].y, [10, np.nan, 20, 40, 10])
     assert "lift_mm, line 3: 'abc': not a number, omitted" in view.form.note.text()
     table.write_text("nothing of the kind\n", "utf-8")
     view.sources.compare()
     read(view)
-    assert len(view.found.series) == 2, "as it was read last"
+    assert len(view.data.series) == 2, "as it was read last"
     assert "measured.csv has changed and cannot be read" in view.form.note.text()
     table.unlink()
     view.sources.compare()
     read(view)
-    assert len(view.found.series) == 2
-    assert view.form.note.text().startswith("measured.csv has vanished")
+    assert len(view.data.series) == 2
+    assert view.form.note.text().startswith("measured.csv was removed")
     table.write_text(TABLE, "utf-8")
     view.sources.compare()
     read(view)
@@ -175,9 +175,9 @@ def test_a_channel_that_the_design_has_no_longer_comes_back_with_it(view: Curves
     pick(view, "y", "phi_deg")
     view.session.start(load(example("kim_1990")))
     settle()
-    assert [each.name for each in view.found.series] == ["Lift, measured"]
+    assert [each.name for each in view.data.series] == ["Lift, measured"]
     row = view.rows.list.item(0)
-    assert row.text() == "1  Arm angle  (not here)"
+    assert row.text() == "1  Arm angle  (not in this design)"
     assert row.foreground().color() == QColor(LIGHT.quiet), "greyed, not wrong"
     assert view.form.fault.isHidden()
     wanted = f"{view.session.design.name} has no Arm angle; the curve is drawn again for a design that has it."
@@ -185,7 +185,7 @@ def test_a_channel_that_the_design_has_no_longer_comes_back_with_it(view: Curves
     assert view.form.boxes["y"].currentText() == "(Arm angle)"
     view.session.start(LIFT)
     settle()
-    assert [each.name for each in view.found.series] == ["Arm angle", "Lift, measured"]
+    assert [each.name for each in view.data.series] == ["Arm angle", "Lift, measured"]
     assert view.rows.list.item(0).text() == "1  Arm angle"
 
 
@@ -194,7 +194,7 @@ def test_a_graph_that_changes_under_the_mouse_is_let_go(view: CurvesView) -> Non
     QTest.mousePress(area, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier, begin)
     view.session.start(load(example("four_bar")))
     read(view)
-    assert view.found.series == ()
+    assert view.data.series == ()
     QTest.mouseMove(area, begin + QPoint(40, 20))
     QTest.mouseRelease(area, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier, begin + QPoint(40, 20))
     view.session.start(LIFT)
@@ -286,7 +286,7 @@ def test_axes_are_typed_and_logarithmic(view: CurvesView) -> None:
     QTest.keyClicks(low.lineEdit(), "-10")
     QTest.keyClick(low, Qt.Key.Key_Return)
     QTest.mouseClick(log, Qt.MouseButton.LeftButton, pos=QPoint(8, log.height() // 2))
-    assert "0 and less is not on a logarithmic axis" in view.axes.message.text()
+    assert "a logarithmic axis has no values of 0 and less" in view.axes.message.text()
     while view.rows.buttons["undo"].isEnabled():
         QTest.mouseClick(view.rows.buttons["undo"], Qt.MouseButton.LeftButton)
     assert low.text() == "", "what is undone is seen in the field"
@@ -378,7 +378,7 @@ def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table
     again: CurvesView = alone(CurvesView(Session(LIFT), Player()), 800, 500)
     read(again)
     assert again.graph == kept
-    assert len(again.found.series) == 2
+    assert len(again.data.series) == 2
     assert again.plot.shown == part, "the part that the mouse chose"
     QTest.mouseClick(again.back_button, Qt.MouseButton.LeftButton)
     assert again.plot.shown == again.plot.full_range()
@@ -388,19 +388,19 @@ def test_the_graph_is_kept_and_its_files_are_found_again(view: CurvesView, table
     read(later)
     assert later.plot.shown.x == (0.0, 360.0), "all of it was shown last"
     assert len(later.graph.curves) == 2, "the row stays"
-    assert "measured.csv" in later.found.faults[kept.curves[1].key]
-    assert len(later.found.series) == 1
+    assert "measured.csv" in later.data.faults[kept.curves[1].key]
+    assert len(later.data.series) == 1
 
 
 def test_a_design_without_displacement_begins_with_its_first_channel(view: CurvesView) -> None:
     view.add_files([example("lecture_six_bar")])
     read(view)
-    assert view.found.faults == {}
-    assert view.found.series[1].y_label == view.form.boxes["y"].currentText()
+    assert view.data.faults == {}
+    assert view.data.series[1].y_label == view.form.boxes["y"].currentText()
     view.session.start(load(example("four_bar")))
     read(view)
     pick(view, "source", "")
-    assert list(view.found.faults) == [view.graph.curves[0].key], "only what stays of the other design"
+    assert list(view.data.faults) == [view.graph.curves[0].key], "only what stays of the other design"
 
 
 def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
@@ -408,9 +408,9 @@ def test_another_design_and_all_drives_of_a_shaft(view: CurvesView) -> None:
     read(view)
     pick(view, "drive", "(all)")
     pick(view, "x", "machine_angle_deg")
-    assert view.found.faults == {}
-    assert len(view.found.series) == 1 + len(load(example("transfer_unit")).drives)
-    colours = [view.plot.colour(i) for i in range(len(view.found.series))]
+    assert view.data.faults == {}
+    assert len(view.data.series) == 1 + len(load(example("transfer_unit")).drives)
+    colours = [view.plot.colour(i) for i in range(len(view.data.series))]
     assert len(set(colours)) == len(colours)
 
 
@@ -431,10 +431,10 @@ def test_a_reading_that_takes_long_is_cancelled_and_begun_again(
         read(view)
     assert "reading was cancelled" in view.form.fault.text()
     assert not view.cancel_button.isVisible()
-    assert len(view.found.series) == 1, "nothing else is lost"
+    assert len(view.data.series) == 1, "nothing else is lost"
     view.sources.read_again()
     read(view)
-    assert len(view.found.series) == 2
+    assert len(view.data.series) == 2
 
 
 def test_an_outline_is_drawn_undistorted_at_any_size(view: CurvesView) -> None:
@@ -460,7 +460,7 @@ def test_a_long_table_is_drawn_from_as_many_points_as_are_seen(view: CurvesView,
     view.add_files([path])
     read(view)
     view.plot.grab()
-    assert view.found.series[1].x.size == x.size
+    assert view.data.series[1].x.size == x.size
     assert view.plot.drawn_points < 20_000
     assert max(float(np.nanmax(part)) for _, part in view.plot.painted if len(part)) >= 9.0, "no peak is lost"
 
@@ -496,7 +496,7 @@ def test_the_path_of_the_transfer_is_one_choice_and_its_points_say_their_angle(v
     settle()
     assert [action.text() for action in menu.actions()] == ["Path of the transfer", "Speed along the path"]
     menu.actions()[0].trigger()
-    assert [(each.name, each.y_unit) for each in view.found.series] == [
+    assert [(each.name, each.y_unit) for each in view.data.series] == [
         ("Clamp over Feed", "mm"),
         ("Lift over Feed", "mm"),
     ]

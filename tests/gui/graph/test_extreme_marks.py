@@ -144,7 +144,7 @@ def test_a_spike_near_a_dead_centre_is_cut_and_a_click_shows_it(open_user: Open,
     forces = [tag.text for tag in marks(plot_view(user, "contact_force").plot)]
     assert len(set(forces)) == len(forces), "what several curves share is written once"
     view = plot_view(user, "torque")
-    button = plot.whole_button
+    button = plot.full_range_button
     assert button is not None
     assert button.isVisible()
     for click in (lambda: QTest.mouseClick(button, Qt.MouseButton.LeftButton), lambda: _click_arrow(view)):
@@ -170,8 +170,8 @@ def test_what_is_no_spike_is_shown_in_full(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900))
     for name in ("jerk", "torque"):
         plot = plot_view(user, name).plot
-        assert plot.whole_button is not None
-        assert not plot.whole_button.isVisible(), name
+        assert plot.full_range_button is not None
+        assert not plot.full_range_button.isVisible(), name
     moving = np.ones(1800, dtype=bool)
     narrow = np.zeros(1800)
     narrow[100:121] = np.sin(np.linspace(0.0, np.pi, 21))
@@ -229,7 +229,7 @@ def test_one_switch_hides_the_marks_of_all_plots(open_user: Open) -> None:
     assert seen
     wait_for(lambda: all(marks(view.plot) for view in seen))
     for view in views:
-        plot_view(user, view.usual[0] if view.usual[0] != "drive_torque" else "torque")
+        plot_view(user, view.names[0] if view.names[0] != "drive_torque" else "torque")
         wait_for(lambda view=view: bool(marks(view.plot)))  # type: ignore[misc]
 
 

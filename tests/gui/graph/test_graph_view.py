@@ -92,7 +92,7 @@ def test_plots_go_with_their_last_channel() -> None:
 
 def test_another_kind_keeps_what_it_has() -> None:
     choice = Choice([["phi"], ["displacement", "beta"]])
-    choice.keep({row.name for row in channels(PUSHER)})
+    choice.restrict_to({row.name for row in channels(PUSHER)})
     assert choice.plots == [["displacement"]]
 
 

@@ -14,7 +14,7 @@ from core.project import load
 from core.study import Study
 from core.study.stages import evaluations
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.linkage.canvas import joints_now
+from kindyna_gui.linkage.canvas import draggable_joints
 from kindyna_gui.places import example
 from kindyna_gui.view import View
 from kindyna_gui.window import gallery
@@ -43,12 +43,14 @@ def test_every_joint_of_a_layout_follows_the_mouse_in_one_step(user: User) -> No
         user.window.player.set_theta(1.0)
         settle()
         before = user.design
-        assert set(joints_now(view.scene)) == set(WAYS)
+        assert set(draggable_joints(view.scene)) == set(WAYS)
         for joint, way in WAYS.items():
             start = place(user, joint)
             user.drag(start, start + way)
             assert place(user, joint) == pytest.approx(start + way, abs=1.5 / view.canvas.scale_now), (letter, joint)
-            assert joints_now(view.scene)[joint] == pytest.approx(place(user, joint), abs=1.0 / view.canvas.scale_now)
+            assert draggable_joints(view.scene)[joint] == pytest.approx(
+                place(user, joint), abs=1.0 / view.canvas.scale_now
+            )
             assert user.steps == [f"Move {joint.replace('_', ' ')}"]
             assert faults(user.design) == []
             user.session.stack.undo()
@@ -84,7 +86,7 @@ def test_the_face_of_a_flat_rocker_is_drawn_off_its_pivot(open_user: Open) -> No
     view, before = user.drawing(), user.design
     arm = user.session.at(user.window.player.theta).linkage.follower
     way = 7.0 * complex(arm.unit[0])
-    start = joints_now(view.scene)["face"]
+    start = draggable_joints(view.scene)["face"]
     user.drag(start, start + way)
     assert user.steps == ["Move flat face"]
     assert user.design.drive.mechanism.face.face_offset_mm == pytest.approx(
@@ -165,7 +167,7 @@ def hand(six_bar: User) -> Callable[[int], None]:
 
     def draw(moves: int) -> None:
         if at[0].isNull():
-            at[0] = QPointF(pixel(six_bar.drawing().canvas, joints_now(six_bar.drawing().scene)["A"]))
+            at[0] = QPointF(pixel(six_bar.drawing().canvas, draggable_joints(six_bar.drawing().scene)["A"]))
             QTest.mousePress(paper, left, none, at[0].toPoint())
         for _ in range(moves):
             at[0] += QPointF(-1.0, 1.0)

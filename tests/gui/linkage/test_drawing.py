@@ -104,7 +104,7 @@ class Pen:
         """Where the number of a length stands in the drawing."""
         view = self.user.drawing()
         view.canvas.grab()
-        boxes = view.drawing.picture.lengths
+        boxes = view.drawing.sketch.lengths
         rect = next(rect for (_, a, b), rect in boxes.items() if {a, b} == {one, other})
         place = view.canvas.viewportTransform().inverted()[0].map(rect.center())
         return complex(place.x(), place.y())
@@ -513,7 +513,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     drawn = pen.design
     other = open_user(tmp_path / "half.toml")
     assert other.session.typed.drive.mechanism == drawn.drive.mechanism
-    assert other.drawing().shows_sheet
+    assert other.drawing().shows_layout
     assert "B hangs loose" in other.drawing().note.text()
     again = Pen(other)
     again.user.drawing().canvas.setFocus()
@@ -526,7 +526,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     assert not other.session.is_incomplete_linkage
     again.key(Key.Key_Escape)
     again.key(Key.Key_Escape)
-    assert not other.drawing().shows_sheet
+    assert not other.drawing().shows_layout
     assert {"A", "B", "O1", "O2"} <= set(other.drawing().scene.geometry.handles(0))
     assert other.session.state()["modified"]
     other.session.restore(other.session.state())
@@ -558,8 +558,8 @@ def test_the_part_that_is_led_moves_and_the_rest_hangs_on_it(open_user: Open) ->
     pen.key(Key.Key_Escape)
     pen.key(Key.Key_Escape)
     view, player = pen.user.drawing(), pen.user.window.player
-    assert view.shows_sheet
-    assert view.drawing.still == {1, 3}
+    assert view.shows_layout
+    assert view.drawing.static_links == {1, 3}
     assert player.theta == pytest.approx(math.pi / 2.0)
     for theta in (2.0, 4.0, 6.0):
         player.set_theta(theta)
@@ -768,7 +768,7 @@ def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
     transform = view.canvas.viewportTransform()
     for share in (0.2, 0.4, 0.6, 0.8):
         at = pen.places["A"] + share * (pen.places["B"] - pen.places["A"])
-        assert view.drawing.picture.link_at(transform.map(QPointF(at.real, at.imag))) == 3
+        assert view.drawing.sketch.link_at(transform.map(QPointF(at.real, at.imag))) == 3
 
 
 def test_every_tool_and_deed_has_its_entry_and_its_menu(open_user: Open) -> None:
@@ -900,4 +900,4 @@ def test_a_bar_begun_on_a_link_that_is_then_deleted_begins_anew(open_user: Open)
 def test_a_drawing_that_cannot_be_put_together_is_not_copied_and_says_why(open_user: Open) -> None:
     pen = start(open_user)
     pen.choose("Edit", "Copy picture")
-    assert pen.user.window.status.currentMessage().startswith("Nothing is copied.")
+    assert pen.user.window.status.currentMessage().startswith("Nothing was copied.")

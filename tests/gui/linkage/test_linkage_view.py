@@ -408,12 +408,12 @@ def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported
     user.see("curvature")
     entry = user.action("Graph", "Export picture", "Curvature...")
     assert not entry.isEnabled()
-    assert entry.statusTip().startswith("No cam makes this linkage move")
+    assert entry.statusTip().startswith("This linkage has no cam")
     user.picks("picture_to_save", tmp_path / "curvature.png")
     for action in user.window.show_view("curvature").plot.actions():  # type: ignore[attr-defined]
         action.trigger()
     assert [what for what, _ in user.faults] == ["There is no picture to export.", "There are no numbers to export."]
-    assert all(lines[0].startswith("No cam makes this linkage move") for _, lines in user.faults)
+    assert all(lines[0].startswith("This linkage has no cam") for _, lines in user.faults)
     assert list(tmp_path.iterdir()) == []
 
 

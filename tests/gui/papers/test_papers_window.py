@@ -84,7 +84,7 @@ def test_a_row_that_is_chosen_shows_its_picture_its_words_and_its_verdict(figure
     choose(figures, "Shin, Kim and Ha 1995: (18)")
     assert figures.computed == 1
     claim = at("shin1995", "(18)")
-    assert (figures.verdict.text(), figures.says.text(), figures.here.text()) == (
+    assert (figures.verdict.text(), figures.says.text(), figures.result.text()) == (
         f"Convention: {VERDICTS['convention']}",
         f"The paper: {claim.says}",
         f"Here: {claim.here}",

@@ -39,7 +39,7 @@ def test_a_crank_has_nothing_for_it_to_do(open_user: Open) -> None:
     user = open_user(example("four_bar"))
     user.choose("Dyna", "Add a servo")
     assert user.design.drive.servo is None
-    assert "there is no motion for a servo to make" in user.window.status.currentMessage()
+    assert "a servo needs a motion" in user.window.status.currentMessage()
 
 
 MOTOR = (

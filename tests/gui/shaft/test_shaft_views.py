@@ -87,8 +87,8 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
 
     chart = unit.see("stability")
     assert isinstance(chart, StabilityView)
-    assert chart.found is not None
-    assert chart.found.machine.q == whole.flexible_shaft().machine.q
+    assert chart.stability is not None
+    assert chart.stability.machine.q == whole.flexible_shaft().machine.q
 
 
 @pytest.mark.stress
@@ -99,16 +99,16 @@ def test_against_speed_computes_nothing_while_it_cannot_be_seen(unit: User) -> N
     assert evaluations["against speed"] == before, "nobody has asked for it"
     view = unit.see("against_speed")
     assert isinstance(view, AgainstSpeedView)
-    wait_for(lambda: view.found is not None)
+    wait_for(lambda: view.curves is not None)
     assert evaluations["against speed"] == before + 1
-    found, whole = view.found, unit.session.shaft
+    found, whole = view.curves, unit.session.shaft
     assert found is not None
     assert np.interp(whole.design.speed_rpm, found.rpm, found.peak) == pytest.approx(
         abs(whole.peak_torque.value), rel=0.02
     )
     for away in (lambda: window.docks["against_speed"].hide(), lambda: unit.see("torque")):  # closed; behind another
         unit.see("against_speed")
-        wait_for(lambda: view.found is not None)
+        wait_for(lambda: view.curves is not None)
         count = evaluations["against speed"]
         away()
         settle()

@@ -70,13 +70,13 @@ def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User
     graph: Any = kim.see("graph")
     graph.tree.item_of("wind_up").setCheckState(0, Qt.CheckState.Checked)
     wait_for(lambda: search.begun == 1)
-    assert "the steady response is being looked for" in message(kim)
+    assert "the steady response is being calculated" in message(kim)
     assert graph.up_to_date
-    cancel = kim.window.status.awaited
+    cancel = kim.window.status.pending
     assert (cancel.text(), cancel.isVisible()) == ("Stop calculating the steady response", True)
     click(cancel)
     wait_for(lambda: search.ended == 1)
-    assert "the steady response was given up" in message(kim)
+    assert "the steady response was cancelled" in message(kim)
     kim.turn(40.0)
     graph.tree.item_of("velocity").setCheckState(0, Qt.CheckState.Unchecked)
     settle()
@@ -85,7 +85,7 @@ def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User
     assert cancel.text() == "Calculate again"
     click(cancel)
     wait_for(lambda: search.begun == 2)
-    assert "is being looked for" in message(kim)
+    assert "is being calculated" in message(kim)
     search.found = True
     wait_for(lambda: not cancel.isVisible())
     (curve,) = curves(graph.panels[-1].plot)
@@ -99,7 +99,7 @@ def test_a_drawing_waits_for_its_twist_and_another_design_ends_the_search(kim: U
     wait_for(lambda: search.begun == 1)
     text = drawing.scene.item("twist.text")
     assert isinstance(text, Tag)
-    assert text.text == "The steady response is being looked for"
+    assert text.text == "The steady response is being calculated"
     search.found = True
     wait_for(lambda: "twist.spring" in drawing.scene.parts)
     search.found = False
@@ -108,4 +108,4 @@ def test_a_drawing_waits_for_its_twist_and_another_design_ends_the_search(kim: U
     kim.session.stack.setClean()
     kim.window.documents.open_path(example("transfer_lift"))
     wait_for(lambda: search.ended == search.begun)
-    assert not kim.window.status.awaited.isVisible()
+    assert not kim.window.status.pending.isVisible()

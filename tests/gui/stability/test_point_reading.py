@@ -57,9 +57,9 @@ def test_where_the_mouse_rests_every_model_tells_its_verdict(kim: User, monkeypa
     assert slow[0].startswith("steady: stable, ")
     width = max(view.reading.fontMetrics().horizontalAdvance(line) for line in (place, *slow))
     assert width < view.reading.width(), "nothing is cut off"
-    assert view.found is not None
+    assert view.stability is not None
     eta, q = view.reading.point
-    gone = view.found.history(None, eta, q)
+    gone = view.stability.history(None, eta, q)
     assert view.reading.verdicts[2].largest == gone.largest[0]
     assert len(threads) >= 1
     assert threading.get_ident() not in threads
@@ -113,7 +113,7 @@ def test_the_words_for_each_verdict() -> None:
     assert waiting_text((lost,), True) == (
         "steady: grows 5.13 % a turn, 36.0°, off the cam at turn 2.275\nstill computing …"
     )
-    assert waiting_text((Verdict("steady", None),), False) == "steady: no response found"
+    assert waiting_text((Verdict("steady", None),), False) == "steady: no steady response"
     left = Verdict("steady", True, -0.01, 1.9, 0.1, 2.275)
     assert waiting_text((left,), False) == "steady: contact lost, 36.0°, off the cam at turn 2.275"
     rest = Verdict("from_rest", None, largest=0.01, contact_lost=3.3)

@@ -30,8 +30,8 @@ def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
 def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:
     view = page(kim)
     own = shown(view)
-    assert view.found is not None
-    assert (own.eta, own.q) == (view.found.machine.eta, view.found.machine.q)
+    assert view.stability is not None
+    assert (own.eta, own.q) == (view.stability.machine.eta, view.stability.machine.q)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 1.5, 0.1))
     assert view.picked is not None
     wait_for(lambda: not view.busy)
@@ -63,7 +63,7 @@ def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, mon
     """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
     monkeypatch.setattr("core.stability.windup.etas", lambda eta_max: FEW)
     view = page(kim)
-    found = view.found
+    found = view.stability
     assert found is not None
     assert "first_turn" not in vars(found)
     view.pages.show_page("Averages")
@@ -81,11 +81,11 @@ def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, mon
     with unhurried(view):
         kim.session.edit("shaft.stiffness_nm_per_rad", 80.0, "Change stiffness")
         settle()
-        assert view.means.busy is False, "not before editing pauses"
+        assert view.shaft_jobs.busy is False, "not before editing pauses"
     view.settle()
     wait_for(lambda: not view.busy)
-    assert view.found is not found
-    assert "first_turn" in vars(view.found)
+    assert view.stability is not found
+    assert "first_turn" in vars(view.stability)
 
 
 def test_the_terms_of_the_equation_are_drawn_by_cam_angle(kim: User) -> None:
@@ -173,7 +173,7 @@ def typed(box: NumberBox, text: str) -> None:
 def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: User) -> None:
     """Kim1990 Fig. 9 by its η and Q; a speed in place of η; and back to the machine's own point."""
     view = page(kim)
-    fields, found = view.fields, view.found
+    fields, found = view.fields, view.stability
     assert found is not None
     assert (fields.eta.value, fields.q.value, fields.rpm.value) == pytest.approx(
         (found.machine.eta, found.machine.q, 1500.0), rel=1e-6

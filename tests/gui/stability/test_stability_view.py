@@ -40,13 +40,13 @@ def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User) -> No
     kim.choose("Stability", "Chart")
     view = kim.window.view("stability")
     assert isinstance(view, StabilityView)
-    wait_for(lambda: view.found is not None)
+    wait_for(lambda: view.stability is not None)
     few = view.drawn.q.size
     wait_for(lambda: not view.busy)
     rows = view.drawn.q.size
     assert rows > 4 * few
     assert not view.progress.isVisible()
-    assert "1500 rpm" in view.head.text()
+    assert "1500 rpm" in view.header.text()
     found = kim.session.study.stability
     assert found is not None
     exact = chart(found.coefficients, found.machine, rows=rows).tongues[EXACT]
@@ -87,7 +87,7 @@ def test_the_machines_point_is_drawn_to_the_shaft_it_would_need(kim: User) -> No
         QTest.mouseRelease(paper, LEFT, pos=end)
         settle()
     assert kim.design == before, "nothing changes before it is asked for"
-    wanted = view.wanted
+    wanted = view.target
     assert wanted is not None
     QTest.mouseClick(view.use, LEFT)
     settle()
@@ -109,7 +109,7 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
     wait_for(lambda: view.up_to_date)
     assert view.in_trouble
     user.choose("Stability", "Flexible shaft")
-    wait_for(lambda: view.found is not None)
+    wait_for(lambda: view.stability is not None)
     elastic = user.design.shaft.elastic
     assert elastic is not None
     found = user.session.study.stability
@@ -137,12 +137,12 @@ def test_a_linkage_that_its_cam_drives_has_a_chart(open_user: Open, tmp_path: Pa
     assert view.in_trouble
     user.choose("Stability", "Add a shaft")
     user.choose("Stability", "Flexible shaft")
-    wait_for(lambda: view.found is not None)
+    wait_for(lambda: view.stability is not None)
     assert not view.in_trouble
-    assert view.found.machine.q == pytest.approx(0.05, rel=0.01)
-    assert view.found.bands
+    assert view.stability.machine.q == pytest.approx(0.05, rel=0.01)
+    assert view.stability.bands
     assert view.chart.machine_point.isVisible()
-    assert "20.00 rpm" in view.head.text()
+    assert "20.00 rpm" in view.header.text()
 
 
 @pytest.mark.stress
@@ -159,8 +159,8 @@ def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
         assert view.chosen.history is None
     view.settle()
     wait_for(lambda: not view.busy)
-    assert view.found is not None
-    assert view.found.machine.rpm(view.found.machine.eta) == pytest.approx(1234.0)
+    assert view.stability is not None
+    assert view.stability.machine.rpm(view.stability.machine.eta) == pytest.approx(1234.0)
 
 
 def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -177,25 +177,25 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
         assert view.drawn is before
         assert evaluations["stability"] == count
         assert not threads
-        assert "anew" in view.head.text()
+        assert "Calculating" in view.header.text()
         assert view.busy
     wait_for(lambda: not view.busy)
     assert current_thread() not in threads
     found = kim.session.study.stability
     assert found is not None
-    assert view.found is found
+    assert view.stability is found
     assert view.drawn is not before
     assert np.array_equal(
         view.drawn.tongues[EXACT].edges, chart(found.coefficients, found.machine, rows=64).tongues[EXACT].edges
     )
-    assert "anew" not in view.head.text()
+    assert "Calculating" not in view.header.text()
     kim.session.edit("shaft.stiffness_nm_per_rad", 60.0, "Change stiffness")
     kim.window.show_view("mechanism")
     settle()
     assert not view.busy, "what has left the screen is given up"
     kim.window.show_view("stability")
     wait_for(lambda: view.up_to_date and not view.busy)
-    assert view.found is kim.session.study.stability
+    assert view.stability is kim.session.study.stability
     assert own != kim.design
 
 
@@ -241,7 +241,7 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(
     assert view.chosen is not None
     assert view.chosen.history is not None
     assert view.chosen.verdicts
-    assert not view.pages.lacks
+    assert not view.pages.missing_result
     counts.clear()
     for name in ("mechanism", "stability"):
         kim.window.show_view(name)
@@ -254,7 +254,7 @@ def counted(view: StabilityView, monkeypatch: pytest.MonkeyPatch) -> Counter[str
     """How often work is started beside the window and anything is drawn."""
     counts: Counter[str] = Counter()
     for owner, name in (
-        *((each, "start") for each in (view.fine, view.point_jobs, view.means, view.reading.background)),
+        *((each, "start") for each in (view.fine, view.point_jobs, view.shaft_jobs, view.reading.background)),
         (view.chart, "show_chart"),
         (view.pages, "redraw"),
         *((plot, "show_plot") for plots in view.pages.plots.values() for plot in plots),

@@ -513,7 +513,7 @@ def test_bands_of_machines_are_shaded_in_the_plots_once_they_are_asked_for(user:
     graph = user.see("curves")
     assert isinstance(graph, CurvesView)
     graph.show_channel("pressure_angle")
-    at = next(i for i, each in enumerate(graph.found.series) if each.y_label == "Pressure angle")
+    at = next(i for i, each in enumerate(graph.data.series) if each.y_label == "Pressure angle")
     wait_for(lambda: at in graph.plot.bands)
     x, shaded = graph.plot.bands[at]
     assert (x[0], x[-1]) == (0.0, 360.0)

@@ -81,7 +81,7 @@ def test_a_drag_is_one_step_and_the_other_drives_are_not_computed_anew(same_wind
     assert user.steps == ["Turn Clamp to 234.5°"]
     assert session.study is study, "the feed, which is shown, has not moved"
     assert not session.drag_source
-    place = view.canvas.chart.place(FEED, 3).toPoint()
+    place = view.canvas.chart.join_position(FEED, 3).toPoint()
     draw(view, place, -20.0)
     assert events(session.full_design)["Feed.return.1.end"] == pytest.approx(206.0, abs=0.5)
     assert len(user.steps) == 2
@@ -111,7 +111,7 @@ def test_an_edit_that_leaves_the_timing_as_it_is_leaves_the_chart(same_window: O
     assert session.edit("shaft.speed_rpm", 25.0, "Change speed")
     settle()
     view.set_unit("ms")
-    assert view.canvas.chart.both(90.0).endswith("600.0 ms")
+    assert view.canvas.chart.degrees_and_ms(90.0).endswith("600.0 ms")
     view.set_unit("deg")
 
 
@@ -154,8 +154,8 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     assert before[-4:] == [
         "Let Torque return 1 start follow Clamp return 1 end by 0°",
         "Let Torque return 1 start follow Clamp return 1 end by 165°",
-        "Move a distance of the timing",
-        "Remove a distance of the timing",
+        "Move a sequence condition",
+        "Remove a sequence condition",
     ]
     for _ in before:
         session.stack.undo()
@@ -165,10 +165,10 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
 def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     view = seen(user)
-    view.canvas.row_wanted.emit("Lift.rise.1.start", "Clamp.rise.1.end")  # against the sixth
+    view.canvas.condition_drawn.emit("Lift.rise.1.start", "Clamp.rise.1.end")  # against the sixth
     settle()
     text = view.rows.message.text()
-    assert "rows 6, 7" in text
+    assert "conditions 6, 7" in text
     assert "5° too much" in text
     user.window.status.count_findings()
     assert user.window.status.findings.text() == "2 errors", (
@@ -212,7 +212,7 @@ def test_one_drive_alone_has_a_chart_of_its_motion(same_window: Open) -> None:
     user = same_window()
     view = seen(user)
     assert not view.rows.isVisible()
-    draw(view, view.canvas.chart.place(0, 1).toPoint(), -10.0)
+    draw(view, view.canvas.chart.join_position(0, 1).toPoint(), -10.0)
     assert user.design.drive.motion is not None
     assert user.design.drive.motion.segments[0].span_deg == pytest.approx(25.0, abs=0.6)
     assert len(user.steps) == 1

@@ -214,7 +214,7 @@ def test_that_nothing_has_mass_leads_to_the_first_mass(same_window: Open) -> Non
     user.choose("Dyna", "Add to the loads", "Mass")
     click_at(user, (2.0 * point(user, "O4") + point(user, "B")) / 3.0)
     assert (len(user.design.drive.loads.masses), user.session.load) == (1, "loads.masses[0]"), "each link has one"
-    assert "is there already" in user.window.status.currentMessage()
+    assert "exists already" in user.window.status.currentMessage()
     wait_for(lambda: not findings.findings)
 
 

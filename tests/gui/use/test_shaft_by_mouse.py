@@ -171,7 +171,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     place = QPointF(chart.x(180.0), chart.box(CLAMP).center().y()).toPoint()
     hand.draw(timing.canvas, place, round(-3.0 * chart.degree))
     assert session.full_design.drives[CLAMP].phase_deg == pytest.approx(235.0, abs=0.6)
-    hand.draw(timing.canvas, chart.place(FEED, 3).toPoint(), round(-8.0 * chart.degree))
+    hand.draw(timing.canvas, chart.join_position(FEED, 3).toPoint(), round(-8.0 * chart.degree))
     assert len(user.steps) == 2
     assert all(each.spare_deg >= 0.0 for each in distances(session.full_design))
     torque = hand.view("shaft_torque", ShaftTorqueView)

@@ -333,11 +333,11 @@ def test_empty_views_do_the_next_thing_by_a_button(same_window: Open) -> None:
     wait_for(lambda: not user.window.view("stability").in_trouble)
     assert user.design.shaft.elastic is not None
     user = same_window(example("four_bar"))
-    assert "Let a link follow a motion..." in buttons(user, "motion")
-    assert "Let a link follow a motion..." in buttons(user, "contact")
-    assert "Let a link follow a motion..." in buttons(user, "contact_pressure")
+    assert "Drive a link by a motion..." in buttons(user, "motion")
+    assert "Drive a link by a motion..." in buttons(user, "contact")
+    assert "Drive a link by a motion..." in buttons(user, "contact_pressure")
     assert "Begin with a cam..." in buttons(user, "find")
-    way = buttons(user, "motion")["Let a link follow a motion..."]
+    way = buttons(user, "motion")["Drive a link by a motion..."]
     QTest.mouseClick(way, Qt.MouseButton.LeftButton)
     menu = QApplication.activePopupWidget()
     assert isinstance(menu, QMenu)

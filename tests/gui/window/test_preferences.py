@@ -210,7 +210,7 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
     said = window.status.currentMessage()
     assert all(
         each in said
-        for each in ("units/length furlong (taken as mm)", "look/theme purple (taken as light)", "look/font huge")
+        for each in ("units/length furlong (using mm)", "look/theme purple (using light)", "look/font huge")
     )
     window.close()
     window.deleteLater()

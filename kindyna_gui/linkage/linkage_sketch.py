@@ -27,6 +27,7 @@ from kindyna_gui.linkage.draw_tools import (
     faces_at,
     grid_step,
     outline,
+    row_index,
 )
 from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
 
@@ -40,8 +41,8 @@ PixelFunction = Callable[[complex], QPointF]
 
 
 @frozen
-class Marked:
-    """Parts to highlight: the selected points, links and row of the loads, wrong points and links, and what is locked."""
+class Highlights:
+    """Parts to highlight: selected points, links and row of the loads, wrong points and links, locked parts."""
 
     points: Collection[str] = ()
     links: Collection[int] = ()
@@ -52,7 +53,7 @@ class Marked:
 
 
 @frozen(eq=False)
-class SketchPicture:
+class LinkageSketch:
     """Drawing of a design with given positions of its points, at ``scale`` pixels per mm; ``to`` maps mm to pixels.
 
     ``lengths`` receives the rectangles of the painted lengths, by link and points.
@@ -153,7 +154,7 @@ class SketchPicture:
         painter.drawLine(self.to(first), self.to(second))
 
     def paint(
-        self, painter: QPainter, marked: Marked, dimensions: bool = True, grey: Collection[int] = frozenset()
+        self, painter: QPainter, highlights: Highlights, dimensions: bool = True, grey: Collection[int] = frozenset()
     ) -> None:
         """Paint the drawing; the links in ``grey`` do not move."""
         linkage = self.design.drive.linkage
@@ -162,7 +163,7 @@ class SketchPicture:
             if link.number == FRAME_LINK:
                 continue
             fill = QColor(SCREEN.faint if link.number in grey else SCREEN.links[i % len(SCREEN.links)])
-            chosen, wrong = link.number in marked.links, link.number in marked.wrong_links
+            chosen, wrong = link.number in highlights.links, link.number in highlights.wrong_links
             colour, width = (
                 QColor(SCREEN.chosen if chosen else SCREEN.limit if wrong else SCREEN.ink),
                 2.4 if chosen or wrong else 1.4,
@@ -179,7 +180,7 @@ class SketchPicture:
             for name in link.places:
                 on[name] = on.get(name, 0) + 1
         for name, at in self.positions.items():
-            chosen, wrong = name in marked.points, name in marked.wrong_points
+            chosen, wrong = name in highlights.points, name in highlights.wrong_points
             painter.setPen(
                 QPen(
                     QColor(SCREEN.chosen if chosen else SCREEN.limit if wrong else SCREEN.ink),
@@ -188,14 +189,14 @@ class SketchPicture:
             )
             painter.setBrush(QBrush(QColor(SCREEN.paper if on.get(name, 0) > 1 else SCREEN.cam)))
             painter.drawEllipse(self.to(at), PIN, PIN)
-            if name in marked.locked:
+            if name in highlights.locked:
                 painter.drawText(self.to(at) + QPointF(-14.0, 4.0), "⚿")
         self._paint_wheels(painter)
         self._paint_driver(painter)
-        self._paint_loads(painter, marked.row)
+        self._paint_loads(painter, highlights.row)
         self._paint_names(painter)
         if dimensions:
-            self._paint_lengths(painter, marked)
+            self._paint_lengths(painter, highlights)
 
     def _paint_face(self, painter: QPainter, link: Link, fill: QColor, colour: QColor, width: float) -> None:
         """Paint the bars between the corners and the area inside them, the outline before the fill."""
@@ -296,9 +297,9 @@ class SketchPicture:
                 painter.drawPie(rect, 0, 16 * 90)
                 painter.drawPie(rect, 16 * 180, 16 * 90)
             elif ".drivers" in row:
-                self._paint_input(painter, pixel, int(row[row.index("[") + 1 : -1]), row == chosen)
+                self._paint_input(painter, pixel, row_index(row), row == chosen)
             elif ".forces" in row:
-                force = loads.forces[int(row[row.index("[") + 1 : -1])]
+                force = loads.forces[row_index(row)]
                 tip = self.to(self.positions[force.point])
                 painter.setPen(QPen(QColor(SCREEN.chosen if row == chosen else SCREEN.seen(VERMILION)), 2.2))
                 direction = complex(force.x_n, force.y_n)
@@ -306,7 +307,7 @@ class SketchPicture:
                 if direction:
                     self._arrow_tip(painter, tip, direction / abs(direction))
             else:
-                spring = loads.springs[int(row[row.index("[") + 1 : -1])]
+                spring = loads.springs[row_index(row)]
                 first, second = (self._end(end) for end in (spring.from_, spring.to))
                 assert first is not None
                 assert second is not None
@@ -370,7 +371,7 @@ class SketchPicture:
             pixel = self.to(at) + QPointF(13.0 * direction.real - 4.0, -13.0 * direction.imag + 4.0)
             painter.drawText(pixel, name)
 
-    def _paint_lengths(self, painter: QPainter, marked: Marked) -> None:
+    def _paint_lengths(self, painter: QPainter, highlights: Highlights) -> None:
         """Paint the length next to every bar, and the lengths of the sides of a selected plate."""
         self.lengths.clear()
         painter.save()
@@ -378,7 +379,7 @@ class SketchPicture:
         font.setPointSizeF(max(7.0, font.pointSizeF() - 1.0))
         painter.setFont(font)
         for link in self.design.drive.linkage.links:
-            if link.number == FRAME_LINK or (len(link.points) > 2 and link.number not in marked.links):
+            if link.number == FRAME_LINK or (len(link.points) > 2 and link.number not in highlights.links):
                 continue
             for first, second in edges_of(link):
                 if first not in self.positions or second not in self.positions:
@@ -396,7 +397,7 @@ class SketchPicture:
                 at = self.to(0.5 * (a + b) + across * offset / self.scale)
                 rect = QRectF(at.x() - wide / 2.0, at.y() - high / 2.0, wide, high)
                 self.lengths[(link.number, first, second)] = rect
-                locked = f"{link.number}:{first}:{second}" in marked.locked
+                locked = f"{link.number}:{first}:{second}" in highlights.locked
                 painter.setPen(QColor(SCREEN.chosen if locked else SCREEN.quiet))
                 painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, f"[{text}]" if locked else text)
         painter.restore()
@@ -434,4 +435,4 @@ class SketchPicture:
             painter.drawText(QPointF(x + 12.0, y - 10.0), "  ".join(parts))
 
 
-__all__ = ["Marked", "SketchPicture"]
+__all__ = ["Highlights", "LinkageSketch"]
