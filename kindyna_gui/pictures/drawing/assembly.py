@@ -29,7 +29,7 @@ from kindyna_gui.pictures.drawing.cam_parts import (
 )
 from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.mechanism import MARGIN_UNITS
-from kindyna_gui.pictures.drawing.overlay import FIELDS, Overlay, VectorUnit, arrows
+from kindyna_gui.pictures.drawing.overlay import FIELDS, Group, Overlay, VectorUnit, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
@@ -64,19 +64,12 @@ TRANSFERRED = "transferred part"
 AXIS_PART = 0.15  # length of an axis along which a path does not extend, by the path's largest extent
 
 
-class _Root(QGraphicsItem):
+class _Root(Group):
     """Parent item of all parts of one drive."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
         self.number = number
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-
-    def boundingRect(self) -> QRectF:
-        return QRectF()
-
-    def paint(self, *_: object) -> None:
-        """Draw nothing: the children draw themselves."""
 
 
 class DriveFigure:
@@ -108,7 +101,7 @@ class DriveFigure:
         self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
         self.ribbons = [part.item for part in self.parts if isinstance(part.item, ColouredLoop)]
         self._extent = mechanism.full_extent(self.geometry, self.parts)
-        self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
+        self.tag = Tag(name, theme.text_colour(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         self.corner, self.index = 0j, 0
 
@@ -180,9 +173,9 @@ class TransferFigure:
             axis_name.setPos(QPointF(end.real, end.imag))
         self.part = QGraphicsEllipseItem(-4.0, -4.0, 8.0, 8.0, self.root)
         self.part.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.part.setBrush(QColor(theme.letters(BLUE)))
+        self.part.setBrush(QColor(theme.text_colour(BLUE)))
         self.part.setPen(theme.pen(theme.ink))
-        self.tag = Tag(TRANSFERRED, theme.letters(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
+        self.tag = Tag(TRANSFERRED, theme.text_colour(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         box = self.root.path().boundingRect().united(axes.boundingRect())
         room = 0.15 * max(box.width(), box.height())

@@ -288,7 +288,7 @@ def _pressure_scale(geometry: Geometry, theme: Theme) -> ColourScale:
     limit = PRESSURE_LIMITS[kind]
     ticks = tuple((part * limit, f"{short(part * limit)}°") for part in (0.0, 0.5, 1.0))
     stops = ((0.0, SKY), (0.45, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
-    return ColourScale("Pressure angle to the typical limit", 0.0, limit, stops, ticks, theme.limit)
+    return ColourScale("Pressure angle up to the typical limit", 0.0, limit, stops, ticks, theme.limit)
 
 
 def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
@@ -324,7 +324,7 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
         (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
     )
     stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
-    title = "Contact pressure" if allowable is None else "Contact pressure to the allowable value"
+    title = "Contact pressure" if allowable is None else "Contact pressure up to the allowable value"
     return ColourScale(title, 0.0, top, stops, ticks, "" if allowable is None else theme.limit)
 
 

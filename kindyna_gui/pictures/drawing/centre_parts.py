@@ -30,7 +30,7 @@ from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import TakenSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.drawing.overlay import MARGIN
+from kindyna_gui.pictures.drawing.overlay import MARGIN, Group
 from kindyna_gui.pictures.drawing.parts import GHOST_POSES
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
 from kindyna_gui.pictures.shapes import at, polyline
@@ -65,22 +65,6 @@ def centre_name(key: Key) -> str:
     return f"{first}{second}" if max(first, second) < 10 else f"{first},{second}"
 
 
-class Group(QGraphicsItem):
-    """Parent item of other items."""
-
-    def __init__(self, children: Sequence[QGraphicsItem]) -> None:
-        super().__init__()
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-        for child in children:
-            child.setParentItem(self)
-
-    def boundingRect(self) -> QRectF:
-        return QRectF()
-
-    def paint(self, *_: object) -> None:
-        """Draw nothing: the children draw themselves."""
-
-
 class _Mark:
     """One centre with its number: a dot where it is visible, else an arrow at the edge that points to it."""
 
@@ -97,7 +81,7 @@ class _Mark:
         self.arrow = Outline(shaft, theme.pen(colour, OUTLINE), brush(colour))
         for item in (self.dot, self.arrow):
             item.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = centre_name(key)
 
     def show(self, on: bool) -> None:
@@ -267,7 +251,7 @@ class _Dimension:
     def __init__(self, start: Key, end: Key, colour: str, theme: Theme) -> None:
         self.start, self.end = start, end
         self.line = Outline(QPainterPath(), theme.pen(colour, OUTLINE), brush(colour))
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = f"I{centre_name(start)}I{centre_name(end)}"
 
     def show(self, on: bool) -> None:
@@ -335,7 +319,7 @@ class RatioDimensions:
                 _Dimension(arms.base_key, arms.common_key, colour, theme),
                 _Dimension(arms.body_key, arms.common_key, colour, theme),
             )
-            self.rows.append((arms, lines, Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.0), backing=True)))
+            self.rows.append((arms, lines, Tag("", theme.text_colour(colour), theme, SMALL, (0.0, 0.0), backing=True)))
         items = [item for _, lines, tag in self.rows for d in lines for item in (d.line, d.tag)]
         self.item = Group([*items, *(tag for _, _, tag in self.rows)])
 

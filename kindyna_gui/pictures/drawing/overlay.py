@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import cmath
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -162,7 +162,7 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All dimensions of the drive, which move with their bodies."""
     colour = theme.family("length")
     for number, (row, drawn, origin, turn, body) in enumerate(placed_dimensions(geometry)):
-        tag = Tag(dimension_text(row), theme.letters(colour), theme, SMALL, backing=True)
+        tag = Tag(dimension_text(row), theme.text_colour(colour), theme, SMALL, backing=True)
         items = (
             ("lines", Outline(drawn.lines, theme.pen(colour, THIN))),
             ("heads", Outline(drawn.heads, None, brush(colour))),
@@ -207,20 +207,29 @@ class VectorUnit:
     mm_per_unit: float
 
 
-class _Corner(QGraphicsItem):
-    """A point of the scene whose children are drawn in pixels, y downwards."""
+class Group(QGraphicsItem):
+    """Parent item that draws nothing but its children."""
 
-    def __init__(self) -> None:
+    def __init__(self, children: Sequence[QGraphicsItem] = ()) -> None:
         super().__init__()
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.setZValue(Z_OVERLAY)
+        for child in children:
+            child.setParentItem(self)
 
     def boundingRect(self) -> QRectF:
         return QRectF()
 
     def paint(self, *_: object) -> None:
         """Draw nothing: the children draw themselves."""
+
+
+class _Corner(Group):
+    """A point of the scene whose children are drawn in pixels, y downwards."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
+        self.setZValue(Z_OVERLAY)
 
 
 class ScaleBar(_Corner):

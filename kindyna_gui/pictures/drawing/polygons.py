@@ -341,7 +341,7 @@ class PolygonSheet(QWidget):
         """List of the vectors that are too short for a name, with their values."""
         scale = self.frame.scale
         short_ones = [s for s in self._strokes if s.value and abs(s.vector) * scale < SHORTEST]
-        return f"Short: {', '.join(f'{s.name} {s.index} {s.value}' for s in short_ones)}" if short_ones else ""
+        return f"Short vectors: {', '.join(f'{s.name} {s.index} {s.value}' for s in short_ones)}" if short_ones else ""
 
     @property
     def scale_bar(self) -> tuple[float, float]:
@@ -441,7 +441,7 @@ class PolygonSheet(QWidget):
             )
         for s in diagram.strokes:
             if abs(s.vector) * frame.scale >= SHORTEST:
-                colour = theme.letters(self._pen(s).color().name())
+                colour = theme.text_colour(self._pen(s).color().name())
                 across = _away(s.vector) * 1j
                 if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
                     across = -across  # outside the polygon
@@ -506,7 +506,7 @@ def _write(painter: QPainter, text: PlacedName) -> None:
 
 # -- force polygons ------------------------------------------------------------------------------------
 
-FORCES = PolygonKind("force", "N", 1.0, "No force acts on this body at this angle.")
+FORCES = PolygonKind("force", "N", 1.0, "No force acts at this angle.")
 SYMBOLS: Mapping[str, str] = MappingProxyType(
     {REACTION: "F", CONTACT: "F", FRICTION: "R", DRIVE: "D", SPRING: "S", LOAD: "P", WEIGHT: "G", INERTIA: "\u2212ma"}
 )

@@ -418,7 +418,8 @@ class TableSheet(QWidget):
         self._headers = [name.replace("_", " ") for name in table.names]
         self._right = [all(_is_number(row[i]) or not row[i] for row in rows) for i in range(len(table.names))]
         self._widths = [
-            min(WIDEST, max(self._width(text, i) for text in column)) for i, column in enumerate(self._columns())
+            min(WIDEST, max(self._width(text, i) for text in column))
+            for i, column in enumerate(zip(self._headers, *self._rows, strict=True))
         ]
         self._heights = [
             max(self._height(text, width) for text, width in zip(row, self._widths, strict=True)) for row in self._rows
@@ -426,10 +427,9 @@ class TableSheet(QWidget):
         table_width = sum(self._widths) + GAP * (len(self._widths) - 1)
         title_width = QFontMetricsF(font(TEXT + 1, bold=True)).horizontalAdvance(self._title)
         self._across = max(table_width, min(WIDEST_TITLE, title_width))
-        self.resize(round(self._across + 2.0 * EDGE), round(self._top + sum(self._heights) + EDGE))
-
-    def _columns(self) -> list[list[str]]:
-        return [[header, *(row[i] for row in self._rows)] for i, header in enumerate(self._headers)]
+        self.resize(
+            round(self._across + 2.0 * EDGE), round(EDGE + self._line + self._title_height + sum(self._heights) + EDGE)
+        )
 
     def _width(self, text: str, column: int) -> float:
         return QFontMetricsF(font(TEXT, bold=text == self._headers[column])).horizontalAdvance(text) + 2.0
@@ -441,11 +441,6 @@ class TableSheet(QWidget):
     @property
     def _line(self) -> float:
         return QFontMetricsF(font(TEXT)).height() + ROOM
-
-    @property
-    def _top(self) -> float:
-        """Upper edge of the rows."""
-        return EDGE + self._line + self._title_height
 
     @property
     def _title_height(self) -> float:

@@ -850,6 +850,26 @@ def test_a_unit_in_brackets_that_is_not_known_is_asked_about(
     assert main(["measured", str(path), "--no-laws", "--no-dwells", "--value-unit", "mm"]) == 0
 
 
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("lift 1e-4 in", "1e-4in"),
+        ("lift 0.0001 in", "1e-4in"),
+        ("lift 0.01 mm", ""),
+        ("Hub 1/100 mm", ""),
+        ("lift 2 mm", "mm"),
+    ],
+)
+def test_a_fraction_before_the_unit_counts_without_brackets_too(
+    name: str, unit: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"angle [deg];{name}\n" + rows(";"), encoding="utf-8")
+    assert main(["measured", str(path), "--no-laws", "--no-dwells"]) == (0 if unit else 2)
+    told = capsys.readouterr()
+    assert (f"({name}), in {unit}\n" if unit else "unknown unit '") in told.out + told.err
+
+
 CONTROL = "\x9b31m\x1b[2J\x07\u202e"
 
 

@@ -84,7 +84,7 @@ def test_each_flank_has_the_colour_of_its_pressure_angle(changes: dict[str, str]
         assert unlike(colour_at(scene, complex(beyond), QColor(LIGHT.limit)), QColor(LIGHT.limit)) < 25
     assert scene.overlay is not None
     assert scene.overlay.colours["pressure_colours"].texts == [
-        "Pressure angle to the typical limit",
+        "Pressure angle up to the typical limit",
         "0°",
         "15°",
         "30°",
@@ -111,7 +111,7 @@ def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_chang
             assert unlike(colour_at(scene, complex(place), QColor(wanted)), QColor(wanted)) < 60, (flank.name, wanted)
     assert scene.overlay is not None
     assert scene.overlay.colours["stress_colours"].texts == [
-        "Contact pressure to the allowable value",
+        "Contact pressure up to the allowable value",
         "0",
         "50",
         "100 MPa",
