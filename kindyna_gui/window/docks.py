@@ -96,13 +96,13 @@ class DockShares(QObject):
         return super().eventFilter(watched, event)
 
     @property
-    def noted(self) -> tuple[Mapping[str, QSize], QSize]:
+    def noted_sizes(self) -> tuple[Mapping[str, QSize], QSize]:
         """Sizes of docks that the user last saw, by name, and the size of the window at that time."""
         if self._noted == self._window.size():  # tabs may have been added since
             self._sizes = {name: self._size(dock) for name, dock in self._front().items()}
         return self._sizes, self._noted
 
-    def take_up(self, sizes: Mapping[str, QSize], window: QSize) -> None:
+    def set_sizes(self, sizes: Mapping[str, QSize], window: QSize) -> None:
         """Take these sizes of docks, valid for a window of this size, as those to restore."""
         self._sizes, self._noted, self._seen = dict(sizes), window, QSize()
         self._echo = False
@@ -347,12 +347,12 @@ class Dock(QDockWidget):
         if self._view is None:
             self._view = self._make()
             if hasattr(self._view, "height_requested"):
-                self._view.height_requested.connect(self._limit)
+                self._view.height_requested.connect(self._note_limit)
             self.setWidget(self._view)
             self._blank.deleteLater()
         return self._view
 
-    def _limit(self, least: int, is_all: bool) -> None:
+    def _note_limit(self, least: int, is_all: bool) -> None:
         """Note the least height of the view, and that it needs no more where this shows all of it."""
         self._heights = (least, least if is_all else _ANY_HEIGHT)
         self._apply_limit()

@@ -83,7 +83,7 @@ def folded(text: str) -> str:
     return "".join(letter for letter in plain if not unicodedata.combining(letter) and letter not in "&…")
 
 
-def spelled(symbol: str) -> str:
+def greek_names(symbol: str) -> str:
     """Return the names of the Greek letters in a symbol: ``alpha``."""
     names = (unicodedata.name(letter, "") for letter in symbol)
     return " ".join(name.rpartition(" ")[2].lower() for name in names if name.startswith("GREEK"))
@@ -160,7 +160,7 @@ def _field(window: Window, design: Design, row: Entry, path: str, drive: str) ->
         shown,
         sentence(row.info.help),
         partial(window.focus_field, path),
-        spelled(name),
+        greek_names(name),
         entry=row,
         path=path,
     )
@@ -174,7 +174,7 @@ def _channels(window: Window) -> Iterator[Match]:
         if row.slug:
             act = partial(window.show_view, plots[name]) if name in plots else partial(_draw, window, name)
             symbol = legible(row.symbol)
-            more = f"{symbol} {row.symbol} {spelled(row.symbol)} {row.slug}"
+            more = f"{symbol} {row.symbol} {greek_names(row.symbol)} {row.slug}"
             yield _match(
                 "Channel", row.label, f"{symbol}, {row.unit.symbol}".rstrip(", "), legible(row.equation), act, more
             )

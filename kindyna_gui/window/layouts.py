@@ -89,7 +89,7 @@ class Layouts(QObject):
         self._lay()
         if task in self._sizes:
             sizes, window = self._sizes[task]
-            self._shares.take_up(self._with_width(sizes), window)
+            self._shares.set_sizes(self._with_width(sizes), window)
         self.changed.emit(task)
 
     def _note(self) -> None:
@@ -100,7 +100,7 @@ class Layouts(QObject):
         self._last[self.current] = TaskLayout(
             self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
         )
-        self._sizes[self.current] = self._shares.noted
+        self._sizes[self.current] = self._shares.noted_sizes
 
     def _with_width(self, sizes: Mapping[str, QSize]) -> Mapping[str, QSize]:
         """Return sizes of docks in which the parameters have their width of the previous task."""

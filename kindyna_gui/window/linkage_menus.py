@@ -249,7 +249,7 @@ class LoadActions(QObject):
             self.add(MASSES)
 
 
-def fill_added(window: Window, menu: QMenu) -> None:
+def fill_additions(window: Window, menu: QMenu) -> None:
     """Add an entry for each list of loads that the design can have."""
     for name in load_lists(window.session.typed.drive):
         text, tip = WHAT[name]
@@ -262,7 +262,7 @@ def _add(window: Window, name: str, *_: object) -> None:
     window.loads.add(name)
 
 
-def fill_taken(window: Window, menu: QMenu) -> None:
+def fill_removals(window: Window, menu: QMenu) -> None:
     """Add an entry that removes each row of the loads."""
     design = window.session.typed
     for name in load_lists(design.drive):

@@ -450,8 +450,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("drives"),
             _field("&Loads", "loads", "Edit masses, springs and forces"),
-            Submenu("&Add to the loads", _later("window.linkage_menus", "fill_added"), "load rows"),
-            Submenu("Remo&ve from the loads", _later("window.linkage_menus", "fill_taken"), "taken load rows"),
+            Submenu("&Add to the loads", _later("window.linkage_menus", "fill_additions"), "load rows"),
+            Submenu("Remo&ve from the loads", _later("window.linkage_menus", "fill_removals"), "taken load rows"),
             Item("Find closing sprin&g", "show_search", "spring", None,
                  "Calculate the smallest spring rate that keeps the follower on the cam, and plot it against the preload"),
             SEPARATOR,

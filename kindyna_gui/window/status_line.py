@@ -54,18 +54,18 @@ class StatusLine(QStatusBar):
         self.faults.setIcon(sign(ERROR))
         self.faults.clicked.connect(lambda: show_log())
         self.faults.hide()
-        self.way = text_button("", flat=True)
-        self.way.clicked.connect(lambda: do(self._entry))
-        self.way.hide()
-        self.unfit = QToolButton(autoRaise=True)
-        self.unfit.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.unfit.setIcon(sign(ERROR))
-        self.unfit.clicked.connect(lambda: focus_field(session.misfit.reasons[0][0]))
-        self.unfit.hide()
+        self.suggestion = text_button("", flat=True)
+        self.suggestion.clicked.connect(lambda: do(self._entry))
+        self.suggestion.hide()
+        self.misfit = QToolButton(autoRaise=True)
+        self.misfit.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.misfit.setIcon(sign(ERROR))
+        self.misfit.clicked.connect(lambda: focus_field(session.misfit.reasons[0][0]))
+        self.misfit.hide()
         self.saved, self.assumed, self.angle = QLabel(), QToolButton(autoRaise=True), QLabel()
-        self.awaited = QToolButton(autoRaise=True)
-        self.awaited.clicked.connect(self._end_or_begin)
-        self.awaited.hide()
+        self.pending = QToolButton(autoRaise=True)
+        self.pending.clicked.connect(self._stop_or_restart)
+        self.pending.hide()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.update_style()
         self.angle.setToolTip("Angle of all views")
@@ -80,10 +80,10 @@ class StatusLine(QStatusBar):
         coloured(self.saved, SCREEN.quiet)
         self.saved.setContentsMargins(6, 0, 6, 0)
         for widget in (
-            self.way,
-            self.awaited,
+            self.suggestion,
+            self.pending,
             self.faults,
-            self.unfit,
+            self.misfit,
             self.findings,
             self.saved,
             self.assumed,
@@ -99,11 +99,11 @@ class StatusLine(QStatusBar):
         self.messageChanged.connect(self._ask_again)
         self.messageChanged.connect(self._offer)
         self.messageChanged.connect(self._show_long)
-        session.pending.changed.connect(self._show_awaited)
-        session.corrected.connect(self._mended)
-        session.restored.connect(self._mended)
-        session.incomplete_changed.connect(self._draft_changed)
-        session.restored.connect(self._draft_changed)  # names of values depend on the drive
+        session.pending.changed.connect(self._show_pending)
+        session.corrected.connect(self._edit_corrected)
+        session.restored.connect(self._edit_corrected)
+        session.incomplete_changed.connect(self._misfits_changed)
+        session.restored.connect(self._misfits_changed)  # names of values depend on the drive
         session.full_design_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
@@ -141,13 +141,13 @@ class StatusLine(QStatusBar):
         """Show the remedy of a message, if any, as a button next to it."""
         remedy = next(iter(suggestions_for(text)), None)
         self._entry = "" if remedy is None else remedy.entry
-        self.way.setText("" if remedy is None else remedy.text)
-        self.way.setVisible(remedy is not None)
+        self.suggestion.setText("" if remedy is None else remedy.text)
+        self.suggestion.setVisible(remedy is not None)
 
     def _show_long(self, text: str) -> None:
         """Show a message too long for the line in a label that grows upwards over the window."""
         window = self.window()
-        buttons = (self.way, self.awaited, self.faults, self.findings)
+        buttons = (self.suggestion, self.pending, self.faults, self.findings)
         room = min((button.x() for button in buttons if button.isVisible()), default=self.width()) - 4
         self._long.setVisible(self.isVisible() and self.fontMetrics().horizontalAdvance(text) > room - MARGIN)
         if not self._long.isHidden():
@@ -178,21 +178,21 @@ class StatusLine(QStatusBar):
         self.faults.show()
         self.showMessage(text)
 
-    def _show_awaited(self) -> None:
+    def _show_pending(self) -> None:
         """Show the button that stops a long calculation, or starts it again."""
-        awaited = self._session.pending
-        self.awaited.setText("Calculate again" if awaited.is_cancelled else "Stop calculating the steady response")
-        self.awaited.setToolTip("Calculating the shaft's steady response for an open view")
-        self.awaited.setVisible(awaited.busy or awaited.is_cancelled)
+        pending = self._session.pending
+        self.pending.setText("Calculate again" if pending.is_cancelled else "Stop calculating the steady response")
+        self.pending.setToolTip("Calculating the shaft's steady response for an open view")
+        self.pending.setVisible(pending.busy or pending.is_cancelled)
 
-    def _end_or_begin(self) -> None:
-        awaited = self._session.pending
-        if awaited.is_cancelled:
-            awaited.again()
+    def _stop_or_restart(self) -> None:
+        pending = self._session.pending
+        if pending.is_cancelled:
+            pending.again()
         else:
-            awaited.cancel()
+            pending.cancel()
 
-    def _mended(self, *_: object) -> None:
+    def _edit_corrected(self, *_: object) -> None:
         if self._refusal and self.currentMessage() == self._refusal:
             self.clearMessage()
 
@@ -223,12 +223,12 @@ class StatusLine(QStatusBar):
         self.recount()
         self._angle_changed(self._player.theta)
 
-    def _draft_changed(self) -> None:
+    def _misfits_changed(self) -> None:
         """Show the typed values that do not fit the others."""
         rows = misfit_sentences(self._session)
-        self.unfit.setText(waiting_text(self._session))
-        self.unfit.setToolTip("\n".join((*rows, "Click to show the field.")))
-        self.unfit.setVisible(bool(rows))
+        self.misfit.setText(waiting_text(self._session))
+        self.misfit.setToolTip("\n".join((*rows, "Click to show the field.")))
+        self.misfit.setVisible(bool(rows))
 
     def _list_assumed(self) -> None:
         """Add an entry for each assumed value, which shows its field; values of a drive are in its submenu."""

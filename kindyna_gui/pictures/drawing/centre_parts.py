@@ -81,7 +81,7 @@ class _Mark:
         self.arrow = Outline(shaft, theme.pen(colour, OUTLINE), brush(colour))
         for item in (self.dot, self.arrow):
             item.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = centre_name(key)
 
     def show(self, on: bool) -> None:
@@ -253,7 +253,7 @@ class _Dimension:
     def __init__(self, start: Key, end: Key, colour: str, theme: Theme) -> None:
         self.start, self.end = start, end
         self.line = Outline(QPainterPath(), theme.pen(colour, OUTLINE), brush(colour))
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = f"I{centre_name(start)}I{centre_name(end)}"
 
     def show(self, on: bool) -> None:
@@ -321,7 +321,7 @@ class RatioDimensions:
                 _Dimension(arms.base_key, arms.common_key, colour, theme),
                 _Dimension(arms.body_key, arms.common_key, colour, theme),
             )
-            self.rows.append((arms, lines, Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.0), backing=True)))
+            self.rows.append((arms, lines, Tag("", theme.text_colour(colour), theme, SMALL, (0.0, 0.0), backing=True)))
         items = [item for _, lines, tag in self.rows for d in lines for item in (d.line, d.tag)]
         self.item = Group([*items, *(tag for _, _, tag in self.rows)])
 

@@ -267,14 +267,14 @@ def test_what_has_no_answer_on_screen_waits(user: User) -> None:
     assert follower(user).roller_arm_mm == 651.081
     assert "make the roller arm" in user.field(ARM).trouble
     assert (
-        user.window.status.unfit.text()
+        user.window.status.misfit.text()
         == user.parameters().incomplete_bar.trouble.text()
         == "Does not fit yet: Roller arm Zl"
     )
     assert "Roller arm Zl: the roller cannot reach" in user.parameters().incomplete_bar.trouble.toolTip()
     user.enter(ARM, "651.081")
     assert user.field(ARM).trouble == ""
-    assert user.window.status.unfit.isHidden()
+    assert user.window.status.misfit.isHidden()
     assert user.parameters().incomplete_bar.isHidden()
 
 

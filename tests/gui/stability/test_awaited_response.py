@@ -72,7 +72,7 @@ def test_a_graph_waits_for_the_steady_response_and_the_window_does_not(kim: User
     wait_for(lambda: search.begun == 1)
     assert "the steady response is being calculated" in message(kim)
     assert graph.up_to_date
-    cancel = kim.window.status.awaited
+    cancel = kim.window.status.pending
     assert (cancel.text(), cancel.isVisible()) == ("Stop calculating the steady response", True)
     click(cancel)
     wait_for(lambda: search.ended == 1)
@@ -108,4 +108,4 @@ def test_a_drawing_waits_for_its_twist_and_another_design_ends_the_search(kim: U
     kim.session.stack.setClean()
     kim.window.documents.open_path(example("transfer_lift"))
     wait_for(lambda: search.ended == search.begun)
-    assert not kim.window.status.awaited.isVisible()
+    assert not kim.window.status.pending.isVisible()

@@ -123,14 +123,14 @@ def test_the_last_machine_that_fits_is_pale_and_a_line_says_what_does_not(same_w
         "Showing the last version that can be assembled. Rod L2: the rod does not reach the guide"
     )
     assert darkest(view.canvas.grab().toImage()) > before + 60
-    assert user.window.status.unfit.text() == "Does not fit yet: Rod L2"
-    user.window.status.unfit.click()
+    assert user.window.status.misfit.text() == "Does not fit yet: Rod L2"
+    user.window.status.misfit.click()
     assert QApplication.focusWidget() is user.number("follower.rod_mm"), "a click goes to the field"
     user.enter("follower.guide_height_mm", "130")
     user.enter("follower.rod_mm", "84.5")
     view.pull()
     settle()
-    assert (view.note.isHidden(), user.window.status.unfit.isHidden()) == (True, True)
+    assert (view.note.isHidden(), user.window.status.misfit.isHidden()) == (True, True)
     assert darkest(view.canvas.grab().toImage()) < before + 20
 
 
@@ -358,9 +358,9 @@ def test_a_tab_is_marked_for_its_own_drive(same_window: Open) -> None:
     user.parameters()
     assert tabs.tabIcon(tabs.indexOf(page)).isNull()
     name = user.session.names[lift]
-    assert user.window.status.unfit.text() == f"Does not fit yet: {name}: Roller arm Zl"
+    assert user.window.status.misfit.text() == f"Does not fit yet: {name}: Roller arm Zl"
     assert user.drawing().note.isHidden(), "this drive is as it is typed"
-    user.window.status.unfit.click()
+    user.window.status.misfit.click()
     settle()
     assert user.session.chosen == lift
     assert QApplication.focusWidget() is user.number("follower.roller_arm_mm")
@@ -401,7 +401,7 @@ def test_opening_another_file_leaves_nothing_waiting(same_window: Open) -> None:
     settle()
     assert (
         user.session.incomplete,
-        user.window.status.unfit.isHidden(),
+        user.window.status.misfit.isHidden(),
         user.parameters().incomplete_bar.isHidden(),
     ) == (
         None,
