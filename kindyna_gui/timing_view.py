@@ -340,7 +340,7 @@ class TimingView(View):
 
     def refresh(self, study: Study) -> None:
         whole, canvas = self._whole, self.canvas
-        canvas.chosen = self.session.chosen if self.session.several else -1
+        canvas.chosen = self.session.chosen if self.session.has_several_drives else -1
         canvas.row = min(canvas.row, len(whole.timing) - 1)
         canvas.show_design(whole)
         of = canvas.chart, canvas.row, canvas.chosen < 0
