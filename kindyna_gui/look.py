@@ -42,7 +42,7 @@ from shiboken6 import isValid
 
 from core.findings import ERROR, NOTE, WARNING
 from kindyna_gui import settings
-from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, draw_in, of_theme
+from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, cached_by_theme, draw_in
 from kindyna_gui.places import icon_file
 from kindyna_gui.requirements import suggestions_for
 from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
@@ -282,7 +282,7 @@ _ICON_COLOURS = (
 """Of icons -> the tone of a dark theme that stands for it."""
 
 
-@of_theme
+@cached_by_theme
 def icon(name: str) -> QIcon:
     """An icon of ``resources/icons``, its ink that of the theme; empty where there is none."""
     file = icon_file(name)
@@ -358,7 +358,7 @@ _SIGNS = {
 """Severity (or none) -> shape, tone of the theme or colour, strokes in that of paper; shape and strokes tell them apart without colour."""
 
 
-@of_theme
+@cached_by_theme
 def sign(severity: str) -> QIcon:
     """The icon of a severity, or of ``none``."""
     shape, colour, strokes = _SIGNS[severity]

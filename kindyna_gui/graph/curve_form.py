@@ -323,9 +323,9 @@ class CurveForm(QWidget):
         source, headings = self._headings(curve, source_of)
         drives = source.drives if isinstance(source, DesignSource) else ()
         rows = (
-            ("the selected one", ""),
+            ("the selected drive", ""),
             *((name, name) for name in drives),
-            ("all, a curve each", ALL),
+            ("all drives, a curve each", ALL),
             ("the shaft", SHAFT),
         )
         boxes["drive"].show_choices(rows, curve.drive)

@@ -220,8 +220,8 @@ class MechanismView(MechanismMouseView):
         self.strip.arrangements[ONE].setChecked(True)
         self.arrange(ONE)
 
-    def _click_drive(self, position: QPointF) -> None:
-        number = self.assembly.number_at(position)
+    def _click_drive(self, position: complex) -> None:
+        number = self.assembly.number_at(QPointF(position.real, position.imag))
         if number is not None:
             self._choose_drive(number)
 
@@ -459,6 +459,3 @@ class MechanismView(MechanismMouseView):
         scene.set_angle(self.player.theta)
         sheet = MechanismSheet(scene, *size, look)
         return svg(sheet, self.session.design.name) if vector else png(sheet)
-
-
-__all__ = ["Canvas", "MechanismView"]

@@ -372,7 +372,7 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     curves = [curve for curve in (geometry.profile, geometry.pitch) if curve.size]
     rim = BEYOND * max((float(np.abs(curve).max()) for curve in curves), default=geometry.base_radius)
     below = float(geometry.reference.imag.mean()) >= 0.0  # away from the follower
-    note = Tag("", theme.letters(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
+    note = Tag("", theme.text_colour(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
     note.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
     if turn is None:
         note.set_text(reason)
@@ -410,7 +410,7 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     yield DrawnPart("twist.spring", spring, (TWIST,), Z_SPRING, move)
     yield DrawnPart("twist.arc", arc, (TWIST,), Z_TWIST)
     yield DrawnPart("twist.text", note, (TWIST,), Z_TWIST)
-    name = Tag("input", theme.letters(VERMILION), theme, backing=True)
+    name = Tag("input", theme.text_colour(VERMILION), theme, backing=True)
     yield DrawnPart(
         "twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead)))
     )

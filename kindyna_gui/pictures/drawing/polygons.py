@@ -441,7 +441,7 @@ class PolygonSheet(QWidget):
             )
         for s in diagram.strokes:
             if abs(s.vector) * frame.scale >= SHORTEST:
-                colour = theme.letters(self._pen(s).color().name())
+                colour = theme.text_colour(self._pen(s).color().name())
                 across = _away(s.vector) * 1j
                 if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
                     across = -across  # outside the polygon

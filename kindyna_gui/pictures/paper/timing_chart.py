@@ -325,7 +325,7 @@ class TimingChart:
         drive, box = self.design.drives[index], self.box(index)
         if drive.motion is None or self._room < sized(ROOM):
             return
-        painter.setPen(QColor(self.theme.letters(self.theme.drive(index))))
+        painter.setPen(QColor(self.theme.text_colour(self.theme.drive(index))))
         for stroke in strokes(drive.motion):
             span = stroke.end - stroke.start
             name = stroke.name.replace(".", " ")

@@ -176,7 +176,7 @@ def test_a_measured_swing_becomes_the_motion(user: User, tmp_path: Path, monkeyp
     user.choose("File", "Import measured motion...")
     dialog = user.window.findChild(MeasuredDialog)
     assert isinstance(dialog, MeasuredDialog)
-    wait_for(lambda: dialog.answer.fit is not None)
+    wait_for(lambda: dialog.reading.fit is not None)
     QTest.mouseClick(dialog.put_button, Qt.MouseButton.LeftButton)
     settle()
     assert set(laws(user)) == {"simple-harmonic"}
