@@ -170,7 +170,7 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
     seek(view, "lift-off-speed")
     fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
     assert text_of(view).splitlines()[0] == f"Speed {fact:.5f} rpm now 300 rpm"
-    assert text_of(view).endswith("Applied just below it, so that the limit is met.")
+    assert text_of(view).endswith("Applied just below this value, so that the limit is met.")
     press(view.take)
     assert get(user.design, "shaft.speed_rpm") == pytest.approx(fact, rel=1e-8)
     assert get(user.design, "shaft.speed_rpm") < fact
