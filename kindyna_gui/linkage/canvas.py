@@ -92,8 +92,8 @@ class Canvas(QGraphicsView):
 
     joint_pressed, joint_dragged, joint_released = Signal(str), Signal(str, complex), Signal(str)
     hovered = Signal(object)
-    clicked = Signal(QPointF)
-    menu_requested = Signal(QPointF, QPoint)
+    clicked = Signal(complex)
+    menu_requested = Signal(complex, QPoint)
     run_ended = Signal()
 
     def __init__(self, scene: MechanismScene | Assembly) -> None:
@@ -198,17 +198,21 @@ class Canvas(QGraphicsView):
         y = pixel.y() - self.viewport().height() / 2.0
         return self._centre + QPointF(x / self._scale, -y / self._scale)
 
-    def _drawn_at(self, pixel: QPointF) -> QPointF:
+    def position_at(self, pixel: QPointF) -> complex:
         """Position [mm] at a pixel as Qt has drawn it, which moves the scene to whole pixels."""
         inverse, _ = self.viewportTransform().inverted()
-        return inverse.map(pixel)
+        at = inverse.map(pixel)
+        return complex(at.x(), at.y())
+
+    def pixel_at(self, position: complex) -> QPointF:
+        """Pixel of the viewport at a position [mm]."""
+        return self.viewportTransform().map(QPointF(position.real, position.imag))
 
     def joint_at(self, pixel: QPointF, rims: bool = True) -> str:
         """Name of the draggable joint, or with ``rims`` path of the circle, under a pixel; empty if there is none."""
         if self._picking:
             return ""
-        at = self._drawn_at(pixel)
-        position = complex(at.x(), at.y())
+        position = self.position_at(pixel)
         joints = draggable_joints(self._scene)
         distances = {name: abs(joint - position) * self._scale for name, joint in joints.items()}
         nearest_joint = min(distances, key=lambda name: distances[name], default="")
@@ -250,7 +254,7 @@ class Canvas(QGraphicsView):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         if not self._joint and not self._picking:
             self.menu_requested.emit(
-                self._drawn_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos()
+                self.position_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos()
             )
 
     def end_drag(self) -> None:
@@ -262,8 +266,7 @@ class Canvas(QGraphicsView):
     @property
     def pressed_position(self) -> complex:
         """Position of the last press [mm]."""
-        at = self._drawn_at(self._pressed)
-        return complex(at.x(), at.y())
+        return self.position_at(self._pressed)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if angle := event.angleDelta().y() or event.pixelDelta().y():
@@ -283,27 +286,24 @@ class Canvas(QGraphicsView):
             self.joint_pressed.emit(joint)
         elif event.button() in _GRIPS:
             if event.button() == Qt.MouseButton.LeftButton and self.start_run is not None and not self._picking:
-                at = self._drawn_at(event.position())
-                self._run = self.start_run(complex(at.x(), at.y()))
+                self._run = self.start_run(self.position_at(event.position()))
             self._grip = self._pressed = event.position()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._joint:
-            at, self._has_moved = self._drawn_at(event.position()), True
-            self.joint_dragged.emit(self._joint, complex(at.x(), at.y()))
+            self._has_moved = True
+            self.joint_dragged.emit(self._joint, self.position_at(event.position()))
             return
         if self._grip is None:
             over = self.joint_at(event.position())
             self.setCursor(Qt.CursorShape.SizeAllCursor if over else self._rest_cursor)
-            at = self._drawn_at(event.position())
-            self.hovered.emit(complex(at.x(), at.y()))
+            self.hovered.emit(self.position_at(event.position()))
             return
         if event.position() == self._grip:
             return
         if self._run is not None:
-            at = self._drawn_at(event.position())
-            self._run(complex(at.x(), at.y()))
+            self._run(self.position_at(event.position()))
             return
         shift = event.position() - self._grip
         self._grip = event.position()
@@ -318,14 +318,14 @@ class Canvas(QGraphicsView):
             self.joint_released.emit(name)
             self.show_again()
             if not self._has_moved:
-                self.clicked.emit(self._drawn_at(event.position()))
+                self.clicked.emit(self.position_at(event.position()))
         elif event.button() in _GRIPS:
             run, self._grip, self._run = self._run, None, None
             if run is not None:
                 self.run_ended.emit()
             self.setCursor(self._rest_cursor)
             if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
-                self.clicked.emit(self._drawn_at(event.position()))
+                self.clicked.emit(self.position_at(event.position()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:

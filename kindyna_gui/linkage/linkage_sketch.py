@@ -433,6 +433,3 @@ class LinkageSketch:
             parts.append(f"{snap.at.real:g}, {snap.at.imag:g}")
         if parts:
             painter.drawText(QPointF(x + 12.0, y - 10.0), "  ".join(parts))
-
-
-__all__ = ["Highlights", "LinkageSketch"]

@@ -259,7 +259,7 @@ class FigureRows(_Rows):
     removed = Signal(str)
 
     def __init__(self) -> None:
-        super().__init__("Computed for each design", "Ask a quantity …")
+        super().__init__("Computed for each design", "Add a quantity …")
         self._limits: dict[str, Limits] = {}
         self.buttons: dict[str, QRadioButton] = {}
         self.words: dict[str, WordBox] = {}
@@ -351,7 +351,7 @@ class ToleranceRows(_Rows):
     ENDS = (("plus", "+"), ("minus", "−"), ("cost", "cost"))
 
     def __init__(self) -> None:
-        super().__init__("Manufacturing tolerances", "A tolerance …")
+        super().__init__("Manufacturing tolerances", "Add a tolerance …")
         self._rows: dict[str, Tolerance] = {}
         self.words: dict[str, WordBox] = {}
 

@@ -280,17 +280,17 @@ def open_study(path: Path, session: Session, host: ViewHost | None) -> StudyFile
 
 def save_request(question: Question, session: Session, parent: QWidget) -> str:
     """Save a request as a study file, which names the file of the design; return a message, empty where cancelled."""
-    own = session.path
-    if own is None:
+    design_path = session.path
+    if design_path is None:
         return "A study names the file of its design: save the design first"
-    path = dialogs.study_to_save(parent, own.with_name(f"{own.stem}_study.toml"))
+    path = dialogs.study_to_save(parent, design_path.with_name(f"{design_path.stem}_study.toml"))
     if path is None:
         return ""
     try:
-        save_study(file_of_question(question, relpath(own, path.parent)), path)
+        save_study(file_of_question(question, relpath(design_path, path.parent)), path)
     except KindynaError as error:
         return str(error)
-    return f"Saved {path.name}; its design is {own.name} as that file has it"
+    return f"Saved {path.name} for the design {design_path.name}, as last saved"
 
 
 def example_studies() -> list[tuple[str, Path]]:
