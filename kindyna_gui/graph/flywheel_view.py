@@ -164,7 +164,11 @@ class FlywheelView(View):
                 *([slope] if is_assumed(full_study.design, SLOPE) else []),
                 _row("Inertia of this design", shaft.flywheel_inertia_kg_m2, "kg·m²"),
                 *self._speed_rows(wheel),
-                *(_shaft_peaks(self.session.shaft, floor) if self.session.several else self._peaks(study, floor)),
+                *(
+                    _shaft_peaks(self.session.shaft, floor)
+                    if self.session.has_several_drives
+                    else self._peaks(study, floor)
+                ),
             ]
         )
 

@@ -231,7 +231,7 @@ class MainWindow(Window):
         if design is None:
             self.show_message("The design has not been changed yet")
             return
-        if self.session.several:
+        if self.session.has_several_drives:
             design = with_only(self.session.full_design, self.session.chosen, design)
         row = Pins.of(self.session).pin(design, f"before: {self.session.stack.undoText()}")
         self.show_message(f"Pinned {row.name}; plots show it dashed, the drawing in grey")

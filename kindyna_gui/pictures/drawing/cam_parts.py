@@ -40,7 +40,7 @@ from kindyna_gui.pictures.style import (
     no_pen,
     rgb,
 )
-from kindyna_gui.pictures.units import readable, short, with_unit
+from kindyna_gui.pictures.units import readable_text, short
 
 # -- cam and shaft -------------------------------------------------------------------------------------
 
@@ -490,8 +490,7 @@ class ProfileReading:
             f"{self.pressure_angle:.1f}°, {shape}"
         )
         if self.force is not None:
-            unit = readable("N", abs(self.force))
-            text += f", force {with_unit(short(self.force / unit.size, 4), unit.symbol)}"
+            text += f", force {readable_text(self.force, 'N')}"
         return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
 
 

@@ -33,7 +33,7 @@ from kindyna_gui.pictures.drawing.parts import BLOCK_LENGTH, behind_face, bush_s
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Outline, Tag, pinned
 from kindyna_gui.pictures.shapes import HATCH, PIN, arc_arrow, circle, hatching, joined, polyline, scaled, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush
-from kindyna_gui.pictures.units import readable, short, with_unit
+from kindyna_gui.pictures.units import readable_text, short
 
 # -- springs and dampers -------------------------------------------------------------------------------
 
@@ -266,11 +266,6 @@ def _quarters(radius: float) -> QPainterPath:
     return joined(*parts)
 
 
-def _value(size: float, symbol: str) -> str:
-    unit = readable(symbol, size)
-    return with_unit(short(size / unit.size, DIGITS), unit.symbol)
-
-
 def external(element: Any, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Forces as arrows at their points, torques as arcs about them; hidden while they are zero."""
     for row in element_forces(element, geometry.kinematics, geometry.study.omega):
@@ -331,11 +326,11 @@ def _torque(row: ForceOnBody, geometry: Geometry, theme: Theme) -> Iterator[Draw
 
 def _tag(key: str, size: np.ndarray, unit: str, track: np.ndarray, away: np.ndarray, theme: Theme) -> DrawnPart:
     """A value (n,) next to a path (n,) [mm], on the side ``away`` (n,)."""
-    tag = Tag(_value(float(size[0]), unit), theme.ink, theme, SMALL, backing=True)
+    tag = Tag(readable_text(float(size[0]), unit), theme.ink, theme, SMALL, backing=True)
 
     def move(i: int) -> None:
         tag.setOpacity(1.0 if size[i] else 0.0)
-        tag.set_text(_value(float(size[i]), unit))
+        tag.set_text(readable_text(float(size[i]), unit))
         side = -1.0 if tag.sceneTransform().m11() < 0.0 else 1.0  # -1 for a drive seen from its other end
         x, y = side * round(float(away[i].real), 2), round(float(away[i].imag), 2)
         tag.set_lean(0.5 - 0.5 * x, 0.5 + 0.5 * y)

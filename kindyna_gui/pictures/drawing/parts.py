@@ -179,26 +179,26 @@ def drawn_joints(geometry: Geometry) -> Iterator[Joint]:
 def body_pieces(body: Body, geometry: Geometry) -> tuple[QPainterPath, ...]:
     """Outline of a body: a bar between two points, a lever about its fixed pivot, or a plate; empty with one point."""
     nodes = geometry.nodes(body)
-    places = tuple(nodes.values())
-    if len(places) < 2:
+    points = tuple(nodes.values())
+    if len(points) < 2:
         return ()
-    if len(places) == 2:
-        return link(places, geometry.unit)
+    if len(points) == 2:
+        return link(points, geometry.unit)
     hubs = [
         j.pair.point for j in geometry.joints if j.is_fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name
     ]
     if hubs and hubs[0] in nodes:
         hub = nodes[hubs[0]]
-        return lever(hub, tuple(p for p in places if p != hub), geometry.unit)
-    return plate(places, geometry.unit)
+        return lever(hub, tuple(p for p in points if p != hub), geometry.unit)
+    return plate(points, geometry.unit)
 
 
 def passes_shaft(body: Body, geometry: Geometry) -> bool:
     """Whether a bar crosses the camshaft during the turn, so that it is drawn behind the cam."""
-    places = tuple(geometry.nodes(body).values())
-    if not geometry.has_cam or len(places) != 2:
+    points = tuple(geometry.nodes(body).values())
+    if not geometry.has_cam or len(points) != 2:
         return False
-    start, end = (body.track(place) for place in places)
+    start, end = (body.track(point) for point in points)
     along = end - start
     part = np.clip(-(start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
     return bool(np.abs(start + part * along).min() < EYE * geometry.unit)
@@ -213,8 +213,8 @@ def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 def _pedestal(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     turn = 1j * ground_direction(joint, geometry)  # the symbol is drawn downwards
-    place = complex(joint.track[0])
-    triangle, ground = (scaled(path, geometry.unit, place, turn) for path in pedestal())
+    pivot = complex(joint.track[0])
+    triangle, ground = (scaled(path, geometry.unit, pivot, turn) for path in pedestal())
     yield DrawnPart(
         f"pedestal.{joint.name}",
         Outline(triangle, theme.pen(theme.ink, THIN), brush(theme.paper)),
