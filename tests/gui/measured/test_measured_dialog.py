@@ -340,7 +340,7 @@ def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports
 
 
 @pytest.mark.stress
-@pytest.mark.parametrize(("text", "words"), [("99", "allowed: 0 ... 53."), ("-1", "allowed: 0 or more"), ("much", "")])
+@pytest.mark.parametrize(("text", "words"), [("99", "allowed: 0 ... 53."), ("-1", "must be 0 or more"), ("much", "")])
 def test_an_error_that_cannot_be_is_told_and_the_last_curve_stays(
     text: str, words: str, lift: User, imports: Import
 ) -> None:
@@ -407,7 +407,7 @@ def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None
     assert dialog.reading.fit.table.layout.quantity == "velocity"
     pick(dialog.form.boxes["value_unit"], "in/°")
     assert unit_of(dialog) == "in/°"
-    assert any("does not tell where the follower stands" in cells[1] for cells in found(dialog))
+    assert any("does not determine the position of the follower" in cells[1] for cells in found(dialog))
 
 
 @pytest.mark.stress
