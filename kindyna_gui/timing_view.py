@@ -342,7 +342,7 @@ class TimingView(View):
 
     def refresh(self, study: Study) -> None:
         design, canvas = self._design, self.canvas
-        canvas.chosen = self.session.chosen if self.session.several else -1
+        canvas.chosen = self.session.chosen if self.session.has_several_drives else -1
         canvas.row = min(canvas.row, len(design.timing) - 1)
         canvas.show_design(design)
         content = canvas.chart, canvas.row, canvas.chosen < 0

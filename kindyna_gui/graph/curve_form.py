@@ -145,7 +145,7 @@ class AxesForm(QWidget):
                 self.logs[axis].setChecked(scale.log)
             for end in ("low", "high"):
                 box, value = self.ends[axis, end], getattr(scale, end)
-                if not box.pending and not (box.hasFocus() and box.refused):
+                if not box.pending and not (box.hasFocus() and box.is_refused):
                     box.show_value(None if value is None else value / default.size)
 
     # -- input ----------------------------------------------------------------------------------------------

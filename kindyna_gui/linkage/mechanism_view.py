@@ -193,8 +193,8 @@ class MechanismView(MechanismMouseView):
 
     def _update_strip(self) -> None:
         """Show the names of the drives in the strip, if there are several."""
-        self.strip.setVisible(self.session.several)
-        if self.session.several:
+        self.strip.setVisible(self.session.has_several_drives)
+        if self.session.has_several_drives:
             self.strip.show_drives(drive_rows(self.session), self.session.chosen)
 
     def update_style(self) -> None:

@@ -354,7 +354,7 @@ class MeasuredDialog(PutDialog):
 
     def _as_command(self) -> str:
         session = self._session
-        drive = session.design.name if session.several else ""
+        drive = session.design.name if session.has_several_drives else ""
         return measured_command(self.form.request(self._request), self._path, session.path or UNSAVED, drive)
 
     def _leave_out(self) -> None:

@@ -223,6 +223,12 @@ def brief(value: float, symbol: str, most: int = 6) -> str:
     return with_unit(short(value / size_of(symbol), most), symbol_of(symbol))
 
 
+def readable_text(value: float, symbol: str, most: int = 4) -> str:
+    """Value in the unit in which it needs no exponent, with at most ``most`` significant digits."""
+    unit = readable(symbol, abs(value))
+    return with_unit(short(value / unit.size, most), unit.symbol)
+
+
 def with_unit(text: str, symbol: str) -> str:
     """Append a unit to a number; no space before a degree sign."""
     return f"{text}{'' if symbol == '°' else ' '}{symbol}".rstrip()

@@ -380,7 +380,7 @@ class RatioDimensions:
 # -- layers of a general linkage -----------------------------------------------------------------------
 
 
-class Construct:
+class LinkageLayers:
     """Layers of one linkage, each drawn when it is first shown.
 
     Call ``begin`` before each move, and ``show_step`` for a step of the circle diagram. ``texts`` returns the boxes of
@@ -471,14 +471,14 @@ class Construct:
         yield from ghost_poses(self._geometry, self._theme, layer)
 
 
-_LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = MappingProxyType(
+_LAYERS: Mapping[str, Callable[[LinkageLayers, str], Iterator[DrawnPart]]] = MappingProxyType(
     {
-        "centres": Construct._centres,
-        "kennedy": Construct._kennedy,
-        "ratios": Construct._ratios,
-        "chain": Construct._ratios,
-        "coupler": Construct._coupler,
-        **dict.fromkeys(GHOST_POSES, Construct._poses),
+        "centres": LinkageLayers._centres,
+        "kennedy": LinkageLayers._kennedy,
+        "ratios": LinkageLayers._ratios,
+        "chain": LinkageLayers._ratios,
+        "coupler": LinkageLayers._coupler,
+        **dict.fromkeys(GHOST_POSES, LinkageLayers._poses),
     }
 )
 
@@ -516,7 +516,7 @@ class CircleDiagram(QWidget):
         self.dotted = tuple(w.key for w in plan.steps[max(step - 1, 0) :])
         self.update()
 
-    def place(self, body: str) -> QPointF:
+    def number_position(self, body: str) -> QPointF:
         """Position of a link's number [pixels], clockwise from the top."""
         part = self.bodies.index(body) / len(self.bodies)
         radius = 0.5 * min(self.width(), self.height()) - self.NUMBER - 4.0
@@ -533,7 +533,7 @@ class CircleDiagram(QWidget):
 
     def _paint(self, painter: QPainter) -> None:
         middle = QPointF(self.width() / 2.0, self.height() / 2.0)
-        offset = self.place(self.bodies[0]) - middle
+        offset = self.number_position(self.bodies[0]) - middle
         radius = abs(complex(offset.x(), offset.y()))
         painter.setPen(QPen(QColor(SCREEN.shaft), 1.0))
         painter.drawEllipse(middle, radius, radius)
@@ -543,7 +543,7 @@ class CircleDiagram(QWidget):
                 tint.setAlphaF(0.16)
                 painter.setPen(Qt.PenStyle.NoPen)
                 painter.setBrush(tint)
-                painter.drawPolygon(QPolygonF([self.place(b) for b in (*self.target.key, triangle.third)]))
+                painter.drawPolygon(QPolygonF([self.number_position(b) for b in (*self.target.key, triangle.third)]))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for keys, pen in (
             (self.dotted, QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine)),
@@ -551,14 +551,14 @@ class CircleDiagram(QWidget):
         ):
             painter.setPen(pen)
             for key in keys:
-                painter.drawLine(self.place(key[0]), self.place(key[1]))
+                painter.drawLine(self.number_position(key[0]), self.number_position(key[1]))
         if self.target is not None:
             painter.setPen(QPen(QColor(SCREEN.limit), 2.0, Qt.PenStyle.DotLine))
-            painter.drawLine(self.place(self.target.key[0]), self.place(self.target.key[1]))
+            painter.drawLine(self.number_position(self.target.key[0]), self.number_position(self.target.key[1]))
         painter.setFont(font(12))
         for body in self.bodies:
             box = QRectF(0.0, 0.0, 2.0 * self.NUMBER, 2.0 * self.NUMBER)
-            box.moveCenter(self.place(body))
+            box.moveCenter(self.number_position(body))
             painter.setPen(QPen(QColor(SCREEN.ink), 1.0))
             painter.setBrush(QColor(SCREEN.paper))
             painter.drawEllipse(box)

@@ -129,11 +129,11 @@ def labels_of(geometry: Geometry) -> Iterator[Label]:
         yield Label(f"roller.{name}", f"{name} roller", track, radius, "roller")
     slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
     for body in geometry.moving.values():
-        places = list(geometry.nodes(body).values())
+        points = list(geometry.nodes(body).values())
         name = body.name.removeprefix("link") if geometry.has_numbered_links else body.name.replace("_", " ")
         if body.name in slides:
             yield Label(body.name, name, *_slide_label(geometry, slides[body.name]), "linkage")
-        elif len(places) > 1:
+        elif len(points) > 1:
             ends = max(bars(body, geometry), key=lambda e: abs(e[0] - e[1]))
             yield Label(
                 body.name,
@@ -173,9 +173,9 @@ def _free_points(geometry: Geometry) -> Iterator[Label]:
         return
     pinned_points = {joint.pair.point for joint in geometry.joints}
     for body in geometry.moving.values():
-        for name, place in body.points.items():
+        for name, point in body.points.items():
             if name not in pinned_points and not (name == ROLLER or name.isdecimal()):
-                yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * geometry.unit, "linkage")
+                yield Label(f"point.{body.name}.{name}", name, body.track(point), 1.3 * EYE * geometry.unit, "linkage")
 
 
 def _slide_label(geometry: Geometry, joint: Joint) -> tuple[np.ndarray, float]:

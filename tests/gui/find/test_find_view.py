@@ -110,7 +110,7 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     # what is no limit stays as typed, and says so
     type_limit(view, RETURN, "95")
     assert view.limits.message.text() == "Pressure angle, return: outside its range; allowed: above 0 ... 90 °"
-    assert view.limits.boxes[RETURN].refused
+    assert view.limits.boxes[RETURN].is_refused
 
 
 @pytest.mark.stress

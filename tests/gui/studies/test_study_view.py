@@ -370,11 +370,11 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     for end, text, says in (
         ("low", "500", "bounds are reversed; allowed: below 480 mm"),
         ("low", "-3", "outside its range; allowed: above 0 ..."),
-        ("high", "many", "a number is wanted"),
+        ("high", "many", "enter a number"),
     ):
         box = view.rows.boxes[BASE, end]
         type_into(box, text)
-        assert box.refused
+        assert box.is_refused
         assert says in view.rows.message.text()
         QTest.keyClick(box, Qt.Key.Key_Escape)
     assert rested(user).surveys.survey is survey
@@ -407,7 +407,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     assert user.design.tolerances == (Tolerance(X, 0.05), Tolerance(Y, 0.05)), "the design keeps them"
     assert user.steps[:2] == ["Tolerance of pivot x", "Tolerance of pivot y"]
     type_into(view.rows.boxes[X, "width"], "-1")
-    assert view.rows.boxes[X, "width"].refused
+    assert view.rows.boxes[X, "width"].is_refused
 
 
 def get_pressure(view: StudyView) -> float:

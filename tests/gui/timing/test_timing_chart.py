@@ -159,7 +159,7 @@ def test_a_double_click_asks_for_the_angle_or_the_time(hand: Hand) -> None:
     assert events(hand.design)["Lift.return.1.start"] == 30.0, "what is typed counts, though it breaks a distance"
     assert [row.kept for row in distances(hand.design)].count(False) == 1
     typed(hand.join(LIFT, 1), "100")
-    assert canvas.typed.refused
+    assert canvas.typed.is_refused
     assert "76°" in canvas.typed.toolTip(), "between its neighbours"
     QTest.keyClick(canvas.typed, Qt.Key.Key_Escape)
     assert events(hand.design)["Lift.return.1.start"] == 30.0

@@ -141,10 +141,10 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     rows.least.selectAll()
     user.type("400")
     user.press(Qt.Key.Key_Return)
-    assert rows.least.refused
+    assert rows.least.is_refused
     assert rows.message.text() == "allowed: -360 ... 360°"
     user.press(Qt.Key.Key_Escape)
-    assert not rows.least.refused
+    assert not rows.least.is_refused
     assert rows.message.text() == ""
     rows.buttons["up"].click()
     assert session.full_design.timing[5].least_deg == 165.0
