@@ -346,4 +346,4 @@ def test_a_driver_that_takes_long_can_be_given_up(same_window: Open) -> None:
     user.choose("Compo", "Driver", "Link 6 turns at speed")
     assert not timer.isActive(), "a dialog came while it was computed"
     assert user.design is before
-    assert "Stopped before it was done" in user.window.status.currentMessage()
+    assert "Cancelled" in user.window.status.currentMessage()
