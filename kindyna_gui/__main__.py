@@ -1,7 +1,6 @@
 """The program: ``kindyna [DESIGN]`` opens the window, ``kindyna --headless COMMAND ...`` never shows one.
 
-Qt is imported inside functions, and only where something is really drawn; so is the command line of the core, for
-which a window need not wait.
+Qt is imported inside functions, where something is drawn, and so is the command line of the core: both save start-up time.
 """
 
 from __future__ import annotations
@@ -35,29 +34,31 @@ WINDOW_PACKAGES = "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxkbcommon-x11
 
 
 class _Parser(argparse.ArgumentParser):
-    """Reports wrong arguments in one line."""
+    """Parser that reports wrong arguments in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def parser() -> argparse.ArgumentParser:
-    """What the command line of the window takes."""
-    made = _Parser(
+    """Return the parser of the window's command line."""
+    result = _Parser(
         prog="kindyna",
         usage="kindyna [DESIGN]\n       kindyna --headless COMMAND ...",
         description="Design of cams and the mechanisms they drive.",
         epilog="kindyna --headless --help lists the commands that work without a window.",
         allow_abbrev=False,
     )
-    made.add_argument("design", metavar="DESIGN", nargs="?", type=Path, help="design file (.toml); else the lift drive")
-    made.add_argument("--version", action="version", version=f"kindyna {__version__}")
-    made.add_argument(HEADLESS, nargs="*", metavar="COMMAND", help="work without a window; must come first")
-    return made
+    result.add_argument(
+        "design", metavar="DESIGN", nargs="?", type=Path, help="design file (.toml); default: the lift drive"
+    )
+    result.add_argument("--version", action="version", version=f"kindyna {__version__}")
+    result.add_argument(HEADLESS, nargs="*", metavar="COMMAND", help="work without a window; must come first")
+    return result
 
 
 def paint(drawn: Drawn) -> Mapping[str, bytes]:
-    """The pictures of a study, a chart or another figure by file name; none, and a line on stderr, where Qt cannot be loaded."""
+    """Return the images of a study, a chart or a figure by file name; none, with a line on stderr, where Qt cannot be loaded."""
     try:
         with importing():
             from kindyna_gui.pictures.film import paint as painted
@@ -70,7 +71,7 @@ def paint(drawn: Drawn) -> Mapping[str, bytes]:
 
 
 def _with_qt(run: Run) -> Run:
-    """The command, run only where Qt can be loaded; else it prints the reason in one line and does nothing."""
+    """Return a command that prints the reason in one line and does nothing where Qt cannot be loaded."""
 
     def guarded(arguments: Any, painter: Painter | None) -> int:
         try:
@@ -87,12 +88,12 @@ def _with_qt(run: Run) -> Run:
 
 
 def missing(reason: str, packages: str = PACKAGES) -> str:
-    """What the machine lacks and what brings it, in one line."""
+    """Return what is missing on the machine, and the packages that contain it, in one line."""
     return f"{' '.join(reason.split())}; on Debian: apt install {packages}"
 
 
 def without_window(path: Path, why: str) -> int:
-    """What the program does where no window can be opened: the report on the terminal, tables and pictures into ``out``."""
+    """Print the report and write tables and images to ``out``, where no window can be opened."""
     from core.findings import ERROR
     from core.output.export import files
     from core.output.report import report
@@ -103,16 +104,15 @@ def without_window(path: Path, why: str) -> int:
     print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)
     study = Study(load_one(path))
     text = report(study)
-    made: dict[str, str | bytes] = {"report.txt": text, **files(study)}
-    made.update(paint(study))
-    write_into(OUT, made)
+    content: dict[str, str | bytes] = {"report.txt": text, **files(study), **paint(study)}
+    write_into(OUT, content)
     print(text, end="")
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings_of(study)) else DONE
 
 
 def window_module() -> ModuleType:
-    """``kindyna_gui.window.main_window``, imported in the quickest order. Raises ImportError where the system lacks a library."""
-    # before Qt, which looks into the source of all that is imported after it
+    """Import ``kindyna_gui.window.main_window`` in the quickest order. Raises ImportError where a library is missing."""
+    # before Qt, which reads the source of every module imported after it
     from core import project, study  # noqa: F401
     from kindyna_gui.window import main_window
 
@@ -120,7 +120,7 @@ def window_module() -> ModuleType:
 
 
 def window(path: Path | None) -> int:
-    """Open the window; returns the exit code when it is closed. Without the libraries it needs, what works without."""
+    """Open the window and return the exit code; without its libraries write report, tables and images instead."""
     trouble = ""
     try:
         trouble = missing_library()
@@ -138,7 +138,7 @@ def window(path: Path | None) -> int:
 
 
 def headless(arguments: Sequence[str]) -> int:
-    """The command line of the core with the commands that need a window which is never shown; returns the exit code."""
+    """Run the command line of the core, with the commands that need a hidden window; return the exit code."""
     from core.__main__ import main as core_main
     from kindyna_gui.headless import COMMANDS
 
@@ -147,12 +147,12 @@ def headless(arguments: Sequence[str]) -> int:
 
 
 def _of_qt(error: ImportError) -> bool:
-    """Whether Qt or a library it needs is missing, not a part of this program."""
+    """Whether Qt or one of its libraries is missing, and not a part of this program."""
     return ".so" in str(error) or (error.name or "").split(".")[0] in ("PySide6", "shiboken6", "pyqtgraph")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program; returns the exit code."""
+    """Run the program and return the exit code."""
     return exit_code(lambda: _run(list(sys.argv[1:] if argv is None else argv)))
 
 

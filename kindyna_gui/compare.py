@@ -230,7 +230,7 @@ class ExplainView(View):
     def _machine_numbers(self) -> list[str]:
         """Numbers of the shaft with all its drives; none while they are being calculated."""
         try:
-            return explainable(self.session.full_study) if self.session.several else []
+            return explainable(self.session.full_study) if self.session.has_several_drives else []
         except ResultPending:
             return []
 

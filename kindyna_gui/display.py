@@ -1,4 +1,4 @@
-"""Whether a window can be opened here. Nothing of Qt is imported before that is known."""
+"""Whether a window can be opened on this machine, checked before Qt is imported."""
 
 from __future__ import annotations
 
@@ -7,32 +7,32 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-PATIENCE = 2.0  # for a display on another machine, seconds
+PATIENCE = 2.0  # seconds for a display on another machine
 X_PORT = 6000
 
 
 def obstacle(environment: Mapping[str, str] | None = None, platform: str = sys.platform) -> str:
-    """Why no window can be opened, in a few words; empty where one can be tried.
+    """Return why no window can be opened, in a few words; empty where it may be possible.
 
-    Qt ends the whole program where a display is named but does not answer, so the display is tried here first.
+    Qt ends the program where a display is named but does not respond, so this connects to the display first.
     """
     env = os.environ if environment is None else environment
     if env.get("QT_QPA_PLATFORM") or not platform.startswith("linux"):
         return ""
-    if env.get("WAYLAND_DISPLAY") and _answers_wayland(env["WAYLAND_DISPLAY"], env.get("XDG_RUNTIME_DIR", "")):
+    if env.get("WAYLAND_DISPLAY") and _is_wayland_display(env["WAYLAND_DISPLAY"], env.get("XDG_RUNTIME_DIR", "")):
         return ""
     display = env.get("DISPLAY", "")
     if display:
-        return "" if _answers_x(display) else f"the display {display} does not answer"
+        return "" if _is_x_display(display) else f"the display {display} does not respond"
     if env.get("WAYLAND_DISPLAY"):
-        return f"the display {env['WAYLAND_DISPLAY']} does not answer"
+        return f"the display {env['WAYLAND_DISPLAY']} does not respond"
     return "no display (neither DISPLAY nor WAYLAND_DISPLAY is set)"
 
 
 def missing_library(environment: Mapping[str, str] | None = None) -> str:
-    """The library that is missing to show a window on X, in the loader's words; empty where none is.
+    """Return the library that is missing for a window on X, in the loader's words; empty where none is.
 
-    Qt ends the whole program where it cannot load this plugin of its own. Raises ImportError without Qt.
+    Qt ends the program where it cannot load its X plugin. Raises ImportError without Qt.
     """
     env = os.environ if environment is None else environment
     if not sys.platform.startswith("linux") or env.get("WAYLAND_DISPLAY") or env.get("QT_QPA_PLATFORM"):
@@ -47,23 +47,23 @@ def missing_library(environment: Mapping[str, str] | None = None) -> str:
     return (text.partition(f"{plugin.name}: ")[2] or text).strip("()")
 
 
-def _answers_wayland(name: str, folder: str) -> bool:
-    return _connects(str(Path(folder) / name))
+def _is_wayland_display(name: str, folder: str) -> bool:
+    return _is_socket(str(Path(folder) / name))
 
 
-def _answers_x(display: str) -> bool:
-    """``:0``, ``unix:0``, ``host:0.0``."""
+def _is_x_display(display: str) -> bool:
+    """Whether an X display responds: ``:0``, ``unix:0``, ``host:0.0``."""
     host, _, rest = display.rpartition(":")
     number = rest.partition(".")[0]
     if not number.isdigit():
         return False
     if host in ("", "unix"):
         path = f"/tmp/.X11-unix/X{number}"
-        return _connects(path) or _connects(f"\0{path}") or (not host and _reaches("localhost", int(number)))
-    return _reaches(host.strip("[]"), int(number))
+        return _is_socket(path) or _is_socket(f"\0{path}") or (not host and _is_port("localhost", int(number)))
+    return _is_port(host.strip("[]"), int(number))
 
 
-def _connects(path: str) -> bool:
+def _is_socket(path: str) -> bool:
     import socket
 
     try:
@@ -75,7 +75,7 @@ def _connects(path: str) -> bool:
     return True
 
 
-def _reaches(host: str, number: int) -> bool:
+def _is_port(host: str, number: int) -> bool:
     import socket
 
     try:

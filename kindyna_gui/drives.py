@@ -104,7 +104,7 @@ def replace_chosen(session: Session, design: Design, label: str) -> bool:
 def remove(session: Session) -> bool:
     """Remove the selected drive or the balance cam; the last drive cannot be removed."""
     index, name = session.chosen, session.names[session.chosen]
-    if session.on_balancer:
+    if session.is_on_balancer:
         assumed = tuple(path for path in session.full_design.assumed if not path.startswith(f"{BALANCER}."))
         return _put(session, replace(session.full_design, balancer=None, assumed=assumed), f"Remove {name}", 0)
     last = len(session.full_design.drives) - 2
@@ -114,7 +114,7 @@ def remove(session: Session) -> bool:
 def move(session: Session, by: int) -> bool:
     """Move the selected drive up or down in the list."""
     index, to = session.chosen, session.chosen + by
-    if session.on_balancer or not 0 <= to < len(session.full_design.drives):
+    if session.is_on_balancer or not 0 <= to < len(session.full_design.drives):
         return False
     label = f"Move {session.names[index]} {'up' if by < 0 else 'down'}"
     return _put(session, move_drive(session.full_design, index, to), label, to)

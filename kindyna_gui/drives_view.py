@@ -162,7 +162,7 @@ class DrivesView(View):
             for number, row in enumerate(rows):
                 self._show_row(number, row)
             self.table.setCurrentCell(self.session.chosen, max(self.table.currentColumn(), 0))
-        movable = not self.session.on_balancer
+        movable = not self.session.is_on_balancer
         last = len(self.session.full_design.drives) - 1
         self.buttons["copy"].setEnabled(movable)
         self.buttons["remove"].setEnabled(last > 0 or not movable)
@@ -241,7 +241,7 @@ class DrivesView(View):
         return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
 
     def _show_form(self) -> None:
-        section = BALANCER if self.session.on_balancer else f"drives[{self.session.chosen}]"
+        section = BALANCER if self.session.is_on_balancer else f"drives[{self.session.chosen}]"
         if section != self._section:
             self._section, self._form = section, Form(self.session, section)
             self._form_holder.replace(self._form)

@@ -113,7 +113,7 @@ class Exports(QObject):
                 "&Controller...",
                 "Write the motion as a table for a servo controller, and show the error of its interpolation",
                 self.controller,
-                BALANCED if session.on_balancer else "",
+                BALANCED if session.is_on_balancer else "",
             ),
             Export(
                 "&Inspection table...",
@@ -168,7 +168,7 @@ class Exports(QObject):
     @property
     def _drive_name(self) -> str:
         """Name for files of the selected drive."""
-        return f"{self._name}_{slug(self._session.design.name)}" if self._session.several else self._name
+        return f"{self._name}_{slug(self._session.design.name)}" if self._session.has_several_drives else self._name
 
     @property
     def _drive(self) -> Design:
@@ -297,7 +297,7 @@ class Exports(QObject):
         from kindyna_gui.profile_dialogs import ask_controller_table
 
         session = self._session
-        name = session.names[session.chosen] if session.several else ""
+        name = session.names[session.chosen] if session.has_several_drives else ""
         table = ask_controller_table(self._window, session.full_design, name)
         if table is None:
             return

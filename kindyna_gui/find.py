@@ -257,7 +257,7 @@ class FindView(BackgroundView):
 
     def _available(self) -> tuple[str, ...]:
         """Searches for the current drive and for the shaft."""
-        for_drive = () if self.session.on_balancer else available_searches(self.session.design)
+        for_drive = () if self.session.is_on_balancer else available_searches(self.session.design)
         return (*for_drive, *available_shaft_searches(self.session.full_design))
 
     @property

@@ -256,7 +256,7 @@ def _applied_text(design: Design, solution: Solution, path: str) -> str:
     """Value that is applied in addition to the result, or in place of it."""
     text = value_of(design, path, solution.applied[path], solution.digits)
     if path in solution.answer and text == value_of(design, path, solution.answer[path], solution.digits):
-        return "Applied just below it, so that the limit is met."
+        return "Applied just below this value, so that the limit is met."
     reason = "" if path in solution.answer else ", so that the speed stays within its allowed fluctuation"
     return f"Also changes: {escape(text)}{reason}."
 

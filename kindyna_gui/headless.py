@@ -1,6 +1,6 @@
-"""Commands of ``kindyna --headless`` that paint, most of them a window which is never shown: they are added to those of the core.
+"""Commands of ``kindyna --headless`` that paint, most of them in a hidden window, in addition to those of the core.
 
-Nothing of Qt is imported before one of them runs.
+Qt is imported only when one of them runs.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ SIZE = picture_size(320, 8000)
 
 
 def film_name(text: str) -> Path:
-    """Reads the name of an animation; without an ending it is a folder for its frames."""
+    """Return the path of an animation; without an ending it is a folder for its frames."""
     return ending_with("an animation", *FILMS, PAGE)(text) if Path(text).suffix else folder(text)
 
 
 @frozen(kw_only=True)
 class Screenshots:
-    """Of which design, and how large the window is."""
+    """Options of ``screenshots``: design, folder, size of the window."""
 
     design: Path = design_file()
     out: Path = text_option("folder to write to", default=Path("out"), type=Path, metavar="DIR")
@@ -50,11 +50,11 @@ class Screenshots:
 
 @frozen(kw_only=True)
 class Animation:
-    """Of which design, and how its film is."""
+    """Options of ``animation``: design, file, frames, size."""
 
     design: Path = design_file()
     out: Path = text_option(
-        ".gif, .webp, .mp4 (by ffmpeg); .html: a web page that plays and is turned by hand; a folder: a picture of each frame",
+        ".gif, .webp, .mp4 (by ffmpeg); .html: a web page with a model to play or drag; a folder: an image of each frame",
         default=Path("out.gif"),
         type=film_name,
         metavar="FILE|DIR",
@@ -65,13 +65,13 @@ class Animation:
     )
 
 
-def _asks_drawing() -> type:
+def _drawing_options() -> type:
     from core.output.files.cam_drawing import ENDINGS
     from core.output.files.sheet import DrawingRequest
 
     @frozen(kw_only=True)
     class Drawing:
-        """Of which cam, and how its sheet is."""
+        """Options of ``drawing``: design, file, drive, sheet."""
 
         design: Path = design_file()
         out: Path = text_option(
@@ -85,21 +85,21 @@ def _asks_drawing() -> type:
 
 @frozen(kw_only=True)
 class Timing:
-    """Of which shaft, and what its axis counts in."""
+    """Options of ``timing``: design, file, unit of the axis."""
 
     design: Path = design_file()
     out: Path = text_option(
         ".pdf, .svg or .png; .csv: the events as a table", type=ending_with("a timing chart", *CHARTS), metavar="FILE"
     )
-    axis: str = choice("Axis", ("deg", "ms"), default="deg", help="what its axis counts in")
+    axis: str = choice("Axis", ("deg", "ms"), default="deg", help="unit of the axis")
 
 
-def _asks_handover() -> type:
+def _handover_options() -> type:
     from core.output.handover import HandoverRequest
 
     @frozen(kw_only=True)
     class HandOver:
-        """Of which design, where to, and what else is wanted."""
+        """Options of ``handover``: design, folder or archive, content."""
 
         design: Path = design_file()
         out: Path = text_option("folder, empty or new, or NAME.zip", type=folder, metavar="DIR|NAME.zip")
@@ -111,31 +111,31 @@ def _asks_handover() -> type:
 
 @frozen(kw_only=True)
 class Tutorial:
-    """Which lesson, and whether it is played."""
+    """Options of ``tutorial``: lesson, whether it is played, images."""
 
     name: str = text_option("lift, linkage, camshaft, or a file of steps", "NAME")
     play: bool = flag(
-        "Play", help="do its steps with mouse and keys in a window that is never shown; exit 1 at the step that fails"
+        "Play", help="perform the steps with mouse and keys in a hidden window; exit 1 at the step that fails"
     )
-    out: Path | None = text_option("folder for a picture after each step", default=None, type=Path, metavar="DIR")
+    out: Path | None = text_option("folder for an image after each step", default=None, type=Path, metavar="DIR")
     size: tuple[int, int] = text_option(
         "of the window", default=(1280, 720), default_text="1280x720", type=SIZE, metavar="WxH"
     )
 
 
 @frozen
-class Nothing:
-    """Asks for nothing."""
+class NoOptions:
+    """Options of a command without any."""
 
 
-def never_shown() -> None:
-    """Whatever the desktop is, nothing may appear on it. To be called before there is an application."""
+def hide_windows() -> None:
+    """Keep all windows off the desktop; called before an application exists."""
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Leaves out what Qt prints about windows without a desktop; everything else is printed."""
+    """Suppress messages of Qt about windows without a desktop; all others are printed."""
     from PySide6.QtCore import qInstallMessageHandler
 
     def listen(kind: object, context: object, text: str) -> None:
@@ -150,22 +150,22 @@ def quiet() -> Iterator[None]:
 
 
 def screenshots(arguments: Screenshots, painter: Painter | None) -> int:
-    """The window and every view of it as pictures."""
+    """Write images of the window and of every view."""
     design = load(arguments.design)
     code = verdict(studied(design))
-    never_shown()
+    hide_windows()
     from kindyna_gui.screenshots import shots
 
     with quiet():
-        made = shots(design, arguments.size)
-    write_into(arguments.out, made)
-    for name in made:
+        images = shots(design, arguments.size)
+    write_into(arguments.out, images)
+    for name in images:
         print(arguments.out / name)
     return code
 
 
 def animation(arguments: Animation, painter: Painter | None) -> int:
-    """One turn of the mechanism as an animation."""
+    """Write an animation of one turn of the mechanism."""
     design = load(arguments.design)
     study = studied(design)
     code = verdict(study)
@@ -175,30 +175,30 @@ def animation(arguments: Animation, painter: Painter | None) -> int:
         write_page(study, arguments.out)
         print(arguments.out)
         return code
-    never_shown()
+    hide_windows()
     from kindyna_gui.pictures.film import pictures as pictures_of
     from kindyna_gui.pictures.film import shoot
     from kindyna_gui.player import initial_speed
 
     width, height = arguments.size
     ending, seconds = arguments.out.suffix.lower() or PICTURES, initial_speed(study.omega).seconds
-    wanted = replace(arguments.film, ending=ending, width=width, height=height, seconds=seconds)
+    film = replace(arguments.film, ending=ending, width=width, height=height, seconds=seconds)
     with quiet():
         if ending == PICTURES:
-            write_into(arguments.out.with_suffix(""), pictures_of(design, wanted) or {})
+            write_into(arguments.out.with_suffix(""), pictures_of(design, film) or {})
         else:
-            write(arguments.out, shoot(design, wanted) or b"")
+            write(arguments.out, shoot(design, film) or b"")
     print(arguments.out)
     return code
 
 
 def drawing(arguments: Any, painter: Painter | None) -> int:
-    """The drawing of the cam for the workshop."""
+    """Write the workshop drawing of a cam."""
     from core.output.files.cam_drawing import drawing as drawn
 
     study = Study(load_one(arguments.design, arguments.drive))
     page = drawn(study, arguments.request)
-    never_shown()
+    hide_windows()
     from kindyna_gui.pictures.paper.sheets import sheet_file
 
     with quiet():
@@ -211,9 +211,9 @@ def drawing(arguments: Any, painter: Painter | None) -> int:
 
 
 def timing(arguments: Timing, painter: Painter | None) -> int:
-    """The timing chart of a shaft, or its events as a table."""
+    """Write the timing chart of a shaft, or its events as a table."""
     design = load(arguments.design)
-    never_shown()
+    hide_windows()
     from kindyna_gui.pictures.paper.timing_chart import timing_file
 
     with quiet():
@@ -224,7 +224,7 @@ def timing(arguments: Timing, painter: Painter | None) -> int:
 
 
 def handover(arguments: Any, painter: Painter | None) -> int:
-    """All that workshop, controls and buyer ask for, in one folder or archive."""
+    """Write the files for workshop, controls and buyer into a folder or archive."""
     from core.output.handover import handover as files_of
     from core.output.summary import to_json
     from core.requests import require_in_range
@@ -232,27 +232,27 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     require_in_range(arguments.request)
     design = load(arguments.design)
     study = studied(design)
-    made = files_of(design, arguments.request)
-    never_shown()
+    result = files_of(design, arguments.request)
+    hide_windows()
     from kindyna_gui.export_dialogs import paint_handover
 
     with quiet():
         more = paint_handover(study, arguments.request)
     assert more is not None
-    made = made.with_files(*more)
-    made.write(arguments.out)
+    result = result.with_files(*more)
+    result.write(arguments.out)
     if arguments.json:
-        print(to_json(made.contents), end="")
+        print(to_json(result.contents), end="")
     else:
-        print("\n".join([str(arguments.out), *(f"  {each.name}: {each.what}" for each in made.files)]))
-        for what, why in made.left_out:
-            print(f"left out: {what}: {why}", file=sys.stderr)
+        print("\n".join([str(arguments.out), *(f"  {file.name}: {file.what}" for file in result.files)]))
+        for name, reason in result.left_out:
+            print(f"left out: {name}: {reason}", file=sys.stderr)
     return verdict(study)
 
 
 def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
-    """A lesson played with mouse and keys in a window that is never shown."""
-    never_shown()
+    """Play a lesson with mouse and keys in a hidden window, or print its steps."""
+    hide_windows()
     from kindyna_gui.places import default_design
     from kindyna_gui.screenshots import dismiss, hidden_window, png, rest
     from kindyna_gui.window.tutorial import begin, read, steps_played
@@ -282,9 +282,9 @@ def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
     return DONE
 
 
-def selftest(arguments: Nothing, painter: Painter | None) -> int:
-    """Every example through the window: edit, undo, turn, export, compare."""
-    never_shown()
+def selftest(arguments: NoOptions, painter: Painter | None) -> int:
+    """Test every example in a hidden window: edit, undo, turn, export, compare."""
+    hide_windows()
     from kindyna_gui.selftest import verdicts
 
     failed = False
@@ -301,18 +301,18 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "animation": Command(
             "one turn of the mechanism as GIF or WebP, or as a web page", lambda: Animation, animation
         ),
-        "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _asks_drawing, drawing),
+        "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _drawing_options, drawing),
         "timing": Command(
             "the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", lambda: Timing, timing
         ),
         "handover": Command(
             "profiles, drawings, inspection, a controller's tables, report, web page and the design in one folder or archive",
-            _asks_handover,
+            _handover_options,
             handover,
         ),
-        "tutorial": Command("the steps of a lesson, or the lesson played", lambda: Tutorial, tutorial),
+        "tutorial": Command("print the steps of a lesson, or play it", lambda: Tutorial, tutorial),
         "selftest": Command(
-            "try every example through the window and compare with the core", lambda: Nothing, selftest
+            "test every example in a hidden window and compare with the core", lambda: NoOptions, selftest
         ),
     }
 )

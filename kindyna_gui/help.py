@@ -84,7 +84,7 @@ def _fields(page: str, host: Any) -> str:
         return page
     session, tables = host.session, []
     parts = [(session.typed, name) for name in session.typed.tables]
-    if session.several:
+    if session.has_several_drives:
         full = session.typed_full_design
         parts += [(full, name) for name in (f"drives[{session.chosen}]", "balancer") if name in full.tables]
     for design, name in parts:

@@ -426,7 +426,7 @@ class MeasuredCamDialog(QDialog):
             "measured": self._path,
             "fit": self.fit.isChecked(),
             "samples": None,
-        }  # the table has its own angles angles
+        }  # the table has its own angles
         return ".csv", command_words(InspectionArguments, {**self.form.values, **options})
 
     # -- result ---------------------------------------------------------------------------------------------

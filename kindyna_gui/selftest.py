@@ -1,4 +1,4 @@
-"""Every example through the window, as a user would: edit, undo, one turn, export; compared with the core."""
+"""Self-test: edit, undo, one turn and export of every example in a hidden window, compared with the core."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ from kindyna_gui.window.main_window import MainWindow
 
 FRAMES = 360
 SIZE = (1280, 720)
-LONGER = 1.01  # by which the stroke is changed
+LONGER = 1.01  # factor on the stroke or speed
 
 
-class _Wrong(Exception):
-    """Something is not as it should be."""
+class _CheckFailed(Exception):
+    """A check of the self-test has failed."""
 
 
 def verdicts() -> Iterator[tuple[str, str, str]]:
-    """For each example its name, what is wrong (empty where nothing is), and what was done."""
+    """Yield name, fault (empty where there is none) and summary of each example."""
     for _, path in examples():
         try:
             summary = _try(path)
-        except (_Wrong, KindynaError) as error:
+        except (_CheckFailed, KindynaError) as error:
             yield path.stem, " ".join(str(error).split()), ""
         else:
             yield path.stem, "", summary
 
 
-def _must(so: bool, what: str) -> None:
-    if not so:
-        raise _Wrong(what)
+def _require(condition: bool, fault: str) -> None:
+    if not condition:
+        raise _CheckFailed(fault)
 
 
 def _try(path: Path) -> str:
@@ -50,7 +50,7 @@ def _try(path: Path) -> str:
     window = hidden_window(design, SIZE)
     try:
         _edit_and_undo(window)
-        _must(window.session.full_design == design, "undo did not bring the design back")
+        _require(window.session.full_design == design, "undo did not restore the design")
         drawn = _turn(window)
         count = _export(window, path)
     finally:
@@ -67,31 +67,31 @@ def _edit_and_undo(window: MainWindow) -> None:
 
 def _speed_and_undo(window: MainWindow) -> None:
     session = window.session
-    before, wanted = session.study.omega, session.design.drive.mechanism.driver.speed_rpm * LONGER
-    _must(session.edit("linkage.driver.speed_rpm", wanted, "Change speed"), "a higher speed was refused")
+    before, target = session.study.omega, session.design.drive.mechanism.driver.speed_rpm * LONGER
+    _require(session.edit("linkage.driver.speed_rpm", target, "Change speed"), "a higher speed was refused")
     rest(window)
-    _must(abs(session.study.omega / before - LONGER) < 1e-12, "the driver does not turn at the speed")
-    _must(session.modified, "the edit has left no trace")
+    _require(abs(session.study.omega / before - LONGER) < 1e-12, "the driver does not turn at the speed")
+    _require(session.is_modified, "the edit did not change the design")
     session.stack.undo()
     rest(window)
-    _must(not session.modified, "undo left the design modified")
+    _require(not session.is_modified, "undo left the design modified")
 
 
 def _stroke_and_undo(window: MainWindow) -> None:
     session = window.session
-    before, wanted = session.study, stroke(session.design.drive.motion) * LONGER
-    _must(session.edit("motion.stroke", wanted, "Change stroke"), "a longer stroke was refused")
+    before, target = session.study, stroke(session.design.drive.motion) * LONGER
+    _require(session.edit("motion.stroke", target, "Change stroke"), "a longer stroke was refused")
     rest(window)
     rise = stroke(session.design.drive.motion)
-    _must(abs(rise - wanted) < 1e-9 * wanted, f"the stroke became {rise:g}, not {wanted:g}")
-    reached = extremes_of(session.study, "motion", ("displacement",))["displacement"]
-    stroke_mm = reached.high.value - reached.low.value
+    _require(abs(rise - target) < 1e-9 * target, f"the stroke became {rise:g}, not {target:g}")
+    extremes = extremes_of(session.study, "motion", ("displacement",))["displacement"]
+    stroke_mm = extremes.high.value - extremes.low.value
     scale = session.design.drive.motion.scale
-    _must(abs(stroke_mm / scale - wanted) < 1e-9 * wanted, "the motion does not follow the stroke")
-    _must(session.study is not before and session.modified, "the edit has left no trace")
+    _require(abs(stroke_mm / scale - target) < 1e-9 * target, "the motion does not follow the stroke")
+    _require(session.study is not before and session.is_modified, "the edit did not change the design")
     session.stack.undo()
     rest(window)
-    _must(not session.modified, "undo left the design modified")
+    _require(not session.is_modified, "undo left the design modified")
 
 
 def _turn(window: MainWindow) -> int:
@@ -104,10 +104,10 @@ def _turn(window: MainWindow) -> int:
         player.advance(TURN / FRAMES / player.omega)
         QApplication.processEvents()
     player.angle_changed.disconnect(shown.append)
-    away = min(player.theta, TURN - player.theta)
-    _must(len(shown) == FRAMES and away < 1e-9, "one turn does not end where it began")
+    distance = min(player.theta, TURN - player.theta)
+    _require(len(shown) == FRAMES and distance < 1e-9, "one turn does not end where it began")
     for view in window.findChildren(View):
-        _must(
+        _require(
             not view.in_trouble or view.is_unavailable or not view.on_screen(),
             f"{type(view).__name__} has nothing to show",
         )
@@ -119,10 +119,10 @@ def _export(window: MainWindow, path: Path) -> int:
         written = write_tables(window.session.full_design, Path(folder))
         copy = Path(folder) / "copy.toml"
         save(window.session.full_design, copy)
-        clear_caches()  # the core computes anew
-        wanted = as_texts(tables_of(load(copy)))
-        _must(set(written) == set(wanted), "other files than the core writes")
-        for name, text in wanted.items():
-            _must((Path(folder) / name).read_text(encoding="utf-8") == text, f"{name} differs from the core's")
-    _must(load(path) == window.session.full_design, "the design is no longer the example")
-    return len(wanted)
+        clear_caches()  # the core computes again
+        expected = as_texts(tables_of(load(copy)))
+        _require(set(written) == set(expected), "the files differ from those of the core")
+        for name, text in expected.items():
+            _require((Path(folder) / name).read_text(encoding="utf-8") == text, f"{name} differs from the core's")
+    _require(load(path) == window.session.full_design, "the design is no longer the example")
+    return len(expected)

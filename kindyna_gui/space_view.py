@@ -109,12 +109,12 @@ class SpaceView(View):
         self.set_column(self.canvas, grows=self.canvas)
 
     def refresh(self, study: Study) -> None:
-        if not (self.session.several and self.session.shaft.has_transfer_path):
+        if not (self.session.has_several_drives and self.session.shaft.has_transfer_path):
             raise Unavailable(NO_PART)
         self.canvas.path = self.session.shaft.transfer_path * MM
 
     def follow(self, theta: float) -> None:
-        if self.session.several and self.session.shaft.has_transfer_path:
+        if self.session.has_several_drives and self.session.shaft.has_transfer_path:
             machine = self.player.machine
             self.canvas.part = self.session.shaft.at_theta(np.array([machine])).transfer_path[0] * MM
             x, y, z = self.canvas.part

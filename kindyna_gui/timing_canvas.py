@@ -1,4 +1,4 @@
-"""Timing chart under the mouse."""
+"""Timing chart on screen: dragging drives, starts and ends of movements, and sequence conditions by the mouse."""
 
 from __future__ import annotations
 
@@ -48,15 +48,15 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.settings import sized
 
-# -- a line over the timing chart in which an angle, or a time, is typed ---------------------------------
+# -- field over the chart --------------------------------------------------------------------------------
 
-WIDTH, HEIGHT = 92, 24
+WIDTH, HEIGHT = 92, 24  # pixels
 
 
 class TypedAngle(RedFrame, QLineEdit):
-    """Shown where something stands, with its value; Enter takes what was typed, Escape and another focus leave it.
+    """Field to type the phase of a drive, or the angle of a join; Enter applies it, Escape cancels.
 
-    entered   (drive, join or None, value as the axis counts)
+    - entered (drive, join or None, value in the unit of the axis)
     """
 
     entered = Signal(int, object, float)
@@ -67,37 +67,37 @@ class TypedAngle(RedFrame, QLineEdit):
         self.resize(WIDTH, HEIGHT)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.hide()
-        self._of: tuple[int, int | None] = (0, None)
+        self._target: tuple[int, int | None] = (0, None)
         self._unit = Unit("", 1.0)
-        self.returnPressed.connect(self._take)
+        self.returnPressed.connect(self._enter)
         self.textEdited.connect(lambda: self.set_refused(False))
 
-    def ask(self, drive: int, join: int | None, value: float, unit: str, place: QPointF) -> None:
-        """Ask for the value of a drive's phase, or of a join."""
-        self._of, self._unit = (drive, join), Unit(AXES[unit], 1.0)
+    def ask(self, drive: int, join: int | None, value: float, unit: str, position: QPointF) -> None:
+        """Open the field for a drive's phase, or for a join."""
+        self._target, self._unit = (drive, join), Unit(AXES[unit], 1.0)
         self.set_refused(False)
         self.setText(shortest(round(value, 6)))
         self.setAccessibleName("Phase" if join is None else "Machine angle")
         room = self._parent.rect()
-        x = min(max(int(place.x()) - WIDTH // 2, 0), room.width() - WIDTH)
-        y = min(max(int(place.y()) - HEIGHT - 8, 0), room.height() - HEIGHT)
+        x = min(max(int(position.x()) - WIDTH // 2, 0), room.width() - WIDTH)
+        y = min(max(int(position.y()) - HEIGHT - 8, 0), room.height() - HEIGHT)
         self.move(x, y)
         self.show()
         self.setFocus()
         self.selectAll()
 
     def refuse(self, why: str) -> None:
-        """What was typed cannot be: it stays, framed in red, with the reason."""
+        """Mark the typed value red, and show why it is refused."""
         self.set_refused(True)
         self.setToolTip(sentence(why))
         QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), sentence(why), self)
 
-    def _take(self) -> None:
+    def _enter(self) -> None:
         value = parsed(self.text(), self._unit, in_file_units=True)
         if value is None:
             self.refuse(no_number(self.text()))
         else:
-            self.entered.emit(*self._of, value)
+            self.entered.emit(*self._target, value)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape:
@@ -112,22 +112,22 @@ class TypedAngle(RedFrame, QLineEdit):
             self.hide()
 
 
-# -- canvas ----------------------------------------------------------------------------------------------
+# -- chart -----------------------------------------------------------------------------------------------
 
-STEP, FINE = 0.5, 0.1  # degrees; of the travel and of the step with Ctrl
+STEP, FINE = 0.5, 0.1  # step of a drag, degrees; factor for step and movement with Ctrl
 LEAST_HEIGHT, LEAST_BAND = 90, 26  # pixels
-TREMBLE = 3.0  # pixels that a hand may tremble before it means to turn something
+TREMBLE = 3.0  # movement of the mouse before a drag begins, pixels
 
 HOW = (
-    "Draw a point to turn one start or end, a band to turn its drive against the others; both stop at what must be kept.\n"
-    "Ctrl is ten times finer, Esc takes it back. Double click on a point or a band to type the angle.\n"
-    "Draw from point to point with Shift: the second must come after the first."
+    "Drag a point to move one start or end, a band to turn its drive against the others; both stop at sequence conditions.\n"
+    "Ctrl is ten times finer, Esc cancels. Double-click a point or a band to type the angle.\n"
+    "Shift-drag from point to point: the second must come after the first."
 )
 
 
 @frozen
 class DraggedDrive:
-    """What is held with the mouse: a drive, or a join of its motion; where its reference stood [deg], and how far it may be turned."""
+    """A drive, or a join of its motion, while the mouse drags it; ``at``: its angle at the start of the drag [deg]."""
 
     drive: int
     join: int | None
@@ -137,6 +137,7 @@ class DraggedDrive:
 
     @property
     def path(self) -> str:
+        """Path of the field that the drag changes."""
         return (
             f"drives[{self.drive}].phase_deg"
             if self.join is None
@@ -144,14 +145,14 @@ class DraggedDrive:
         )
 
     def turned(self, by: float) -> Design:
-        """The design with what is held turned by so many degrees."""
+        """Return the design with the drive or join turned by an angle [deg]."""
         if self.join is None:
             return turn_drive(self.design, self.drive, self.at + by)
         return turn_join(self.design, self.drive, self.join, by)
 
 
-def _drawn_of(design: Design | None) -> object:
-    """What of a design the chart shows."""
+def _chart_content(design: Design | None) -> object:
+    """The parts of a design that the chart shows, to compare two designs."""
     if design is None:
         return None
     drives = tuple((drive.phase_deg, drive.mirrored, drive.motion) for drive in design.drives)
@@ -159,24 +160,26 @@ def _drawn_of(design: Design | None) -> object:
 
 
 class TimingCanvas(QWidget):
-    """The chart with its reactions.
+    """The timing chart and its reactions to the mouse.
 
-    put           puts a design in place as a step: (design, its name, path) -> whether that is possible
-    taken         something is held with the mouse; let_go (bool): no longer, True: it leaves nothing behind
-    drive_chosen  (int): a band was clicked at
-    row_chosen    (int): an arrow was clicked at
-    row_wanted    (str, str): drawn from the first event to the second
-    angle_wanted  (float): the machine angle [deg] that was clicked at on the axis
-    asked         (str, QPoint): a right click on what has this path, empty for none, at this place of the screen
+    ``put``: puts a design as an undo step, with its name and path; returns whether it is accepted.
+
+    - drag_started: the drag of a drive or a join has begun
+    - drag_ended (bool): it has ended; True: it was cancelled
+    - drive_chosen (int): a band was clicked
+    - row_chosen (int): an arrow was clicked
+    - condition_drawn (str, str): Shift-drag from the first event to the second
+    - angle_chosen (float): a machine angle [deg] was clicked on the axis
+    - menu_requested (str, QPoint): right click on the field of this path, or empty, at this point of the screen
     """
 
-    taken = Signal()
-    let_go = Signal(bool)
+    drag_started = Signal()
+    drag_ended = Signal(bool)
     drive_chosen = Signal(int)
     row_chosen = Signal(int)
-    row_wanted = Signal(str, str)
-    angle_wanted = Signal(float)
-    asked = Signal(str, QPoint)
+    condition_drawn = Signal(str, str)
+    angle_chosen = Signal(float)
+    menu_requested = Signal(str, QPoint)
 
     def __init__(self, put: Callable[[Design, str, str], bool], parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -188,32 +191,32 @@ class TimingCanvas(QWidget):
         self.chosen, self.row = -1, -1
         self.pair: tuple[int, ...] = ()
         self.machine: float | None = None
-        self._over: tuple[int, int | None] | None = None
-        self._held: DraggedDrive | None = None
+        self._hovered: tuple[int, int | None] | None = None
+        self._drag: DraggedDrive | None = None
         self._link: tuple[tuple[int, int], QPointF] | None = None
-        self._at, self._begun = QPointF(), QPointF()
-        self._moved, self._means = 0.0, False
+        self._mouse, self._start = QPointF(), QPointF()
+        self._distance, self._is_moved = 0.0, False
         self._on_axis = False
-        self._stopped = -1  # the row of the timing that stops what is held
-        self.label, self._wrong = "", False
+        self._stopped = -1  # the sequence condition that stops the drag
+        self.label, self._is_refused = "", False
         self._picture: QPixmap | None = None
-        self._of: object = None
+        self._picture_key: object = None
         self.typed = TypedAngle(self)
-        self.typed.entered.connect(self._enter)
+        self.typed.entered.connect(self._apply_typed)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(260, LEAST_HEIGHT)
 
-    # -- what is shown --------------------------------------------------------------------------------------
+    # -- drawing --------------------------------------------------------------------------------------------
 
     def show_design(self, design: Design | None) -> None:
-        """Show this design; None: none. What of it is not drawn here leaves the chart as it is."""
+        """Show a design; None: none. The chart is kept if the design differs only in parts that are not drawn here."""
         if design is not self._design:
-            if _drawn_of(design) != _drawn_of(self._design):
+            if _chart_content(design) != _chart_content(self._design):
                 self._chart = None
             self._design = design
-            if self._held is None:
+            if self._drag is None:
                 self.typed.hide()
             bands = 0 if design is None else len(design.drives)
             if QAccessible.isActive():
@@ -222,19 +225,19 @@ class TimingCanvas(QWidget):
         self.update()
 
     def update_style(self) -> None:
-        """Theme or letters have changed."""
+        """Draw the chart again in the current theme and font size."""
         self._chart = self._picture = None
         self.update()
 
     def set_unit(self, unit: str) -> None:
-        """Let the axis count in this."""
+        """Set the unit of the axis."""
         self.unit, self._chart = unit, None
         self.typed.hide()
         self.update()
 
     @property
     def chart(self) -> TimingChart:
-        """Where everything stands."""
+        """Positions of everything in the chart."""
         assert self._design is not None
         chart = self._chart
         if chart is None or (chart.width, chart.height) != (self.width(), self.height()):
@@ -242,9 +245,9 @@ class TimingCanvas(QWidget):
         return chart
 
     @property
-    def holding(self) -> bool:
-        """Whether a band or a join is held with the mouse."""
-        return self._held is not None
+    def is_dragging(self) -> bool:
+        """Whether the mouse drags a band or a join."""
+        return self._drag is not None
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -258,42 +261,46 @@ class TimingCanvas(QWidget):
         painter.end()
 
     def _drawn(self) -> QPixmap:
-        """The chart without the cursor, which moves much more often than all else changes."""
-        of = self.chart, self.shown()
-        if self._picture is None or self._of != of or self._picture.devicePixelRatio() != self.devicePixelRatioF():
+        """Pixmap of the chart without the cursor, which moves much more often."""
+        key = self.chart, self.highlights()
+        if (
+            self._picture is None
+            or self._picture_key != key
+            or self._picture.devicePixelRatio() != self.devicePixelRatioF()
+        ):
             picture = QPixmap(self.size() * self.devicePixelRatioF())
             picture.setDevicePixelRatio(self.devicePixelRatioF())
             picture.fill(QColor(SCREEN.paper))
             painter = QPainter(picture)
-            of[0].paint(painter, of[1])
+            key[0].paint(painter, key[1])
             painter.end()
-            self._picture, self._of = picture, of
+            self._picture, self._picture_key = picture, key
         return self._picture
 
-    def shown(self) -> ChartHighlights:
-        """What is pointed out."""
+    def highlights(self) -> ChartHighlights:
+        """Return the highlighted parts of the chart."""
         joins: tuple[tuple[int, int], ...] = ()
-        if self._over is not None:
-            drive, join = self._over
+        if self._hovered is not None:
+            drive, join = self._hovered
             joins = (
                 ((drive, join),)
                 if join is not None
                 else tuple((drive, k) for k in range(len(self.chart.bands[drive].joins)))
             )
-        label = self.label if self._held is not None or self._link is not None else ""
-        row = self._stopped if self._held is not None and self._stopped >= 0 else self.row
-        return ChartHighlights(self.chosen, row, joins, label, self._wrong, self.pair, self._link)
+        label = self.label if self._drag is not None or self._link is not None else ""
+        row = self._stopped if self._drag is not None and self._stopped >= 0 else self.row
+        return ChartHighlights(self.chosen, row, joins, label, self._is_refused, self.pair, self._link)
 
     # -- mouse ----------------------------------------------------------------------------------------------
 
-    def _grip(self, place: QPointF) -> tuple[int, int | None] | None:
-        """Drive and join at a place; the join is None where the band is meant. A drive alone has no others to be turned against."""
-        if self._design is None or place.y() > self.chart.height - self.chart.footer_height:
+    def _grip(self, pixel: QPointF) -> tuple[int, int | None] | None:
+        """Drive and join at a pixel, join None for the band. The band of a single drive cannot be dragged."""
+        if self._design is None or pixel.y() > self.chart.height - self.chart.footer_height:
             return None
-        join = self.chart.join_at(place)
+        join = self.chart.join_at(pixel)
         if join is not None:
             return None if join[1] == 0 and not self._design.listed else join
-        band = self.chart.band_at(place)
+        band = self.chart.band_at(pixel)
         return (band, None) if band is not None and self._design.listed else None
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -301,101 +308,103 @@ class TimingCanvas(QWidget):
         if event.button() != Qt.MouseButton.LeftButton or self._design is None:
             return
         self._end()
-        place = event.position()
-        self._at = self._begun = place
-        grip, row = self._grip(place), self.chart.row_at(place)
+        pixel = event.position()
+        self._mouse = self._start = pixel
+        grip, row = self._grip(pixel), self.chart.row_at(pixel)
         if (grip is None or grip[1] is None) and row is not None:
             self.row_chosen.emit(row)
         elif grip is None:
-            self._on_axis = place.x() >= self.chart.left
-            self._go(place)
+            self._on_axis = pixel.x() >= self.chart.left
+            self._choose_angle(pixel)
         elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and grip[1] is not None:
             if events_at(self._design, grip[0], grip[1]):
-                self._link = (grip[0], grip[1]), place
+                self._link = (grip[0], grip[1]), pixel
         else:
-            self._hold(*grip)
+            self._begin_drag(*grip)
         self._hover(grip)
         self.update()
 
-    def _hold(self, drive: int, join: int | None) -> None:
+    def _dragged(self, drive: int, join: int | None) -> DraggedDrive:
+        """A drive or a join before it is moved."""
         design = self._design
         assert design is not None
         if join is None:
-            self._held = DraggedDrive(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
-        else:
-            self._held = DraggedDrive(
-                drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join)
-            )
-        self._moved, self._means, self._wrong, self._stopped = 0.0, False, False, -1
-        self.label = self._text(self._held, 0.0)
-        self.taken.emit()
+            return DraggedDrive(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
+        at = self.chart.bands[drive].joins[join]
+        return DraggedDrive(drive, join, design, at, join_room(design, drive, join))
+
+    def _begin_drag(self, drive: int, join: int | None) -> None:
+        self._drag = self._dragged(drive, join)
+        self._distance, self._is_moved, self._is_refused, self._stopped = 0.0, False, False, -1
+        self.label = self._text(self._drag, 0.0)
+        self.drag_started.emit()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        place = event.position()
-        if self._held is not None:
-            self._turn(place, bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
+        pixel = event.position()
+        if self._drag is not None:
+            self._turn(pixel, bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
         elif self._link is not None:
-            self._draw_link(place)
+            self._draw_link(pixel)
         elif self._on_axis and event.buttons() & Qt.MouseButton.LeftButton:
-            self._go(place)
+            self._choose_angle(pixel)
         elif not event.buttons():
-            self._hover(self._grip(place))
+            self._hover(self._grip(pixel))
 
-    def _turn(self, place: QPointF, fine: bool) -> None:
-        held = self._held
-        assert held is not None
-        self._moved += (place.x() - self._at.x()) * (FINE if fine else 1.0)
-        self._at = place
-        self._means = self._means or abs(place.x() - self._begun.x()) > TREMBLE
-        if not self._means:
+    def _turn(self, pixel: QPointF, fine: bool) -> None:
+        drag = self._drag
+        assert drag is not None
+        self._distance += (pixel.x() - self._mouse.x()) * (FINE if fine else 1.0)
+        self._mouse = pixel
+        self._is_moved = self._is_moved or abs(pixel.x() - self._start.x()) > TREMBLE
+        if not self._is_moved:
             return
         step = STEP * (FINE if fine else 1.0)
-        wanted = round(round((held.at + self._moved / self.chart.degree) / step) * step - held.at, 9)
-        by, stop = held.room.within(wanted), held.room.stop(wanted)
-        possible = self._apply(held, by)
-        self.label, self._wrong = self._text(held, by), not possible or stop is not None
+        target = round(round((drag.at + self._distance / self.chart.degree) / step) * step - drag.at, 9)
+        by, stop = drag.room.within(target), drag.room.stop(target)
+        possible = self._apply(drag, by)
+        self.label, self._is_refused = self._text(drag, by), not possible or stop is not None
         if not possible:
             self.label += "  not possible"
         elif stop is not None:
-            row = held.design.timing[stop]
+            row = drag.design.timing[stop]
             self.label += f"   stops: {event_text(row.second)} {short(row.least_deg)}° after {event_text(row.first)}"
         self._stopped = -1 if stop is None else stop
         self.update()
 
-    def _apply(self, held: DraggedDrive, by: float) -> bool:
-        """One step that turns what is held so far."""
-        return self._put(held.turned(by), self._step(held, by), held.path)
+    def _apply(self, drag: DraggedDrive, by: float) -> bool:
+        """Put the design turned by an angle; False where it is refused."""
+        return self._put(drag.turned(by), self._step(drag, by), drag.path)
 
-    def _step(self, held: DraggedDrive, by: float) -> str:
-        """``Turn Feed to 330°``, ``Move Feed rise 1 end to 33.5°``."""
-        at = f"{short((held.at + by) % 360.0)}°"
-        if held.join is None:
-            return f"Turn {self.chart.bands[held.drive].name} to {at}"
-        return f"Move {self._name(held)} to {at}"
+    def _step(self, drag: DraggedDrive, by: float) -> str:
+        """Name of the undo step: ``Turn Feed to 330°``, ``Move Feed rise 1 end to 33.5°``."""
+        at = f"{short((drag.at + by) % 360.0)}°"
+        if drag.join is None:
+            return f"Turn {self.chart.bands[drag.drive].name} to {at}"
+        return f"Move {self._name(drag)} to {at}"
 
-    def _name(self, held: DraggedDrive) -> str:
-        assert held.join is not None
-        events = events_at(held.design, held.drive, held.join)
-        return event_text(events[0]) if events else f"join {held.join + 1} of {self.chart.bands[held.drive].name}"
+    def _name(self, drag: DraggedDrive) -> str:
+        assert drag.join is not None
+        events = events_at(drag.design, drag.drive, drag.join)
+        return event_text(events[0]) if events else f"join {drag.join + 1} of {self.chart.bands[drag.drive].name}"
 
-    def _text(self, held: DraggedDrive, by: float) -> str:
-        what = f"{self.chart.bands[held.drive].name} phase" if held.join is None else self._name(held)
-        return f"{what}  {self.chart.degrees_and_ms(round(held.at + by, 9) % 360.0)}"
+    def _text(self, drag: DraggedDrive, by: float) -> str:
+        name = f"{self.chart.bands[drag.drive].name} phase" if drag.join is None else self._name(drag)
+        return f"{name}  {self.chart.degrees_and_ms(round(drag.at + by, 9) % 360.0)}"
 
-    def _draw_link(self, place: QPointF) -> None:
+    def _draw_link(self, pixel: QPointF) -> None:
         assert self._link is not None
-        self._link = self._link[0], place
+        self._link = self._link[0], pixel
         names = self._link_names()
         self.label = (
             f"{event_text(names[1])} after {event_text(names[0])}"
             if names is not None
-            else "to another point: what must come after this"
+            else "drag to the point that must come after this one"
         )
-        self._wrong = False
+        self._is_refused = False
         self.update()
 
     def _link_names(self) -> tuple[str, str] | None:
-        """The events that are drawn from and to."""
+        """Events at both ends of a Shift-drag; None where there is none."""
         assert self._link is not None
         assert self._design is not None
         target = self.chart.join_at(self._link[1])
@@ -412,11 +421,11 @@ class TimingCanvas(QWidget):
         if self._link is not None:
             names, self._link = self._link_names(), None
             if names is not None:
-                self.row_wanted.emit(*names)
-        held, means = self._held, self._means
+                self.condition_drawn.emit(*names)
+        drag, is_moved = self._drag, self._is_moved
         self._end()
-        if held is not None and not means:
-            self.drive_chosen.emit(held.drive)
+        if drag is not None and not is_moved:
+            self.drive_chosen.emit(drag.drive)
         self._hover(self._grip(event.position()))
         self.update()
 
@@ -429,91 +438,77 @@ class TimingCanvas(QWidget):
         assert self._design is not None
         band = self.chart.bands[drive]
         at = self._design.drives[drive].phase_deg % 360.0 if join is None else band.joins[join]
-        place = event.position() if join is None else self.chart.join_position(drive, join)
-        self.typed.ask(drive, join, self.chart.value(at), self.unit, place)
+        position = event.position() if join is None else self.chart.join_position(drive, join)
+        self.typed.ask(drive, join, self.chart.value(at), self.unit, position)
 
-    def _enter(self, drive: int, join: int | None, value: float) -> None:
-        """What was typed is taken as it is, also where it breaks a distance: that is then a finding."""
-        design = self._design
-        assert design is not None
+    def _apply_typed(self, drive: int, join: int | None, value: float) -> None:
+        """Apply a typed value, even where it violates a sequence condition, which is then a finding."""
+        drag = self._dragged(drive, join)
         angle = value / self.chart.value(360.0) * 360.0
         if join is None:
-            held = DraggedDrive(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
-            by, room = angle - held.at, AngleRoom(-3600.0, 3600.0)
-        else:
-            held = DraggedDrive(
-                drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join)
-            )
-            by, room = (angle - held.at + 180.0) % 360.0 - 180.0, self._neighbours(design, drive, join)
+            by, room = angle - drag.at, AngleRoom(-3600.0, 3600.0)
+        else:  # between its neighbours, without sequence conditions
+            room = join_room(replace(drag.design, timing=()), drive, join)
+            by = (angle - drag.at + 180.0) % 360.0 - 180.0
         by = round(by, 9)
         if not room.low <= by <= room.high:
-            low, high = (self.chart.text((held.at + end) % 360.0) for end in (room.low, room.high))
+            low, high = (self.chart.text((drag.at + end) % 360.0) for end in (room.low, room.high))
             self.typed.refuse(f"allowed: {low} ... {high}, between its neighbours")
             return
-        self.taken.emit()
-        possible = self._apply(held, by)
-        self.let_go.emit(False)
+        self.drag_started.emit()
+        possible = self._apply(drag, by)
+        self.drag_ended.emit(False)
         if possible:
             self.typed.hide()
             self.setFocus()
         else:
-            self.typed.refuse("not possible: the findings and the status line tell why")
+            self.typed.refuse("not possible: see the findings and the status line")
 
-    @staticmethod
-    def _neighbours(design: Design, drive: int, join: int) -> AngleRoom:
-        """What a join's neighbours leave, whatever must be kept."""
-        return join_room(replace(design, timing=()), drive, join)
-
-    def _go(self, place: QPointF) -> None:
+    def _choose_angle(self, pixel: QPointF) -> None:
         if self._on_axis:
-            self.angle_wanted.emit(self.chart.angle(place.x()))
+            self.angle_chosen.emit(self.chart.angle(pixel.x()))
 
-    def _end(self, back: bool = False) -> None:
-        """What was held is let go; back: it leaves nothing behind."""
+    def _end(self, cancel: bool = False) -> None:
+        """End a drag; ``cancel``: restore the design before it."""
         self._link = None
-        if self._held is not None:
-            held, self._held = self._held, None
-            if back and self._means:
-                self._put(held.design, self._step(held, 0.0), held.path)
-            self.let_go.emit(back)
-        self._means = False
+        if self._drag is not None:
+            drag, self._drag = self._drag, None
+            if cancel and self._is_moved:
+                self._put(drag.design, self._step(drag, 0.0), drag.path)
+            self.drag_ended.emit(cancel)
+        self._is_moved = False
 
-    def void(self) -> None:
-        """The design has been changed from elsewhere: what is held is void."""
-        if self._held is not None:
-            self._held = None
-            self.let_go.emit(False)
-        self._link, self._over, self._means = None, None, False
+    def drop(self) -> None:
+        """Drop a drag, because the design was changed elsewhere."""
+        if self._drag is not None:
+            self._drag = None
+            self.drag_ended.emit(False)
+        self._link, self._hovered, self._is_moved = None, None, False
         self.typed.hide()
 
     def forget(self) -> None:
-        """Another design has begun: what was chosen is void too."""
-        self.void()
+        """Drop drag and selection, because another design was opened."""
+        self.drop()
         self.row, self.pair = -1, ()
 
     def _hover(self, grip: tuple[int, int | None] | None) -> None:
-        if grip != self._over:
-            self._over = grip
-            shapes = Qt.CursorShape
-            shape = (
-                shapes.ArrowCursor
-                if grip is None
-                else shapes.OpenHandCursor
-                if grip[1] is None
-                else shapes.SizeHorCursor
-            )
-            self.setCursor(shape)
+        if grip != self._hovered:
+            self._hovered = grip
+            if grip is None:
+                self.setCursor(Qt.CursorShape.ArrowCursor)
+            else:
+                self.setCursor(Qt.CursorShape.OpenHandCursor if grip[1] is None else Qt.CursorShape.SizeHorCursor)
             self.update()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        if self._design is not None and self._held is None and self._link is None:
-            self.asked.emit(self.path_at(QPointF(event.pos())), event.globalPos())
+        if self._design is not None and self._drag is None and self._link is None:
+            self.menu_requested.emit(self.path_at(QPointF(event.pos())), event.globalPos())
 
-    def path_at(self, place: QPointF) -> str:
-        """The field of what stands at a place: the span that a point ends, else the distance of an arrow, else the phase of a band."""
+    def path_at(self, pixel: QPointF) -> str:
+        """Path of the field at a pixel: the span before a point, the distance of an arrow, or the phase of a band."""
         if self._design is None:
             return ""
-        grip, row = self._grip(place), self.chart.row_at(place)
+        grip, row = self._grip(pixel), self.chart.row_at(pixel)
         if grip is not None and grip[1] is not None and (motion := self._design.drives[grip[0]].motion) is not None:
             inside = f"motion.segments[{(grip[1] - 1) % len(motion.segments)}].span_deg"
             return path_in(self._design, grip[0], inside)
@@ -523,12 +518,12 @@ class TimingCanvas(QWidget):
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)
-        if self._held is None:
+        if self._drag is None:
             self._hover(None)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and (self._held is not None or self._link is not None):
-            self._end(back=True)
+        if event.key() == Qt.Key.Key_Escape and (self._drag is not None or self._link is not None):
+            self._end(cancel=True)
             self.update()
         else:
             event.ignore()
@@ -542,11 +537,11 @@ class TimingCanvas(QWidget):
             return True
         return super().event(event)
 
-    def tip(self, place: QPointF) -> str:
-        """What is at a place, and what can be done there."""
+    def tip(self, pixel: QPointF) -> str:
+        """Text of the tip at a pixel: the value, and what the mouse does."""
         if self._design is None:
             return ""
-        grip, row = self._grip(place), self.chart.row_at(place)
+        grip, row = self._grip(pixel), self.chart.row_at(pixel)
         if grip is not None and grip[1] is not None:
             drive, join = grip
             events = events_at(self._design, drive, join or 0)

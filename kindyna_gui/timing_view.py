@@ -1,4 +1,4 @@
-"""Timing view."""
+"""View of the timing of several drives: the chart, the list of sequence conditions, and the form of the selected one."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.timing_canvas import HOW, TimingCanvas
 from kindyna_gui.view import View
 
-# -- rows ------------------------------------------------------------------------------------------------
+# -- list of sequence conditions -------------------------------------------------------------------------
 
 HEADINGS = (
     TableHeading("First", wide=True),
@@ -57,11 +57,11 @@ HEADINGS = (
     TableHeading("after", number=True),
     TableHeading("least", number=True),
 )
-EMPTY = "Nothing must come after anything yet. Draw from point to point with Shift, or press Add."
+EMPTY = "No sequence conditions yet. Shift-drag from one event to another, or press Add."
 
 
 class RowsList(RowsTable):
-    """The list itself. moved (-1 or 1): Alt+Up, Alt+Down; removed: Delete."""
+    """Table of the conditions. Signals: moved (-1 or 1) for Alt+Up and Alt+Down, removed for Delete."""
 
     moved = Signal(int)
     removed = Signal()
@@ -69,7 +69,7 @@ class RowsList(RowsTable):
     def __init__(self) -> None:
         super().__init__(HEADINGS)
         self.setWordWrap(False)
-        self.setAccessibleName("What must come after what")
+        self.setAccessibleName("Sequence conditions")
 
     def sizeHint(self) -> QSize:
         return QSize(280, 110)
@@ -80,12 +80,13 @@ class RowsList(RowsTable):
 
 
 class TimingRows(QWidget):
-    """List, buttons and form.
+    """Table of the sequence conditions with buttons, and the form of the selected one.
 
-    chosen    (int): a row of the list
-    changed   (int, Timing): the form has another row of this number
-    finished  the gesture in the form is over
-    added     a row more is wanted; reordered (list, int): these rows in this order, of which that one is chosen then
+    - chosen (int): a row was selected
+    - changed (int, TimingRow): the form has changed this row
+    - finished: the input in the form is complete
+    - added: the user adds a row
+    - reordered (list, int): new order of the rows, and the row to select then
     """
 
     chosen = Signal(int)
@@ -108,11 +109,11 @@ class TimingRows(QWidget):
         self.least: NumberBox | None = None
         self.message = MessageLabel(SCREEN.quiet)
         self.buttons = {
-            "add": list_button("Add", "insert", "One distance more", self.added.emit),
-            "copy": list_button("Copy", "duplicate", "The chosen one once more", self._copy),
-            "remove": list_button("Remove", "delete", "Take the chosen one away (Del)", self._remove),
-            "up": list_button("Up", "up", "Further up in the list (Alt+Up)", lambda: self._move(-1)),
-            "down": list_button("Down", "down", "Further down in the list (Alt+Down)", lambda: self._move(1)),
+            "add": list_button("Add", "insert", "Add a sequence condition", self.added.emit),
+            "copy": list_button("Copy", "duplicate", "Duplicate the selected condition", self._copy),
+            "remove": list_button("Remove", "delete", "Remove the selected condition (Del)", self._remove),
+            "up": list_button("Up", "up", "Move up (Alt+Up)", lambda: self._move(-1)),
+            "down": list_button("Down", "down", "Move down (Alt+Down)", lambda: self._move(1)),
         }
         bar = QHBoxLayout()
         bar.setContentsMargins(2, 1, 2, 1)
@@ -141,25 +142,30 @@ class TimingRows(QWidget):
         self.list.moved.connect(self._move)
         self.list.removed.connect(self._remove)
 
-    # -- what is shown --------------------------------------------------------------------------------------
+    # -- content --------------------------------------------------------------------------------------------
 
     def show_rows(self, chart: TimingChart, row: int, note: str) -> None:
-        """The rows of a chart's design, one of them chosen; note: what is wrong with all of them together."""
+        """Show the conditions of a chart's design and select one; ``note``: a contradiction among them."""
         design = self._design = chart.design
         self._row = row
         rows = [
             TableRow(
-                (event_text(each.first), event_text(each.second), chart.text(at.after_deg), chart.text(each.least_deg)),
+                (
+                    event_text(condition.first),
+                    event_text(condition.second),
+                    chart.text(at.after_deg),
+                    chart.text(condition.least_deg),
+                ),
                 tip=""
                 if at.kept
                 else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
                 colour="" if at.kept else SCREEN.limit,
             )
-            for each, at in zip(design.timing, chart.distances, strict=True)
+            for condition, at in zip(design.timing, chart.distances, strict=True)
         ]
-        self._showing = True  # what is chosen in the list meanwhile is not the user's choice
+        self._showing = True  # selections from here on are not by the user
         try:
-            if [(each.tip, each.colour) for each in rows] == [(each.tip, each.colour) for each in self.list.rows.rows]:
+            if [(new.tip, new.colour) for new in rows] == [(old.tip, old.colour) for old in self.list.rows.rows]:
                 self.list.update_rows(rows)
             else:
                 self.list.show_rows(rows)
@@ -169,17 +175,19 @@ class TimingRows(QWidget):
                 self.list.selectRow(row)
         finally:
             self._showing = False
-        there, last = row >= 0, len(rows) - 1
-        for name, on in (("copy", there), ("remove", there), ("up", row > 0), ("down", there and row < last)):
-            self.buttons[name].setEnabled(on)
-        self._form.setVisible(there)
-        if there:
+        is_selected, last = row >= 0, len(rows) - 1
+        self.buttons["copy"].setEnabled(is_selected)
+        self.buttons["remove"].setEnabled(is_selected)
+        self.buttons["up"].setEnabled(row > 0)
+        self.buttons["down"].setEnabled(is_selected and row < last)
+        self._form.setVisible(is_selected)
+        if is_selected:
             self._show_form(design, row)
         self._note = note
         self._show_note()
 
     def _show_note(self) -> None:
-        """What is to be said of the list as it stands."""
+        """Show the note on the list, or how to add the first condition."""
         coloured(self.message, SCREEN.limit if self._note else SCREEN.quiet)
         self.message.show_message(self._note or ("" if self._count else EMPTY))
 
@@ -208,7 +216,7 @@ class TimingRows(QWidget):
         if not self.least.pending or not self.least.hasFocus():
             self.least.show_value(design.timing[row].least_deg)
 
-    # -- by the user ----------------------------------------------------------------------------------------
+    # -- input ----------------------------------------------------------------------------------------------
 
     def _choose(self, row: int) -> None:
         if row != self._row and not self._showing:
@@ -234,7 +242,7 @@ class TimingRows(QWidget):
         self.refuse(no_number(self.least.text()))
 
     def refuse(self, text: str) -> None:
-        """What was typed is wrong: it stays, framed in red."""
+        """Mark the typed value red, and show the reason."""
         if self.least is not None:
             self.least.set_refused(True)
         coloured(self.message, SCREEN.limit)
@@ -267,14 +275,14 @@ PATH = "timing"
 
 
 class TimingView(View):
-    """Chart and list over the session's whole shaft. Each drag, each typed value, each row is a step of the undo stack."""
+    """Chart and list of conditions for all drives; each drag, typed value and row is an undo step."""
 
     is_design_wide = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.canvas = TimingCanvas(self._put)
-        self._rows_of: tuple[TimingChart, int, bool] | None = None
+        self._content_key: tuple[TimingChart, int, bool] | None = None
         self.rows = TimingRows()
         self.unit = QComboBox()
         for key, text in ((DEGREES, "degrees"), (MILLISECONDS, "milliseconds")):
@@ -282,7 +290,7 @@ class TimingView(View):
         self.unit.setAccessibleName("Axis")
         self.pair = (QComboBox(), QComboBox())
         for number, box in enumerate(self.pair, 1):
-            box.setAccessibleName(f"Drive {number} that may move at the same time")
+            box.setAccessibleName(f"Drive {number} of the overlap")
             box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
             box.setMinimumContentsLength(5)
             box.activated.connect(self._choose_pair)
@@ -293,9 +301,9 @@ class TimingView(View):
         line.setContentsMargins(6, 2, 6, 2)
         label = QLabel("Axis")
         label.setBuddy(self.unit)
-        self._both = QLabel("Both move")
-        self._both.setBuddy(self.pair[0])
-        for part in (label, self.unit, self._both, *self.pair):
+        self._overlap_label = QLabel("Overlap of")
+        self._overlap_label.setBuddy(self.pair[0])
+        for part in (label, self.unit, self._overlap_label, *self.pair):
             line.addWidget(part)
         line.addWidget(self.overlap, 1)
         left = QWidget()
@@ -303,7 +311,7 @@ class TimingView(View):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(bar)
-        scroll = QScrollArea(widgetResizable=True)  # where there are many drives
+        scroll = QScrollArea(widgetResizable=True)  # for many drives
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scroll.setWidget(self.canvas)
@@ -321,33 +329,33 @@ class TimingView(View):
     def _connect(self) -> None:
         self.unit.activated.connect(self._choose_unit)
         canvas, rows = self.canvas, self.rows
-        canvas.taken.connect(self._take)
-        canvas.let_go.connect(self._let_go)
+        canvas.drag_started.connect(self._begin_drag)
+        canvas.drag_ended.connect(self._end_drag)
         canvas.drive_chosen.connect(self.session.choose_drive)
         canvas.row_chosen.connect(self._choose_row)
-        canvas.row_wanted.connect(self._add_between)
-        canvas.angle_wanted.connect(self._go)
-        canvas.asked.connect(self._open_menu)
+        canvas.condition_drawn.connect(self._add_between)
+        canvas.angle_chosen.connect(self._set_angle)
+        canvas.menu_requested.connect(self._open_menu)
         rows.chosen.connect(self._choose_row)
         rows.changed.connect(self._change_row)
         rows.finished.connect(self.session.end_gesture)
         rows.added.connect(self._add)
         rows.reordered.connect(self._reorder)
         self.session.started.connect(canvas.forget)
-        self.session.restored.connect(canvas.void)
+        self.session.restored.connect(canvas.drop)
 
     # -- from the session -----------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        whole, canvas = self._whole, self.canvas
-        canvas.chosen = self.session.chosen if self.session.several else -1
-        canvas.row = min(canvas.row, len(whole.timing) - 1)
-        canvas.show_design(whole)
-        of = canvas.chart, canvas.row, canvas.chosen < 0
-        if of == self._rows_of:  # nothing that stands here has changed
+        design, canvas = self._design, self.canvas
+        canvas.chosen = self.session.chosen if self.session.has_several_drives else -1
+        canvas.row = min(canvas.row, len(design.timing) - 1)
+        canvas.show_design(design)
+        content = canvas.chart, canvas.row, canvas.chosen < 0
+        if content == self._content_key:
             return
-        self._rows_of = of
-        for part in (self.rows, self._both, *self.pair, self.overlap):
+        self._content_key = content
+        for part in (self.rows, self._overlap_label, *self.pair, self.overlap):
             part.setVisible(canvas.chosen >= 0)
         self._show_pair()
         self._show_rows()
@@ -357,24 +365,27 @@ class TimingView(View):
         self.canvas.update()
 
     @property
-    def _whole(self) -> Design:
-        whole: Design = self.session.full_design
-        return whole
+    def _design(self) -> Design:
+        design: Design = self.session.full_design
+        return design
 
     def _show_rows(self) -> None:
         self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
 
     def _contradiction(self) -> str:
-        """Which rows no phases keep together, in the order in which their events come now."""
-        ring = contradiction(self._whole)
-        if not ring:
+        """Conditions that no phases satisfy together in the present order of events; empty where there is no contradiction."""
+        rows = contradiction(self._design)
+        if not rows:
             return ""
-        numbers = ", ".join(str(i + 1) for i in sorted(ring))
-        more = short(excess(self._whole, ring), 4)
-        return f"In their order no phases keep rows {numbers} together: they ask for {more}° too much. Lessen one, or lengthen a dwell."
+        numbers = ", ".join(str(i + 1) for i in sorted(rows))
+        more = short(excess(self._design, rows), 4)
+        return (
+            f"No phases satisfy conditions {numbers} together in this order of events: they need {more}° too much. "
+            "Reduce one, or lengthen a dwell."
+        )
 
     def _show_pair(self) -> None:
-        names = ("nothing", *drive_names(self._whole))
+        names = ("(none)", *drive_names(self._design))
         for box in self.pair:
             if [box.itemText(i) for i in range(box.count())] != list(names):
                 index = min(box.currentIndex(), len(names) - 1)
@@ -386,21 +397,21 @@ class TimingView(View):
         self.canvas.pair = pair if min(pair) >= 0 and pair[0] != pair[1] else ()
         text = ""
         if self.canvas.pair:
-            both = fsum(end - begin for begin, end in together(self._whole, *self.canvas.pair))
-            text = self.canvas.chart.degrees_and_ms(round(both, 9)) if both else "never"
+            overlap = fsum(end - begin for begin, end in together(self._design, *self.canvas.pair))
+            text = self.canvas.chart.degrees_and_ms(round(overlap, 9)) if overlap else "never"
         self.overlap.setText(text)
 
-    # -- by the user ----------------------------------------------------------------------------------------
+    # -- input ----------------------------------------------------------------------------------------------
 
     def _put(self, design: Design, label: str, path: str) -> bool:
-        """One step, of all drives."""
+        """Put a design of all drives as one undo step."""
         return self.session.put_full_design(design, label, path)
 
-    def _take(self) -> None:
+    def _begin_drag(self) -> None:
         self.session.end_gesture()
         self.session.begin_drag(self)
 
-    def _let_go(self, back: bool) -> None:
+    def _end_drag(self, is_cancelled: bool) -> None:
         self.session.end_gesture()
         self.session.end_drag()
 
@@ -409,7 +420,7 @@ class TimingView(View):
         self._show_rows()
 
     def set_unit(self, unit: str) -> None:
-        """Let the axis count in degrees or in milliseconds."""
+        """Set the unit of the axis: degrees or milliseconds."""
         self.unit.setCurrentIndex(self.unit.findData(unit))
         self._choose_unit()
 
@@ -422,7 +433,7 @@ class TimingView(View):
         self.canvas.update()
         self._show_rows()
 
-    def _go(self, angle: float) -> None:
+    def _set_angle(self, angle: float) -> None:
         self.player.play(False)
         self.player.set_machine(radians(angle))
 
@@ -430,7 +441,7 @@ class TimingView(View):
         from kindyna_gui.touch_targets import MouseTarget, open_menu
 
         if self._host is not None:
-            open_menu(MouseTarget(name_of(self._whole, path), path) if path else None, self, self._host, on_screen)
+            open_menu(MouseTarget(name_of(self._design, path), path) if path else None, self, self._host, on_screen)
 
     def _one_step(self, design: Design, label: str, row: int) -> None:
         self.session.end_gesture()
@@ -441,15 +452,15 @@ class TimingView(View):
     def _add_between(self, first: str, second: str) -> None:
         row = TimingRow(first, second, 0.0)
         self._one_step(
-            with_timing(self._whole, len(self._whole.timing), row),
+            with_timing(self._design, len(self._design.timing), row),
             f"Let {event_text(second)} follow {event_text(first)}",
-            len(self._whole.timing),
+            len(self._design.timing),
         )
 
     def _add(self) -> None:
-        """What follows the end of the chosen drive's first movement on another drive, until it is chosen otherwise."""
-        at = events(self._whole)
-        name = drive_names(self._whole)[min(max(self.canvas.chosen, 0), len(self._whole.drives) - 1)]
+        """Add a condition: the next event of another drive after the first end of the selected drive."""
+        at = events(self._design)
+        name = drive_names(self._design)[min(max(self.canvas.chosen, 0), len(self._design.drives) - 1)]
         first = next(
             (event for event in at if event.startswith(f"{name}.") and event.endswith(".end")), next(iter(at), "")
         )
@@ -459,22 +470,22 @@ class TimingView(View):
 
     def _change_row(self, number: int, row: TimingRow) -> None:
         label = f"Let {event_text(row.second)} follow {event_text(row.first)} by {short(row.least_deg)}°"
-        if not self._put(with_timing(self._whole, number, row), label, f"{PATH}[{number}]"):
+        if not self._put(with_timing(self._design, number, row), label, f"{PATH}[{number}]"):
             self.rows.refuse("allowed: -360 ... 360°")
             self.session.withdraw(f"{PATH}[{number}]")
 
     def _reorder(self, order: list[int], row: int) -> None:
-        count = len(self._whole.timing)
+        count = len(self._design.timing)
         word = "Remove" if len(order) < count else "Copy" if len(order) > count else "Move"
-        self._one_step(reorder_timing(self._whole, order), f"{word} a distance of the timing", row)
+        self._one_step(reorder_timing(self._design, order), f"{word} a sequence condition", row)
 
     def focus_field(self, path: str) -> bool:
-        """Choose the row of a path ``timing[2]``; False where it is none."""
+        """Select the row of a path such as ``timing[2]``; False for other paths."""
         number = path.removeprefix(f"{PATH}[").partition("]")[0]
         if not path.startswith(f"{PATH}[") or not number.isdecimal():
             return False
         self.pull()
-        if int(number) < len(self._whole.timing):
+        if int(number) < len(self._design.timing):
             self._choose_row(int(number))
             self.rows.list.setFocus()
         return True
@@ -484,4 +495,4 @@ class TimingView(View):
     def picture(self, ending: str) -> bytes:
         from kindyna_gui.pictures.paper.timing_chart import timing_file
 
-        return timing_file(self._whole, ending, self.canvas.unit, self.canvas.pair)
+        return timing_file(self._design, ending, self.canvas.unit, self.canvas.pair)

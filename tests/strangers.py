@@ -8,7 +8,7 @@ from types import CodeType, ModuleType
 
 ADDED = {
     "core.laws.table": {
-        "_ROWS": """Law("trefoil", "Trefoil", SERIES, _one(0.0, 0.0, 0.0, 4.0, -3.0), ("s = 4 u³ - 3 u⁴",),
+        "_ROWS": """Law("trefoil", "Trefoil", SERIES, _single_piece(0.0, 0.0, 0.0, 4.0, -3.0), ("s = 4 u³ - 3 u⁴",),
                         "Stranger 2000: s = 4u^3 - 3u^4", "TRE")""",
     },
     "core.units": {
@@ -16,7 +16,7 @@ ADDED = {
                              shown={"l/min": (("l/min", 0.5), ("ml/min", 0.0))})""",
     },
     "core.study.quantities": {
-        "_ROWS": """Quantity("squeeze", "squeeze_n", "Squeeze", "S", "force", "2 F_c", "Stranger 2000", "dynamics",
+        "_ROWS": """Quantity("squeeze", "squeeze_n", "Squeeze", "S", "force", "dynamics",
                              lambda s: 2.0 * s.dynamics.contact, needs="cam")""",
     },
     "core.design.limits": {

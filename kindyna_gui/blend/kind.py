@@ -16,7 +16,7 @@ from core.output.texts import curve_shape, type_shape
 from kindyna_gui.blend.request import constants
 from kindyna_gui.blend.settings import quiet
 from kindyna_gui.look import bold_label, text_button
-from kindyna_gui.pictures.style import SCREEN, of_theme
+from kindyna_gui.pictures.style import SCREEN, cached_by_theme
 
 # -- icons -----------------------------------------------------------------------------------------------
 
@@ -26,13 +26,13 @@ MARGIN, GAP, LINE_WIDTH = 2.0, 4.0, 1.5  # [pixels]
 LEAST_HEIGHT = 1e-9  # of a curve that is not constant
 
 
-@of_theme
+@cached_by_theme
 def type_icon(motion_type: str) -> QIcon:
     """Icon of a motion type: its three curves, one below the other."""
     return _icon(type_shape(motion_type), TYPE_SIZE, is_column=True)
 
 
-@of_theme
+@cached_by_theme
 def curve_icon(curve: str) -> QIcon:
     """Icon of an elementary curve: displacement, velocity and acceleration side by side."""
     return _icon(curve_shape(curve), CURVE_SIZE, is_column=False)

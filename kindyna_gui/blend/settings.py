@@ -87,7 +87,7 @@ class LiveBox(NumberBox):
         return "" if self._info.admits(value) else f"Allowed: {self._info.allowed(self._unit)}".replace(">=", "≥")
 
     def _accept(self, value: float) -> None:
-        refused = self.refused
+        refused = self.is_refused
         self.show_value(value)
         self.set_refused(refused)
         self._emit_changed()

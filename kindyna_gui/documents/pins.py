@@ -100,7 +100,7 @@ class Bands(QObject):
 
         The others are computed in the background, and ``changed`` reports them.
         """
-        if drive is None and self._session.on_balancer:
+        if drive is None and self._session.is_on_balancer:
             return {}
         number = self._session.chosen if drive is None else drive
         return {key[1]: band for key, band in self._read([(number, row.slug) for row in rows]).items()}
@@ -227,10 +227,12 @@ class Pins(QObject):
         if self.front is None:
             return None
         if not self.front.design.listed:
-            return self._study(-1) if not self._session.several else None
+            return self._study(-1) if not self._session.has_several_drives else None
         drives = self.front.design.drives
         return (
-            self._study(self._session.chosen) if self._session.several and self._session.chosen < len(drives) else None
+            self._study(self._session.chosen)
+            if self._session.has_several_drives and self._session.chosen < len(drives)
+            else None
         )
 
     @contextmanager

@@ -110,7 +110,7 @@ class Session(SessionState):
         While they do not fit, they become the incomplete design, and the last valid design takes the changes that fit it.
         Returns False where the design is refused, for a fault that no other value can correct.
         """
-        if self.on_balancer:
+        if self.is_on_balancer:
             return self._refuse_balancer(path)
         return self.lay_out_full_design(with_only(self.typed_full_design, self.chosen, design), label, path)
 
@@ -152,7 +152,7 @@ class Session(SessionState):
         Returns False where it is refused, for a fault or a stage on screen without a solution. An incomplete design remains
         incomplete, except for the values that this changes.
         """
-        if self.on_balancer:
+        if self.is_on_balancer:
             return self._refuse_balancer(path)
         changed = with_only(self.full_design, self.chosen, design)
         return self._put(changed, self._misfits(changed, self.full_design), label, path, self.chosen)
@@ -259,7 +259,7 @@ class Session(SessionState):
             "design": dumps(self.full_design),
             "drive": self.chosen,
             "path": None if self.path is None else str(self.path),
-            "modified": self.modified,
+            "modified": self.is_modified,
             "draft": None if self.incomplete is None else self.incomplete.state(),
         }
 

@@ -151,7 +151,7 @@ class SessionState(QObject):
     @property
     def full_study(self) -> Study:
         """The study of the full design; that of the drive, where there is only one."""
-        if not self.several:
+        if not self.has_several_drives:
             return self.study
         if self._full_study is None:
             self._full_study = Study(self.full_design, SAMPLES)
@@ -174,7 +174,7 @@ class SessionState(QObject):
         return self.full_design, self.incomplete, self.chosen
 
     @property
-    def several(self) -> bool:
+    def has_several_drives(self) -> bool:
         """Whether the design is a list of drives."""
         listed: bool = self.full_design.listed
         return listed
@@ -185,21 +185,21 @@ class SessionState(QObject):
         return (*drive_names(self.full_design), *(() if self.full_design.balancer is None else (BALANCE_CAM,)))
 
     @property
-    def on_balancer(self) -> bool:
+    def is_on_balancer(self) -> bool:
         """Whether the balance cam is selected: it follows from the drives, and cannot be edited as one."""
         return self.chosen == len(self.full_design.drives)
 
     @property
     def angle_name(self) -> str:
         """The angle of all drives, ``machine angle``, or the angle of a single drive."""
-        return "machine angle" if self.several else self.study.angle_name
+        return "machine angle" if self.has_several_drives else self.study.angle_name
 
     @property
     def shaft_position(self) -> ShaftPosition:
         """Position of the selected drive on its shaft; a single drive is shown by its own angle."""
-        if not self.several:
+        if not self.has_several_drives:
             return ShaftPosition()
-        return self.shaft.balancer_position if self.on_balancer else self.shaft.positions[self.names[self.chosen]]
+        return self.shaft.balancer_position if self.is_on_balancer else self.shaft.positions[self.names[self.chosen]]
 
     def _drive_design(self, design: Design, index: int) -> Design:
         """Return a drive, or the balance cam, as a design. Raises NoSolution where no cam balances the torque."""
@@ -248,7 +248,7 @@ class SessionState(QObject):
             self.load_chosen.emit()
 
     @property
-    def modified(self) -> bool:
+    def is_modified(self) -> bool:
         """Whether the design has changed since its file was read or written."""
         return not self.stack.isClean()
 
@@ -262,7 +262,9 @@ class SessionState(QObject):
     @property
     def typed(self) -> Any:
         """The selected drive as typed, as a design by itself; it may have faults."""
-        return self.design if self.incomplete is None or self.on_balancer else only(self.incomplete.design, self.chosen)
+        return (
+            self.design if self.incomplete is None or self.is_on_balancer else only(self.incomplete.design, self.chosen)
+        )
 
     @property
     def is_incomplete_linkage(self) -> bool:
@@ -291,7 +293,7 @@ class SessionState(QObject):
         """Return the typed design that a path belongs to: the drive, or the full design for what its drives share."""
         return self.typed_full_design if self._is_shared(path) else self.typed
 
-    def waits(self, path: str, read: Callable[[Design], Any]) -> bool:
+    def is_waiting(self, path: str, read: Callable[[Design], Any]) -> bool:
         """Whether the value typed at a path is not applied yet, because it does not fit the others."""
         if self.incomplete is None:
             return False
@@ -302,11 +304,15 @@ class SessionState(QObject):
 
     def _is_shared(self, path: str) -> bool:
         """Whether a path belongs to what several drives share, or to the full design, such as ``drives[1].phase_deg``."""
-        return self.several and path.partition(".")[0].partition("[")[0] in SHARED
+        return self.has_several_drives and path.partition(".")[0].partition("[")[0] in SHARED
 
     def _full_path(self, path: str) -> str:
         """Return the path in the full design of a path in the forms of the selected drive."""
-        is_of_drive = self.several and not self.on_balancer and path.partition(".")[0] in (*self.design.tables, "name")
+        is_of_drive = (
+            self.has_several_drives
+            and not self.is_on_balancer
+            and path.partition(".")[0] in (*self.design.tables, "name")
+        )
         return path_of(self.chosen, path) if is_of_drive and not self._is_shared(path) else path
 
     def _misfits(self, design: Design, valid: Design) -> Texts:

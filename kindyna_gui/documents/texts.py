@@ -85,7 +85,7 @@ def add_copy(
 
     def line() -> str:
         session: Any = getattr(parent, "session", None)
-        drive = session.design.name if session is not None and session.several and of_drive else ""
+        drive = session.design.name if session is not None and session.has_several_drives and of_drive else ""
         design = session.path if session is not None and session.path is not None else UNSAVED
         return command_line(name, design if reads else None, *options(), drive)
 
@@ -99,7 +99,7 @@ def command_text(name: str, words: Sequence[str]) -> str:
 
 def session_options(session: Any) -> dict[str, Any]:
     """Return the options for the current design's file and for the selected drive of a shaft."""
-    return {"into": session.path or UNSAVED, "drive": session.design.name if session.several else ""}
+    return {"into": session.path or UNSAVED, "drive": session.design.name if session.has_several_drives else ""}
 
 
 def add_copy_of_line(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:

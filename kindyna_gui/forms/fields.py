@@ -313,10 +313,10 @@ class Field(QObject):
             self.mark.setToolTip(
                 f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else "")
             )
-        self.editor.set_waiting(self.session.waits(self.spec.path, self.spec.read))
+        self.editor.set_waiting(self.session.is_waiting(self.spec.path, self.spec.read))
         self._misfit = self.session.misfit.at(self.spec.path)
         self._show_refusals()
-        if not (self.editor.refused or (isinstance(self.editor, NumberBox) and self.editor.typing)):
+        if not (self.editor.is_refused or (isinstance(self.editor, NumberBox) and self.editor.is_typing)):
             self._show(design)
 
     def _show(self, design: Design) -> None:
@@ -342,7 +342,7 @@ class Field(QObject):
 
     def _accepted(self, path: str) -> None:
         self._refusals.pop(path, None)
-        if path == self.spec.path and not self.obsolete:
+        if path == self.spec.path and not self.is_obsolete:
             self._show(self.session.holder(path))
         self._show_refusals()
 
@@ -371,7 +371,7 @@ class Field(QObject):
     # -- to the session -----------------------------------------------------------------------------------
 
     @property
-    def obsolete(self) -> bool:
+    def is_obsolete(self) -> bool:
         """Whether the current design has no such value: its kind has changed, and this row is hidden or about to be removed.
 
         A drag of the row's name may last longer than the row.
@@ -384,7 +384,7 @@ class Field(QObject):
 
     def edit(self, value: Any, text: str) -> None:
         """Change the value in the current design, where it has this field; text names the undo step."""
-        if not self.obsolete:
+        if not self.is_obsolete:
             self.session.edit(self.spec.path, value, text)
 
     def _step(self, value: Any) -> str:
@@ -393,7 +393,7 @@ class Field(QObject):
 
     def _enter(self, value: Any) -> None:
         spec = self.spec
-        if self.obsolete:
+        if self.is_obsolete:
             return
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {allowed_text(spec.info, spec.unit)}")
@@ -406,7 +406,7 @@ class Field(QObject):
         self.session.end_gesture()
 
     def _assume(self, on: bool) -> None:
-        if self.obsolete:
+        if self.is_obsolete:
             return
         name = self.spec.info.label
         text = f"Mark {name[:1].lower()}{name[1:]} as {'assumed' if on else 'known'}"
@@ -448,12 +448,12 @@ class NameField(NameBox):
         session.restored.connect(self._restored)
 
     @property
-    def typing(self) -> bool:
+    def is_typing(self) -> bool:
         """Whether the text differs from the name of the design."""
         return self.text() != self._session.typed.name
 
     def refresh(self, design: Design) -> None:
-        if not self.refused and self.text() != design.name:
+        if not self.is_refused and self.text() != design.name:
             self.setText(design.name)
             self.setCursorPosition(0)
             self.setToolTip(f"{design.name}\n{NAME_TIP}")
@@ -461,9 +461,9 @@ class NameField(NameBox):
     def _enter(self) -> None:
         name = self.text()
         self.set_refused(not name.strip())
-        if self.refused:
+        if self.is_refused:
             self._session.refuse("name", "a design needs one")
-        elif self.typing:
+        elif self.is_typing:
             self._session.edit("name", name, f"Change name to {name}")
         self._session.end_gesture()
 
@@ -474,13 +474,13 @@ class NameField(NameBox):
     def event(self, event: QEvent) -> bool:
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             is_undo = any(event.matches(key) for key in UNDO_KEYS)
-            if is_undo and not self.typing:
+            if is_undo and not self.is_typing:
                 event.ignore()
                 return False
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and self.typing:
+        if event.key() == Qt.Key.Key_Escape and self.is_typing:
             self._restored()
         else:
             super().keyPressEvent(event)

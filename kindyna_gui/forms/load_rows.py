@@ -130,14 +130,16 @@ class AttachmentRows(QWidget):
             return
         self._shown = shown
         for end in self._ends(design):
-            if not self.boxes[end.key].refused:
+            if not self.boxes[end.key].is_refused:
                 self._show(end, design, end.read(row))
                 self._show_misfit(end)
 
     def _show_misfit(self, end: AttachedEnd) -> None:
         paths = self._paths(end)
         self._say(end.key, "\n".join(text for path, _, text in self._session.misfit.reasons if path in paths))
-        self.boxes[end.key].set_waiting(self._session.waits(paths[0], lambda design: end.read(get(design, self._path))))
+        self.boxes[end.key].set_waiting(
+            self._session.is_waiting(paths[0], lambda design: end.read(get(design, self._path)))
+        )
 
     def _show(self, end: AttachedEnd, design: Design, current: Target | None) -> None:
         box = self.boxes[end.key]

@@ -207,7 +207,7 @@ class RedFrame:
             self.update()  # type: ignore[attr-defined]
 
     @property
-    def waits(self) -> bool:
+    def is_waiting(self) -> bool:
         """Whether the value is typed but not applied, because it does not fit the other values yet."""
         return self._waits
 
@@ -217,7 +217,7 @@ class RedFrame:
             self.update()  # type: ignore[attr-defined]
 
     @property
-    def refused(self) -> bool:
+    def is_refused(self) -> bool:
         """Whether the text or value was refused."""
         return self._refused
 
@@ -268,7 +268,7 @@ class WordBox(RedFrame, QComboBox):
             menu.deleteLater()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and self.refused:
+        if event.key() == Qt.Key.Key_Escape and self.is_refused:
             self.withdrawn.emit()
         else:
             super().keyPressEvent(event)
@@ -352,7 +352,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     def _show_in_units(self) -> None:
         """Show the number in the units on display, unless a text is being typed or was refused."""
-        if not self.refused and self.text() == self._tried:
+        if not self.is_refused and self.text() == self._tried:
             self.show_value(self._value)
 
     @property
@@ -388,7 +388,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return rounded_to(shown, lambda text: metrics.horizontalAdvance(text) <= width).replace(".", point())
 
     @property
-    def typing(self) -> bool:
+    def is_typing(self) -> bool:
         """Whether a typed text is not confirmed yet."""
         return self.text() != self._tried
 
@@ -400,7 +400,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     def confirm(self) -> None:
         """Confirm the typed text as the number."""
         if not self.pending:
-            was_refused = self.refused
+            was_refused = self.is_refused
             self.show_value(self._value)
             if was_refused:  # the number was typed again over the refused text
                 self.withdrawn.emit()
@@ -482,7 +482,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             self.finished.emit()
             self.lineEdit().selectAll()
         elif (event.key() == Qt.Key.Key_Escape and self.pending) or (
-            event.matches(QKeySequence.StandardKey.Undo) and self.typing
+            event.matches(QKeySequence.StandardKey.Undo) and self.is_typing
         ):
             self.withdraw()
         elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down) and not self.isReadOnly():
@@ -494,7 +494,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         super().focusOutEvent(event)
         if event.reason() in _ELSEWHERE:
             return
-        if self.typing:
+        if self.is_typing:
             self.confirm()
         self.finished.emit()
 
@@ -538,7 +538,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             return True
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             is_undo = any(event.matches(key) for key in UNDO_KEYS)
-            if is_undo and not self.typing:
+            if is_undo and not self.is_typing:
                 event.ignore()
                 return False
         return super().event(event)

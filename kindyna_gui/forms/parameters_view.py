@@ -167,7 +167,7 @@ class ParametersView(View):
 
     def _change_subject(self) -> tuple[str, int] | None:
         """Return the section and scroll at which the drive was left, where another drive was shown before."""
-        subject = self.session.names[self.session.chosen] if self.session.several else ""
+        subject = self.session.names[self.session.chosen] if self.session.has_several_drives else ""
         if subject == self._subject:
             return None
         current = next(name for name, page in self.pages.items() if page is self.tabs.currentWidget())

@@ -490,7 +490,7 @@ class ScaleDialog(QDialog):
     def accept(self) -> None:
         """Accept the factor as it is typed, confirmed or not."""
         self.factor.confirm()
-        if not self.factor.refused:
+        if not self.factor.is_refused:
             super().accept()
 
 

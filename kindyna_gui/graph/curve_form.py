@@ -145,7 +145,7 @@ class AxesForm(QWidget):
                 self.logs[axis].setChecked(scale.log)
             for end in ("low", "high"):
                 box, value = self.ends[axis, end], getattr(scale, end)
-                if not box.pending and not (box.hasFocus() and box.refused):
+                if not box.pending and not (box.hasFocus() and box.is_refused):
                     box.show_value(None if value is None else value / default.size)
 
     # -- input ----------------------------------------------------------------------------------------------
@@ -323,9 +323,9 @@ class CurveForm(QWidget):
         source, headings = self._headings(curve, source_of)
         drives = source.drives if isinstance(source, DesignSource) else ()
         rows = (
-            ("the selected one", ""),
+            ("the selected drive", ""),
             *((name, name) for name in drives),
-            ("all, a curve each", ALL),
+            ("all drives, a curve each", ALL),
             ("the shaft", SHAFT),
         )
         boxes["drive"].show_choices(rows, curve.drive)

@@ -1,8 +1,9 @@
-"""Flywheel, vibration."""
+"""Docks Flywheel, Contact over speed (force map, lift-off) and Vibration of an elastic follower."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -12,7 +13,7 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter
 
 from core.design import UNITS, Design, is_assumed, require_motion
-from core.dynamics import ContactMap, Flights
+from core.dynamics import ContactMap, Flight, Flights
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
 from core.output.subject_files import (
@@ -29,15 +30,13 @@ from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, step_text
-from kindyna_gui.look import beside
+from kindyna_gui.look import row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
-
-# -- flywheel view ---------------------------------------------------------------------------------------
 
 FLYWHEEL_HEADINGS = (
     TableHeading("Flywheel and torque", wide=True),
@@ -51,34 +50,63 @@ _PEAKS = {
 }
 
 
-def _whole_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
-    """Those of all drives together, and of the motor."""
-    found = {("Shaft torque", "torque_nm"): shaft.peaks}
+FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
+DIGITS = 5  # of the inertia that is shown and used
+
+FORM_CLOSED = "A groove, or a conjugate pair, guides the follower on both sides: it cannot leave its cam."
+MAP, FLIGHT = "map", "flight"
+CONTACT_PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
+ANGLES, SPEEDS = 361, 80
+CONTACT_PAGE_WIDTH = 150  # pixels
+MOST_TURNS = 3
+POINTS = 361  # of the motion, in each turn
+
+NO_DWELL = "The motion has no dwell in which the follower could come to rest."
+SPEED = "Machine speed, rpm"
+FROM_REST, STEADY, ACCELERATION = "from_rest", "steady", "acceleration"
+VIBRATION_PAGES = {FROM_REST: "Residual, from rest", STEADY: "Residual, steady", ACCELERATION: "Largest acceleration"}
+TIPS = {
+    FROM_REST: "Residual vibration in a dwell, if the follower was at rest in the dwell before",
+    STEADY: "Residual vibration in a dwell after many turns, with the vibration of earlier strokes",
+    ACCELERATION: "Largest acceleration of the elastic follower over the turn; for an arm that of the roller's centre",
+}
+VIBRATION_PAGE_WIDTH = 160  # pixels
+VIBRATION_HEADINGS = (
+    TableHeading("Dwell", wide=True), TableHeading("From rest", number=True), TableHeading("", number=True),
+    TableHeading("Steady", number=True), TableHeading("", number=True),
+)  # fmt: skip
+TABLE_HEIGHT = 300  # pixels of height of the dock, from which on the table is shown
+RPM = UNITS["rpm"].factor
+RANGE_FACTOR = 2.5  # end of the axis over the greatest value up to the design's speed; higher values are cut off
+WAIT_S = 30.0
+
+# -- flywheel --------------------------------------------------------------------------------------------
+
+
+def _shaft_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
+    """Rows of the extremes of the shaft's total torque, and of the motor's torque."""
+    torques = {("Shaft torque", "torque_nm"): shaft.peaks}
     if shaft.levels_torque and shaft.flywheel.runs:
-        found[_PEAKS["motor_torque"], ""] = shaft.motor_range["motor_torque"]
+        torques[_PEAKS["motor_torque"], ""] = shaft.motor_range["motor_torque"]
     return [
-        _row(f"{label}, {end}", at.value, "N·m", floor=floor, name=name, theta=at.theta)
-        for (label, name), ends in found.items()
-        for end, at in (("lowest", ends.low), ("highest", ends.high))
+        _row(f"{label}, {end}", peak.value, "N·m", floor=floor, name=name, theta=peak.theta)
+        for (label, name), extremes in torques.items()
+        for end, peak in (("lowest", extremes.low), ("highest", extremes.high))
     ]
 
 
 def _row(
     label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0, name: str = "", theta: float | None = None
 ) -> TableRow:
-    """floor: size below which the value is what rounding leaves of a zero; name: its column or figure, at theta where that has one."""
+    """Row of a value. floor: smaller values are rounding errors of 0; name: column or figure to explain, at theta [rad]."""
     value = 0.0 if abs(value) <= floor else value
     rung = readable(symbol, abs(value))
     number = ExplainableNumber(name, theta) if name else None
-    return TableRow((label, digits(value / rung.size, 5), rung.symbol), tip=tip, number=number)
-
-
-FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
-DIGITS = 5  # of what the sizing shows, and puts into the design
+    return TableRow((label, digits(value / rung.size, DIGITS), rung.symbol), tip=tip, number=number)
 
 
 class FlywheelView(View):
-    """The figures of the flywheel, and the button that fits one of the inertia needed."""
+    """Table of the flywheel's figures, and the button that sets the required inertia."""
 
     is_design_wide = True
     stages = ("dynamics",)
@@ -103,56 +131,60 @@ class FlywheelView(View):
     def refresh(self, study: Study) -> None:
         self._needed = 0.0
         self.use_button.setEnabled(False)
-        several, whole = self.session.several, self.session.full_study
-        shaft = turned_shaft(whole, NO_WHEEL)
-        wheel = whole.flywheel
+        full_study = self.session.full_study
+        shaft = turned_shaft(full_study, NO_WHEEL)
+        wheel = full_study.flywheel
         slope = _row(
             "Motor slope, assumed",
             shaft.motor_slope_nm_s_per_rad,
             "N·m·s/rad",
-            "nobody gave one; the inertia rests on it",
+            "Assumed; the flywheel size depends on it",
         )
-        floor = ROUNDING * max(torque_size(each) for each in whole.drives.values())
-        tiny = floor / (shaft.speed_fluctuation * study.omega**2)
-        self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > tiny else 0.0
+        floor = ROUNDING * max(torque_size(drive) for drive in full_study.drives.values())
+        inertia_floor = floor / (shaft.speed_fluctuation * study.omega**2)
+        self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
         percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
         self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
-        self.use_button.setToolTip(f"Fit {digits(self._needed, DIGITS)} kg·m², which {percent} asks for")
-        swing_tip = "largest surplus of work the flywheel has to take up"
-        inertia_tip = "the least with which the true speed keeps it, by the motor's slope"
+        self.use_button.setToolTip(f"Set the inertia to {digits(self._needed, DIGITS)} kg·m², required for {percent}")
+        swing_tip = "Largest surplus of energy that the flywheel stores"
+        inertia_tip = "Least inertia whose calculated speed, with the motor's slope, fluctuates no more than this"
         self.table.show_rows(
             [
                 _row("Mean torque", wheel.mean_torque, "N·m", floor=floor, name="mean_torque_nm"),
                 _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor, "energy_swing_j"),
                 _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip, name="needed_inertia_kg_m2"),
                 _row(
-                    "Estimate of it by energy",
+                    "Estimate from the energy",
                     wheel.estimated_inertia,
                     "kg·m²",
-                    "energy swing/(fluctuation × speed²)",
-                    tiny,
+                    "Energy swing/(fluctuation × speed²)",
+                    inertia_floor,
                     "estimated_inertia_kg_m2",
                 ),
-                *([slope] if is_assumed(whole.design, SLOPE) else []),
-                _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
-                *self._reached(wheel),
-                *(_whole_peaks(self.session.shaft, floor) if several else self._peaks(study, floor)),
+                *([slope] if is_assumed(full_study.design, SLOPE) else []),
+                _row("Inertia of this design", shaft.flywheel_inertia_kg_m2, "kg·m²"),
+                *self._speed_rows(wheel),
+                *(
+                    _shaft_peaks(self.session.shaft, floor)
+                    if self.session.has_several_drives
+                    else self._peaks(study, floor)
+                ),
             ]
         )
 
-    def _reached(self, wheel: Flywheel) -> list[TableRow]:
-        """What the flywheel fitted makes of the speed."""
+    def _speed_rows(self, wheel: Flywheel) -> list[TableRow]:
+        """Rows of the speed with the flywheel of the design."""
         if not has_flywheel(wheel.shaft):
-            return [TableRow(("Speed taken as constant", "", ""), tip="no flywheel is fitted")]
+            return [TableRow(("Speed assumed constant", "", ""), tip="The design has no flywheel")]
         if not wheel.runs:
-            tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
-            least = _row("Least inertia with which it does not", wheel.least_inertia, "kg·m²", tip)
+            tip = "The motor stops with this flywheel: enlarge the flywheel, or the motor's slope"
+            least = _row("Least inertia that prevents it", wheel.least_inertia, "kg·m²", tip)
             return [TableRow(("The motor stalls", "", ""), tip=tip), least]
         low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range)
         return [
             TableRow(
-                ("Fluctuation reached", digits(100.0 * wheel.fluctuation, 4), "%"),
-                tip="(highest - lowest)/mean",
+                ("Speed fluctuation", digits(100.0 * wheel.fluctuation, 4), "%"),
+                tip="(highest − lowest)/mean",
                 number=ExplainableNumber("fluctuation"),
             ),
             TableRow(("Speed, lowest", digits(low, DIGITS), "rpm"), number=ExplainableNumber("min_speed_rpm")),
@@ -162,37 +194,30 @@ class FlywheelView(View):
     def _peaks(self, study: Study, floor: float) -> list[TableRow]:
         known = quantities_of(study, "dynamics")
         names = [name for name in _PEAKS if name in known and known[name].exists(study)]
-        if "drive_torque" in names and "driver_torque" in names:  # a cam turns the shaft, not the linkage under it
+        if (
+            "drive_torque" in names and "driver_torque" in names
+        ):  # the shaft turns the cam; the driver's torque is not that of the shaft
             names.remove("driver_torque")
-        limits = extremes_of(study, "dynamics", tuple(names))
-        rows = []
-        for name in names:
-            for end, at in (("lowest", limits[name].low), ("highest", limits[name].high)):
-                slug = known[name].slug
-                rows.append(_row(f"{_PEAKS[name]}, {end}", at.value, "N·m", floor=floor, name=slug, theta=at.theta))
-        return rows
+        extremes = extremes_of(study, "dynamics", tuple(names))
+        return [
+            _row(f"{_PEAKS[name]}, {end}", peak.value, "N·m", floor=floor, name=known[name].slug, theta=peak.theta)
+            for name in names
+            for end, peak in (("lowest", extremes[name].low), ("highest", extremes[name].high))
+        ]
 
     def _use(self) -> None:
-        """One step of the undo stack; of the design in place, whatever was shown of the one before."""
+        """Set the required inertia of the current design, as one step of undo."""
         self.pull()
         if self._needed and self.use_button.isEnabled():
             self.session.edit(FIELD, self._needed, step_text("Flywheel inertia", self._needed, UNITS["kg_m2"]))
             self.session.end_gesture()
 
 
-# -- contact view ----------------------------------------------------------------------------------------
-
-HELD = "A groove, or a conjugate pair, holds the follower from both sides: it cannot leave its cam."
-MAP, FLIGHT = "map", "flight"
-CONTACT_PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
-ANGLES, SPEEDS = 361, 80
-CONTACT_PAGE_WIDTH = 150  # pixels
-MOST_TURNS = 3
-POINTS = 361  # of the motion, in each turn
+# -- contact over speed ----------------------------------------------------------------------------------
 
 
 class ContactView(BackgroundView):
-    """Computed beside the window, and only what is on top while it can be seen."""
+    """Contact force over angle and speed, or the flight after lift-off, computed in the background."""
 
     stages = ("linkage", "cam", "dynamics")
     pause_ms = 150
@@ -200,59 +225,59 @@ class ContactView(BackgroundView):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.page, self.text = WordBox(), QLabel(wordWrap=True)
-        self.page.setAccessibleName("What is shown")
+        self.page.setAccessibleName("Plot")
         fill_choices(self.page, CONTACT_PAGES)
         self.page.setMinimumWidth(CONTACT_PAGE_WIDTH)
         self.plot = XYPlot(ACROSS, "")
         self.plot.setMinimumSize(220, 100)
-        self._work.result.connect(self._computed)
+        self._work.result.connect(self._show_result)
         self.page.activated.connect(self._choose)
-        row = beside(self.page, self.text)
+        row = row_with_text(self.page, self.text)
         self.set_column(row, self.plot, grows=self.plot)
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise Unavailable(NO_FLIGHT)
         if study.is_form_closed:
-            raise Unavailable(HELD)
-        study.contact_force  # noqa: B018 - says why, where no contact can be lost
+            raise Unavailable(FORM_CLOSED)
+        study.contact_force  # noqa: B018 - raises the reason if there is none
         page = str(self.page.currentData())
-        self._work.start([((page, study.design), partial(_COMPUTED[page], study.design))])
+        self._work.start([((page, study.design), partial(_COMPUTATIONS[page], study.design))])
 
     def _choose(self, _: int) -> None:
         self.plot.show_message("")
         self._stale = True
         self.pull()
 
-    def _computed(self, key: tuple[str, Design], result: Any) -> None:
+    def _show_result(self, key: tuple[str, Design], result: Any) -> None:
         _, design = key
         if isinstance(result, KindynaError):
             self.text.setText("")
             self.plot.show_message(reason(design, result))
             return
-        lines, found = result
+        lines, data = result
         self.text.setText(" ".join(lines))
-        if isinstance(found, ContactMap):
-            show_map(self.plot, found, design.speed_rpm)
-        elif isinstance(found, Flights):
-            self._show_flights(design, found)
+        if isinstance(data, ContactMap):
+            show_map(self.plot, data, design.speed_rpm)
+        elif isinstance(data, Flights):
+            self._show_flights(design, data.flights)
 
-    def _show_flights(self, design: Design, found: Flights) -> None:
-        """The follower's way beside the motion, with where each flight ends."""
-        if not found.flights:
+    def _show_flights(self, design: Design, flights: Sequence[Flight]) -> None:
+        """Draw the displacement of the follower during its flights together with the motion."""
+        if not flights:
             self.plot.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
             return
         study, unit = Study(design), UNITS[require_motion(design).unit]
-        last = max((one.theta[-1] for one in found.flights), default=0.0)
+        last = max(flight.theta[-1] for flight in flights)
         turns = min(MOST_TURNS, max(1, math.ceil(last / (2.0 * math.pi))))
         theta = np.linspace(0.0, 2.0 * math.pi * turns, POINTS * turns)
         motion = study.at_theta(np.mod(theta, 2.0 * math.pi)).motion.displacement[0]
         lines = [Line(np.rad2deg(theta), motion / unit.factor, BLUE, "motion", DASHED)]
-        for i, one in enumerate(one for one in found.flights if one.lift < theta[-1]):
-            inside = one.theta <= theta[-1]
-            way = Line(np.rad2deg(one.theta[inside]), one.y[inside] / unit.factor, VERMILION, "" if i else "flight")
-            lines.append(way)
-        first = found.flights[0]
+        for i, flight in enumerate(flight for flight in flights if flight.lift < theta[-1]):
+            inside = flight.theta <= theta[-1]
+            x, y = np.rad2deg(flight.theta[inside]), flight.y[inside] / unit.factor
+            lines.append(Line(x, y, VERMILION, "" if i else "flight"))
+        first = flights[0]
         marks = [(math.degrees(first.lift), "off")]
         if first.land < theta[-1]:
             marks.append((math.degrees(first.land), "on"))
@@ -261,70 +286,50 @@ class ContactView(BackgroundView):
 
     def settle(self) -> None:
         super().settle()
-        self._work.wait(30.0)
+        self._work.wait(WAIT_S)
 
 
-def _map(design: Design) -> tuple[list[str], ContactMap]:
+def _force_map(design: Design) -> tuple[list[str], ContactMap]:
     study = Study(design)
     return lift_off_lines(study), contact_force_map(study, np.linspace(0.0, 2.0 * math.pi, ANGLES)[:-1], None, SPEEDS)
 
 
 def _flights(design: Design) -> tuple[list[str], Flights]:
     study = Study(design)
-    found = study.flights()
-    return _flight_text(study, found), found
+    result = study.flights()
+    return _flight_text(study, result), result
 
 
-def _flight_text(study: Study, found: Flights) -> list[str]:
-    """The first flight, and how many there are."""
-    if not found.flights:
+def _flight_text(study: Study, result: Flights) -> list[str]:
+    """Describe the first flight, and the number of flights."""
+    if not result.flights:
         return lift_off_lines(study)
-    first, unit = found.flights[0], UNITS[study.program.motion.unit]
-    text = (
-        f"Off at {math.degrees(first.lift):.2f}°, {with_unit(short(first.height / unit.factor, 4), unit.symbol)} high"
-    )
+    first, unit = result.flights[0], UNITS[study.program.motion.unit]
+    height = with_unit(short(first.height / unit.factor, 4), unit.symbol)
+    text = f"Lift-off at {math.degrees(first.lift):.2f}°, {height} high"
     if math.isfinite(first.land):
-        text += f", on at {math.degrees(first.land):.2f}° with {short(first.speed / unit.factor, 4)} {unit.symbol}/s"
-    if not found.steady:
-        return [f"{text}; flights do not repeat in three turns."]
-    count = len(found.flights) - found.repeats
-    return [
-        f"{text}; {count} flight{'s' if count > 1 else ''} {'a turn' if found.turns == 1 else f'in {found.turns} turns'}"
-    ]
+        speed = with_unit(short(first.speed / unit.factor, 4), f"{unit.symbol}/s")
+        text += f", impact at {math.degrees(first.land):.2f}° with {speed}"
+    if not result.steady:
+        return [f"{text}; flights do not repeat within three turns."]
+    count = len(result.flights) - result.repeats
+    period = "per turn" if result.turns == 1 else f"in {result.turns} turns"
+    return [f"{text}; {count} flight{'s' if count > 1 else ''} {period}."]
 
 
-_COMPUTED = {MAP: _map, FLIGHT: _flights}
+_COMPUTATIONS = {MAP: _force_map, FLIGHT: _flights}
 
 
-# -- vibration view --------------------------------------------------------------------------------------
-
-NO_DWELL = "The motion has no dwell in which the follower could come to rest."
-SPEED = "Machine speed, rpm"
-FROM_REST, STEADY, ACCELERATION = "from_rest", "steady", "acceleration"
-VIBRATION_PAGES = {FROM_REST: "Residual, from rest", STEADY: "Residual, steady", ACCELERATION: "Largest acceleration"}
-TIPS = {
-    FROM_REST: "what the motion since the dwell before leaves in a dwell, if the follower stood still at its end",
-    STEADY: "what it does turn after turn: earlier strokes are still ringing",
-    ACCELERATION: "the largest of the elastic follower over the turn; of an arm that of the roller's centre",
-}
-VIBRATION_PAGE_WIDTH = 160  # pixels
-VIBRATION_HEADINGS = (
-    TableHeading("Dwell", wide=True), TableHeading("From rest", number=True), TableHeading("", number=True),
-        TableHeading("Steady", number=True),
-    TableHeading("", number=True),
-)  # fmt: skip
-ROOMY = 300  # pixels of height from which on the table is shown
-RPM = UNITS["rpm"].factor
-CROWDED = 2.5  # times the greatest value up to the design's speed: what is higher is not shown, else that speed lies on the axis
+# -- vibration over speed --------------------------------------------------------------------------------
 
 
 class VibrationView(BackgroundView):
-    """Computed beside the window while it can be seen; it follows each step of an edit."""
+    """Vibration of an elastic follower over the machine speed, computed in the background while it is visible."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.page, self.text = WordBox(), QLabel(wordWrap=True)
-        self.page.setAccessibleName("What is shown over speed")
+        self.page.setAccessibleName("Quantity over speed")
         fill_choices(self.page, VIBRATION_PAGES)
         for i, tip in enumerate(TIPS.values()):
             self.page.setItemData(i, tip, Qt.ItemDataRole.ToolTipRole)
@@ -332,100 +337,99 @@ class VibrationView(BackgroundView):
         self.plot, self.table = CursorPlot(SPEED, reads=True), RowsTable(VIBRATION_HEADINGS)
         self.plot.setMinimumSize(220, 100)
         self.table.setMinimumHeight(40)
-        self._summary, self._read_of = "", _Reading()
-        self._work.result.connect(self._computed)
+        self._summary, self._curves = "", _SpeedCurves()
+        self._work.result.connect(self._show_result)
         self.page.activated.connect(self._choose)
-        self.plot.read.connect(self._read)
-        row = beside(self.page, self.text)
-        parted = QSplitter(Qt.Orientation.Vertical)
-        parted.addWidget(self.plot)
-        parted.addWidget(self.table)
-        parted.setSizes([3000, 1000])
-        self.set_column(row, parted, grows=parted)
+        self.plot.read.connect(self._show_values)
+        row = row_with_text(self.page, self.text)
+        splitter = QSplitter(Qt.Orientation.Vertical)
+        splitter.addWidget(self.plot)
+        splitter.addWidget(self.table)
+        splitter.setSizes([3000, 1000])
+        self.set_column(row, splitter, grows=splitter)
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise Unavailable(NO_ELASTIC)
         if not study.is_elastic:
             raise Unavailable(RIGID_FOLLOWER)
-        study.elasticity  # noqa: B018 - says why, where nothing vibrates
+        study.elasticity  # noqa: B018 - raises the reason if nothing vibrates
         page = str(self.page.currentData())
-        self._work.start([((page, study.design), partial(_found, study.design, page))])
+        self._work.start([((page, study.design), partial(_vibration, study.design, page))])
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The names of the curves hold the figures too: where the view is low the plot has its height for itself."""
+        """Hide the table in a low dock; the names of the curves contain its values, too."""
         super().resizeEvent(event)
-        self.table.setVisible(self.height() >= ROOMY)
+        self.table.setVisible(self.height() >= TABLE_HEIGHT)
 
     def _choose(self, _: int) -> None:
         self._stale = True
         self.pull()
 
-    def _computed(
+    def _show_result(
         self, key: tuple[str, Design], result: tuple[tuple[ResidualVibration, ...], Spectrum] | KindynaError
     ) -> None:
         page, design = key
         if isinstance(result, KindynaError):
-            self._summary, self._read_of = "", _Reading()
+            self._summary, self._curves = "", _SpeedCurves()
             self.table.show_rows([])
             self.plot.show_message(reason(design, result))
-            self._read(None)
+            self._show_values(None)
             return
-        residuals, found = result
+        residuals, spectrum = result
         study = Study(design)
-        one = study.elasticity.middle
-        periods = short(one.natural_frequency / abs(study.omega), 4)
-        frequency = measure(one.natural_frequency / math.tau, "Hz")
-        self._summary = (
-            f"Natural frequency {frequency}, {periods} periods a turn, damping ratio {short(one.damping_ratio, 3)}"
-        )
-        self.table.show_rows([_residual_row(study, each) for each in residuals])
-        self._draw(study, page, residuals, found)
-        self._read(self.plot.cursor_at)
+        follower = study.elasticity.middle
+        periods = short(follower.natural_frequency / abs(study.omega), 4)
+        frequency = measure(follower.natural_frequency / math.tau, "Hz")
+        damping = short(follower.damping_ratio, 3)
+        self._summary = f"Natural frequency {frequency}, {periods} periods a turn, damping ratio {damping}"
+        self.table.show_rows([_residual_row(study, residual) for residual in residuals])
+        self._draw(study, page, residuals, spectrum)
+        self._show_values(self.plot.cursor_at)
 
-    def _draw(self, study: Study, page: str, residuals: tuple[ResidualVibration, ...], found: Spectrum) -> None:
-        rpm = found.omega / RPM
+    def _draw(self, study: Study, page: str, residuals: tuple[ResidualVibration, ...], spectrum: Spectrum) -> None:
+        rpm = spectrum.omega / RPM
         (_, size), *_ = vibration_units(study)
         if page == ACCELERATION:
             names: tuple[str, ...] = ("from rest", "steady")
             title, symbol = "Acceleration", UNITS["mm_s2"].symbol
-            values, now = found.acceleration * size, []
+            values, current = spectrum.acceleration * size, []
         elif residuals:
-            names, title, symbol = tuple(_span(each) for each in residuals), "Residual", UNITS["mm"].symbol
-            values = found.residual[(FROM_REST, STEADY).index(page)] * size
-            now = [_in_mm(getattr(each, page) * size) for each in residuals]
+            names, title, symbol = tuple(_span(residual) for residual in residuals), "Residual", UNITS["mm"].symbol
+            values = spectrum.residual[(FROM_REST, STEADY).index(page)] * size
+            current = [_in_mm(getattr(residual, page) * size) for residual in residuals]
         else:
-            self._read_of = _Reading()
+            self._curves = _SpeedCurves()
             self.plot.show_message(NO_DWELL)
             return
-        shown = np.where(np.isfinite(values), values, np.nan)
-        own = abs(study.omega) / RPM
-        near = shown[:, rpm <= own]
-        most = CROWDED * float(np.nanmax(near)) if np.isfinite(near).any() else math.inf
-        rung = readable(symbol, min(most, float(np.nanmax(shown, initial=0.0))))
+        finite = np.where(np.isfinite(values), values, np.nan)
+        design_rpm = abs(study.omega) / RPM
+        below = finite[:, rpm <= design_rpm]
+        limit = RANGE_FACTOR * float(np.nanmax(below)) if np.isfinite(below).any() else math.inf
+        highest = min(limit, float(np.nanmax(finite, initial=0.0)))
+        rung = readable(symbol, highest)
         self.plot.name_axes(SPEED, f"{title}, {rung.symbol}")
         colours = [ROWS[i % len(ROWS)] for i in range(len(names))]
-        labels = [f"{name}: {value}" for name, value in zip(names, now, strict=True)] if now else names
+        labels = [f"{name}: {value}" for name, value in zip(names, current, strict=True)] if current else names
         lines = [
-            Line(rpm, y / rung.size, colour, label) for y, colour, label in zip(shown, colours, labels, strict=True)
+            Line(rpm, y / rung.size, colour, label) for y, colour, label in zip(finite, colours, labels, strict=True)
         ]
-        self.plot.show_lines(lines, ((own, "now"),))
-        highest = min(most, float(np.nanmax(shown, initial=0.0))) / rung.size
+        self.plot.show_lines(lines, ((design_rpm, "now"),))
         if highest > 0.0:
-            self.plot.show_range(upwards=(0.0, 1.05 * highest))
-        self._read_of = _Reading(rpm, values, names, rung)
+            self.plot.show_range(upwards=(0.0, 1.05 * (highest / rung.size)))
+        self._curves = _SpeedCurves(rpm, values, names, rung)
 
-    def _read(self, at: float | None) -> None:
-        """The values at the mouse; what is known of the follower where it is elsewhere."""
-        self.text.setText((self._read_of.text(at) if at is not None else "") or self._summary)
+    def _show_values(self, rpm: float | None) -> None:
+        """Show the values at the mouse, or the summary if the mouse is outside the plot."""
+        self.text.setText((self._curves.text(rpm) if rpm is not None else "") or self._summary)
 
     def settle(self) -> None:
         super().settle()
-        self._work.wait(30.0)
+        self._work.wait(WAIT_S)
 
 
-class _Reading:
-    """Values of curves (k, n) over speeds (n,) [rpm], to be read."""
+class _SpeedCurves:
+    """Values of k curves (k, n) over speeds (n,) [rpm], with their names and display unit."""
 
     def __init__(
         self,
@@ -436,16 +440,16 @@ class _Reading:
     ) -> None:
         self._rpm, self._values, self._names, self._rung = rpm, values, names, rung
 
-    def text(self, at: float) -> str:
-        """The values at a speed, between those that were computed; empty where there are none."""
+    def text(self, rpm: float) -> str:
+        """Return the values at a speed, interpolated linearly; empty if there are no curves."""
         if self._rpm is None or self._values is None or self._rung is None:
             return ""
         symbol = self._rung.symbol
-        read = [
-            f"{name}: {measure(float(np.interp(at, self._rpm, row)) / self._rung.size, symbol, 3)}"
+        values = [
+            f"{name}: {measure(float(np.interp(rpm, self._rpm, row)) / self._rung.size, symbol, 3)}"
             for name, row in zip(self._names, self._values, strict=True)
         ]
-        return f"{digits(at, 4)} rpm, " + ", ".join(read)
+        return f"{digits(rpm, 4)} rpm, " + ", ".join(values)
 
 
 def _span(residual: ResidualVibration) -> str:
@@ -458,20 +462,17 @@ def _in_mm(value: float) -> str:
 
 
 def _residual_row(study: Study, residual: ResidualVibration) -> TableRow:
-    """Both amplitudes, in millimetres, and in degrees where the motion turns."""
-    rows = (("from rest", residual.from_rest), ("steady", residual.steady))
-    (_, size), *swings = vibration_units(study)
+    """Row of both amplitudes, in mm, and in degrees for a rotating follower."""
+    (_, size), *angles = vibration_units(study)
     cells = [_span(residual)]
-    for _, value in rows:
+    for value in (residual.from_rest, residual.steady):
         cells.append(_in_mm(value * size))
-        cells.append(measure(value * swings[0][1], "°", 3) if swings else "")
-    return TableRow(
-        tuple(cells),
-        tip="amplitude of the follower's error z - s about the place where it would stand, at the dwell's start",
-    )
+        cells.append(measure(value * angles[0][1], "°", 3) if angles else "")
+    tip = "Amplitude of the follower's error z − s about its position at rest, at the start of the dwell"
+    return TableRow(tuple(cells), tip=tip)
 
 
-def _found(design: Design, page: str) -> tuple[tuple[ResidualVibration, ...], Spectrum]:
+def _vibration(design: Design, page: str) -> tuple[tuple[ResidualVibration, ...], Spectrum]:
     study = Study(design)
     return study.follower_response.residuals, study.vibration(
         spectrum_speeds(study, count=SPECTRUM_SPEEDS), page == ACCELERATION

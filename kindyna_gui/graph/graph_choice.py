@@ -50,14 +50,14 @@ CANCELLED = "reading was cancelled; Files > Read files again reads it"
 
 
 @dataclass
-class Choice:
+class PlotSelection:
     """Plots of a graph, each a list of quantities; the active plot receives the next quantity."""
 
     plots: list[list[str]] = field(default_factory=lambda: [list(row) for row in FIRST])
     active: int = 0
 
     @property
-    def chosen(self) -> list[str]:
+    def quantities(self) -> list[str]:
         """All quantities on display, in the order of the plots."""
         return [name for plot in self.plots for name in plot]
 
@@ -66,7 +66,7 @@ class Choice:
 
         units: quantity -> unit.
         """
-        if name in self.chosen:
+        if name in self.quantities:
             return
         plot = self.plots[self.active] if self.plots else None
         if plot is not None and all(units[member] == units[name] for member in plot):
@@ -99,7 +99,7 @@ class Choice:
     def restrict_to(self, names: Iterable[str]) -> None:
         """Remove all quantities except these."""
         known = set(names)
-        for name in [name for name in self.chosen if name not in known]:
+        for name in [name for name in self.quantities if name not in known]:
             self.untick(name)
 
 

@@ -16,7 +16,7 @@ from core.motion.extremes import Extremes
 from core.output.channels import channels
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.graph_choice import DEFAULT_WIDTH, ChannelTree, Choice
+from kindyna_gui.graph.graph_choice import DEFAULT_WIDTH, ChannelTree, PlotSelection
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.look import icon, text_button
@@ -128,7 +128,7 @@ class GraphView(MarkedView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.choice, self.form = Choice(), "straight"
+        self.selection, self.form = PlotSelection(), "straight"
         self.tree = ChannelTree()
         self.panels: list[Panel] = []
         self._rows: dict[str, Quantity] = {}
@@ -192,27 +192,27 @@ class GraphView(MarkedView):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Stages that the channels on display need."""
-        return stages_of(self.choice.chosen)
+        return stages_of(self.selection.quantities)
 
     # -- display ------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
         rows = channels(study.design)
         self._rows = {row.name: row for row in rows}
-        self.choice.restrict_to(self._rows)
-        if study.by_crank and not self.choice.chosen:
-            self.choice = Choice(first_graph(study))
-        if not self.choice.plots:  # an empty plot says how to fill it
-            self.choice.add()
+        self.selection.restrict_to(self._rows)
+        if study.by_crank and not self.selection.quantities:
+            self.selection = PlotSelection(first_graph(study))
+        if not self.selection.plots:  # an empty plot says how to fill it
+            self.selection.add()
         self._reasons = {}
-        for name in self.choice.chosen:
+        for name in self.selection.quantities:
             try:
                 self._rows[name].values(study)
             except KindynaError:
                 self._reasons[name] = why_missing(study, self._rows[name])
         self.tree.show_rows(rows, self._reasons)
         self._rebuild()
-        for panel, names in zip(self.panels, self.choice.plots, strict=True):
+        for panel, names in zip(self.panels, self.selection.plots, strict=True):
             drawable = [self._rows[name] for name in names if name not in self._reasons]
             panel.name_angle(study)
             if drawable:
@@ -238,11 +238,13 @@ class GraphView(MarkedView):
     @property
     def drawn(self) -> list[Quantity]:
         """Channels that are drawn, in the order of the plots."""
-        return [self._rows[name] for name in self.choice.chosen if name in self._rows and name not in self._reasons]
+        return [
+            self._rows[name] for name in self.selection.quantities if name in self._rows and name not in self._reasons
+        ]
 
     def _rebuild(self) -> None:
         """Create the plots if their number or form has changed; mark the active one, tick the tree."""
-        count = len(self.choice.plots)
+        count = len(self.selection.plots)
         if (self.form, count) != self._built:
             paper = QWidget()
             self._grid = QGridLayout(paper)
@@ -253,8 +255,8 @@ class GraphView(MarkedView):
             self._arrange()
             self._paper.replace(paper)
         for index, panel in enumerate(self.panels):
-            panel.set_active(count > 1 and index == self.choice.active)
-        self.tree.show_ticks(self.choice.chosen)
+            panel.set_active(count > 1 and index == self.selection.active)
+        self.tree.show_ticks(self.selection.quantities)
 
     def _panel(self, index: int, count: int) -> Panel:
         plot = FORMS[self.form].make(index, count)
@@ -276,7 +278,7 @@ class GraphView(MarkedView):
 
     def _rows_of(self, index: int) -> list[Quantity]:
         """Channels drawn in a plot."""
-        names = self.choice.plots[index] if index < len(self.choice.plots) else ()
+        names = self.selection.plots[index] if index < len(self.selection.plots) else ()
         return [self._rows[name] for name in names if name in self._rows and name not in self._reasons]
 
     def _arrange(self) -> None:
@@ -302,26 +304,26 @@ class GraphView(MarkedView):
 
     def _show_active(self) -> None:
         """Scroll to the active plot, once the plots are arranged."""
-        if self.choice.active < len(self.panels):
-            self.area.ensureWidgetVisible(self.panels[self.choice.active], 0, 0)
+        if self.selection.active < len(self.panels):
+            self.area.ensureWidgetVisible(self.panels[self.selection.active], 0, 0)
 
     # -- input --------------------------------------------------------------------------------------------
 
     def _ticked(self, name: str, on: bool) -> None:
         if on:
-            self.choice.tick(name, {key: row.unit.symbol for key, row in self._rows.items()})
+            self.selection.tick(name, {key: row.unit.symbol for key, row in self._rows.items()})
         else:
-            self.choice.untick(name)
+            self.selection.untick(name)
         self._changed()
 
     def add_plot(self) -> None:
         """Add an empty plot."""
-        self.choice.add()
+        self.selection.add()
         self._changed()
 
     def remove_plot(self, index: int) -> None:
         """Remove a plot."""
-        self.choice.remove(index)
+        self.selection.remove(index)
         self._changed()
 
     def set_form(self, name: str) -> None:
@@ -335,8 +337,8 @@ class GraphView(MarkedView):
         self.player.set_theta(theta)
 
     def _choose_plot(self, index: int) -> None:
-        if index != self.choice.active:
-            self.choice.active = index
+        if index != self.selection.active:
+            self.selection.active = index
             self._rebuild()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -365,7 +367,7 @@ class GraphView(MarkedView):
     def picture(self, ending: str) -> bytes:
         """Return the plots without the cursor, or the page if nothing is drawn, as the content of a file."""
         self.pull()
-        rows = [self._rows_of(index) for index in range(len(self.choice.plots))]
+        rows = [self._rows_of(index) for index in range(len(self.selection.plots))]
         shown = [row for row in rows if row]
         if not shown:
             return super().picture(ending)

@@ -55,7 +55,7 @@ class PeakDrag:
     def can_grab(self, name: str) -> bool:
         """Whether the peaks of a quantity can be dragged."""
         cam = self._session.design.drive.cam
-        return name.startswith(DRAGGED) and hasattr(cam, "base_radius_mm") and not self._session.on_balancer
+        return name.startswith(DRAGGED) and hasattr(cam, "base_radius_mm") and not self._session.is_on_balancer
 
     def grab(self, name: str, unit: str, highest: bool) -> bool:
         """Begin to drag the highest or lowest value of a quantity; False if no field determines it."""

@@ -124,7 +124,7 @@ class PlotView(MarkedView):
             self.plot.addAction(action)
         self.plot.addActions([self.marks, self.plot.full_range_action])
         self.offer_actions(self.plot, lambda: self.rows)
-        self.all_drives = QAction("All drives", self, checkable=True, visible=session.several)
+        self.all_drives = QAction("All drives", self, checkable=True, visible=session.has_several_drives)
         self.all_drives.setToolTip("Show all drives of the shaft over the machine angle, and the sum of torques")
         self.all_drives.toggled.connect(self.invalidate)
         self.plot.addAction(self.all_drives)
@@ -159,7 +159,7 @@ class PlotView(MarkedView):
         return self._drives_plot
 
     def _update_drives(self) -> None:
-        self.all_drives.setVisible(self.session.several)
+        self.all_drives.setVisible(self.session.has_several_drives)
         if self.all_drives.isChecked():
             self.invalidate()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -92,8 +92,8 @@ class Canvas(QGraphicsView):
 
     joint_pressed, joint_dragged, joint_released = Signal(str), Signal(str, complex), Signal(str)
     hovered = Signal(object)
-    clicked = Signal(QPointF)
-    menu_requested = Signal(QPointF, QPoint)
+    clicked = Signal(complex)
+    menu_requested = Signal(complex, QPoint)
     run_ended = Signal()
 
     def __init__(self, scene: MechanismScene | Assembly) -> None:
@@ -198,28 +198,30 @@ class Canvas(QGraphicsView):
         y = pixel.y() - self.viewport().height() / 2.0
         return self._centre + QPointF(x / self._scale, -y / self._scale)
 
-    def _drawn_at(self, pixel: QPointF) -> QPointF:
+    def position_at(self, pixel: QPointF) -> complex:
         """Position [mm] at a pixel as Qt has drawn it, which moves the scene to whole pixels."""
         inverse, _ = self.viewportTransform().inverted()
-        return inverse.map(pixel)
+        at = inverse.map(pixel)
+        return complex(at.x(), at.y())
+
+    def pixel_at(self, position: complex) -> QPointF:
+        """Pixel of the viewport at a position [mm]."""
+        return self.viewportTransform().map(QPointF(position.real, position.imag))
 
     def joint_at(self, pixel: QPointF, rims: bool = True) -> str:
         """Name of the draggable joint, or with ``rims`` path of the circle, under a pixel; empty if there is none."""
         if self._picking:
             return ""
-        at = self._drawn_at(pixel)
-        position = complex(at.x(), at.y())
+        position = self.position_at(pixel)
         joints = draggable_joints(self._scene)
-        distances = {name: abs(joint - position) * self._scale for name, joint in joints.items()}
-        nearest_joint = min(distances, key=lambda name: distances[name], default="")
-        if nearest_joint and distances[nearest_joint] <= REACH:
-            return nearest_joint
+        distances = {name: abs(at - position) * self._scale for name, at in joints.items()}
+        if joint := _nearest_key(distances, REACH):
+            return joint
         distances = {
             path: abs(abs(position - centre) - radius) * self._scale
             for path, (centre, radius) in (draggable_circles(self._scene) if rims else {}).items()
         }
-        rim = min(distances, key=lambda path: distances[path], default="")
-        return rim if rim and distances[rim] <= RIM else ""
+        return _nearest_key(distances, RIM)
 
     @property
     def _rest_cursor(self) -> Qt.CursorShape:
@@ -227,11 +229,7 @@ class Canvas(QGraphicsView):
 
     def paint_under(self, painter: QPainter) -> None:
         """Paint what is under the scene."""
-        if self.under is not None:
-            painter.save()
-            painter.resetTransform()
-            self.under(painter)
-            painter.restore()
+        _paint_in_pixels(painter, self.under)
 
     def drawBackground(self, painter: QPainter, rect: QRectF | QRect) -> None:
         super().drawBackground(painter, rect)
@@ -239,18 +237,14 @@ class Canvas(QGraphicsView):
 
     def drawForeground(self, painter: QPainter, rect: QRectF | QRect) -> None:
         super().drawForeground(painter, rect)
-        if self.over is not None:
-            painter.save()
-            painter.resetTransform()
-            self.over(painter)
-            painter.restore()
+        _paint_in_pixels(painter, self.over)
 
     # -- mouse events -------------------------------------------------------------------------------------
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         if not self._joint and not self._picking:
             self.menu_requested.emit(
-                self._drawn_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos()
+                self.position_at(QPointF(self.viewport().mapFrom(self, event.pos()))), event.globalPos()
             )
 
     def end_drag(self) -> None:
@@ -262,8 +256,7 @@ class Canvas(QGraphicsView):
     @property
     def pressed_position(self) -> complex:
         """Position of the last press [mm]."""
-        at = self._drawn_at(self._pressed)
-        return complex(at.x(), at.y())
+        return self.position_at(self._pressed)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if angle := event.angleDelta().y() or event.pixelDelta().y():
@@ -283,27 +276,24 @@ class Canvas(QGraphicsView):
             self.joint_pressed.emit(joint)
         elif event.button() in _GRIPS:
             if event.button() == Qt.MouseButton.LeftButton and self.start_run is not None and not self._picking:
-                at = self._drawn_at(event.position())
-                self._run = self.start_run(complex(at.x(), at.y()))
+                self._run = self.start_run(self.position_at(event.position()))
             self._grip = self._pressed = event.position()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._joint:
-            at, self._has_moved = self._drawn_at(event.position()), True
-            self.joint_dragged.emit(self._joint, complex(at.x(), at.y()))
+            self._has_moved = True
+            self.joint_dragged.emit(self._joint, self.position_at(event.position()))
             return
         if self._grip is None:
             over = self.joint_at(event.position())
             self.setCursor(Qt.CursorShape.SizeAllCursor if over else self._rest_cursor)
-            at = self._drawn_at(event.position())
-            self.hovered.emit(complex(at.x(), at.y()))
+            self.hovered.emit(self.position_at(event.position()))
             return
         if event.position() == self._grip:
             return
         if self._run is not None:
-            at = self._drawn_at(event.position())
-            self._run(complex(at.x(), at.y()))
+            self._run(self.position_at(event.position()))
             return
         shift = event.position() - self._grip
         self._grip = event.position()
@@ -318,14 +308,14 @@ class Canvas(QGraphicsView):
             self.joint_released.emit(name)
             self.show_again()
             if not self._has_moved:
-                self.clicked.emit(self._drawn_at(event.position()))
+                self.clicked.emit(self.position_at(event.position()))
         elif event.button() in _GRIPS:
             run, self._grip, self._run = self._run, None, None
             if run is not None:
                 self.run_ended.emit()
             self.setCursor(self._rest_cursor)
             if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
-                self.clicked.emit(self._drawn_at(event.position()))
+                self.clicked.emit(self.position_at(event.position()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
@@ -340,6 +330,20 @@ class Canvas(QGraphicsView):
             self.fit(keep_labels=True)
         else:
             self.show_region(self._centre, self._scale, keep_labels=True)
+
+
+def _nearest_key(distances: Mapping[str, float], reach: float) -> str:
+    """Key of the smallest distance; empty if none is within reach."""
+    key = min(distances, key=lambda name: distances[name], default="")
+    return key if key and distances[key] <= reach else ""
+
+
+def _paint_in_pixels(painter: QPainter, paint: Callable[[QPainter], object] | None) -> None:
+    if paint is not None:
+        painter.save()
+        painter.resetTransform()
+        paint(painter)
+        painter.restore()
 
 
 # -- pinned variant --------------------------------------------------------------------------------------

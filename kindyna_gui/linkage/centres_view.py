@@ -182,16 +182,9 @@ class CentresView(View):
             self.tabs.addTab(table, PAGES[name].title)
         self.first, self.second = self._centre_box("First centre"), self._centre_box("Second centre")
         self.distance, self.transmission = SteadyText(), SteadyText(SCREEN.quiet)
-        row = QHBoxLayout()
-        row.setContentsMargins(8, 2, 8, 0)
-        row.addWidget(QLabel("From"))
-        row.addWidget(self.first)
-        row.addWidget(QLabel("to"))
-        row.addWidget(self.second)
-        row.addWidget(self.distance, 1)
-        footer = QHBoxLayout()
-        footer.setContentsMargins(8, 0, 8, 4)
-        footer.addWidget(self.transmission)
+        widgets = QLabel("From"), self.first, QLabel("to"), self.second, self.distance
+        row = _row(widgets, self.distance, top=2, bottom=0)
+        footer = _row([self.transmission], bottom=4)
         self.set_column(self.tabs, row, footer, grows=self.tabs, spacing=3)
         self.tabs.currentChanged.connect(self._fill_table)
 
@@ -279,10 +272,7 @@ class CircleView(View):
         self.back.clicked.connect(lambda: self._go(-1))
         self.next.clicked.connect(lambda: self._go(1))
         self.end.clicked.connect(lambda: session.choose_step(None))
-        row = QHBoxLayout()
-        row.setContentsMargins(8, 0, 8, 6)
-        for widget in (self.back, self.count, self.next, self.end):
-            row.addWidget(widget, 1 if widget is self.count else 0)
+        row = _row((self.back, self.count, self.next, self.end), self.count, bottom=6)
         self.set_column(self.diagram, self.text, row, grows=self.diagram, spacing=4)
         session.step_changed.connect(self._redraw)
 
@@ -342,12 +332,9 @@ class PolygonView(View):
         self.next.clicked.connect(lambda: self._step(1))
         self.all.clicked.connect(lambda: self._show_steps(None))
         self.steps_row = QWidget()
-        row = QHBoxLayout(self.steps_row)
-        row.setContentsMargins(8, 0, 8, 4)
         for button in (self.back, self.next, self.all):
             button.setMaximumWidth(BUTTON)
-        for widget in (self.back, self.step_label, self.next, self.all):
-            row.addWidget(widget, 1 if widget is self.step_label else 0)
+        self.steps_row.setLayout(_row((self.back, self.step_label, self.next, self.all), self.step_label, bottom=4))
         self.set_column(self.choice, self.sheet, self.steps_row, self.note, grows=self.sheet)
         self._steps: int | None = None
         self._polygon: VelocityPolygon | None = None
@@ -459,3 +446,12 @@ class PolygonView(View):
         self.note.show_message(NO_POLYGON if absent else "")
         name = study.angle_name.capitalize()
         self.sheet.show_diagram(diagram, f"{name} {math.degrees(theta):.1f}°")
+
+
+def _row(widgets: Sequence[QWidget], stretched: QWidget | None = None, *, top: int = 0, bottom: int = 0) -> QHBoxLayout:
+    """Lay out widgets in a row, one of which takes the free width; margins in pixels."""
+    row = QHBoxLayout()
+    row.setContentsMargins(8, top, 8, bottom)
+    for widget in widgets:
+        row.addWidget(widget, 1 if widget is stretched else 0)
+    return row

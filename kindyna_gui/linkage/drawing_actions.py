@@ -229,6 +229,3 @@ ACTIONS: tuple[DrawingAction, ...] = (
 def _links_text(links: Sequence[int] | set[int]) -> str:
     numbers = ", ".join(map(str, sorted(links)))
     return f"link {numbers}" if len(links) == 1 else f"links {numbers}"
-
-
-__all__ = ["ACTIONS", "DrawingAction", "SelectionActions"]

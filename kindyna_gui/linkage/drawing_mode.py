@@ -322,7 +322,7 @@ class DrawingMode(DrawnLinkage):
             self.choose(links=(link,))
         menu = QMenu(self.canvas)
         design, positions = self.layout
-        at, scale = self.position_at(pixel), self.canvas.scale_now
+        at, scale = self.canvas.position_at(pixel), self.canvas.scale_now
         snap = snap_to(design.drive.linkage, positions, at, scale, marks=self.canvas.marks)
         for tool in MENU_TOOLS[kind]:
             action = menu.addAction(icon(f"draw_{tool}"), _HERE.get(tool, f"{TOOLS[tool].text} here"))

@@ -80,7 +80,7 @@ class ToolInput:
         return snap_to(
             design.drive.linkage,
             positions,
-            self.drawn.position_at(event.position()),
+            self.drawn.canvas.position_at(event.position()),
             self.drawn.canvas.scale_now,
             start,
             (),
@@ -160,7 +160,7 @@ class SelectionInput:
         """Select the part under the mouse, or begin a selection box."""
         pixel = event.position()
         self.pressed = self._pixel = pixel
-        self._grabbed, self._moved_from = self.drawn.position_at(pixel), None
+        self._grabbed, self._moved_from = self.drawn.canvas.position_at(pixel), None
         more = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         if not more and (length := self.drawn.sketch.length_at(pixel)):
             self._dragged = "length"
@@ -206,7 +206,7 @@ class SelectionInput:
         if not loose:
             self.drawn.message.emit(f"Locked: {UNLOCK}")
             return
-        at, every = self.drawn.position_at(event.position()), tuple(positions)
+        at, every = self.drawn.canvas.position_at(event.position()), tuple(positions)
         free = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
         first = next(iter(sorted(loose)))
         lead = positions[first] if len(loose) == 1 else self._grabbed
@@ -261,7 +261,10 @@ class SelectionInput:
             return
         mass = design.drive.loads.masses[row_index(self.drawn.row)]
         at = snap_to(
-            design.drive.linkage, positions, self.drawn.position_at(event.position()), self.drawn.canvas.scale_now
+            design.drive.linkage,
+            positions,
+            self.drawn.canvas.position_at(event.position()),
+            self.drawn.canvas.scale_now,
         ).at
         origin, axis = link_pose(design.drive.linkage, mass.link, positions)
         local = (at - origin) * axis.conjugate()

@@ -87,15 +87,9 @@ class DrawnLinkage(QObject):
         to = lambda at: transform.map(QPointF(at.real, at.imag))  # noqa: E731
         return LinkageSketch(design, positions, to, self.canvas.scale_now, self.lengths)
 
-    def position_at(self, pixel: QPointF) -> complex:
-        """Position [mm] at a pixel."""
-        inverse, _ = self.canvas.viewportTransform().inverted()
-        at = inverse.map(pixel)
-        return complex(at.x(), at.y())
-
     def part_at(self, pixel: QPointF) -> tuple[str, str, int | None]:
         """Return the point, the row of the loads, or the link under a pixel, in this priority; the others are empty."""
-        sketch, at = self.sketch, self.position_at(pixel)
+        sketch, at = self.sketch, self.canvas.position_at(pixel)
         name = point_at(sketch.positions, at, sketch.scale)
         row = "" if name else sketch.load_at(at)
         return name, row, None if name or row else sketch.link_at(pixel)
@@ -208,6 +202,3 @@ def refusal_text(design: Design, error: KindynaError) -> str:
         fault = error.faults[0]
         return f"{fault.problem}: {fault.allowed}"
     return reason(design, error)
-
-
-__all__ = ["DrawnLinkage", "links_within", "refusal_text"]

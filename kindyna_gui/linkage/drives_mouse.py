@@ -52,7 +52,7 @@ def target_at(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex
 
 
 def _pin(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> MouseTarget | None:
-    name = canvas.joint_at(canvas.viewportTransform().map(QPointF(at.real, at.imag)), rims=False)
+    name = canvas.joint_at(canvas.pixel_at(at), rims=False)
     drag = joints_of(geometry.study.design).get(name)
     return None if drag is None else MouseTarget(drag.label[:1].upper() + drag.label[1:], drag.field, "pressure_angle")
 
@@ -126,8 +126,9 @@ class DrivesMouse:
     def _read(self, at: complex | None) -> None:
         self._drawn.read_profile(at, READ_REACH / self._canvas.scale_now)
 
-    def _open_menu(self, position: QPointF, on_screen: QPoint) -> None:
-        number, design, host = self._drawn.number_at(position), self._session.full_design, self._view.host
+    def _open_menu(self, position: complex, on_screen: QPoint) -> None:
+        design, host = self._session.full_design, self._view.host
+        number = self._drawn.number_at(QPointF(position.real, position.imag))
         if host is None:
             return
         target = None

@@ -8,7 +8,7 @@ from math import ceil, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, Qt, Signal
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QKeySequence, QPainter, QShortcut
 
 from core.design import AttachedEnd, Target, entry_at, put, split_unit
@@ -248,9 +248,8 @@ class MechanismMouseView(View):
     def show_drive_alone(self) -> None:
         """Draw only the current drive."""
 
-    def _click(self, position: QPointF) -> None:
+    def _click(self, at: complex) -> None:
         """Pick an attachment, else open the row of the loads or the field at a position."""
-        at = complex(position.x(), position.y())
         if self.picker.active:
             self.picker.click(at)
         elif self._shows_solution and (rows := rows_at(self.canvas, at)):
@@ -265,12 +264,12 @@ class MechanismMouseView(View):
             return None
         return target_at(self.canvas, self.scene, self.picker, at)
 
-    def _open_menu(self, position: QPointF, on_screen: QPoint) -> None:
+    def _open_menu(self, at: complex, on_screen: QPoint) -> None:
         """Open the context menu of the part at a position."""
         from kindyna_gui.touch_targets import open_menu
 
         if not self.shows_layout and self._host is not None:
-            open_menu(self._target_at(complex(position.x(), position.y())), self, self._host, on_screen)
+            open_menu(self._target_at(at), self, self._host, on_screen)
 
     # -- painting and keys ------------------------------------------------------------------------------------
 
@@ -281,7 +280,7 @@ class MechanismMouseView(View):
         if self.drag is not None:
             from kindyna_gui.touch_targets import paint_readout
 
-            pixel = self.canvas.viewportTransform().map(QPointF(self.drag.at.real, self.drag.at.imag))
+            pixel = self.canvas.pixel_at(self.drag.at)
             paint_readout(painter, self.drag.shown, pixel, self.canvas.viewport().rect())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
@@ -293,6 +292,3 @@ class MechanismMouseView(View):
             self.fit()
         elif not obey(self.player, event):
             super().keyPressEvent(event)
-
-
-__all__ = ["JointDrag", "MechanismMouseView"]

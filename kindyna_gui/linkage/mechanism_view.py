@@ -193,8 +193,8 @@ class MechanismView(MechanismMouseView):
 
     def _update_strip(self) -> None:
         """Show the names of the drives in the strip, if there are several."""
-        self.strip.setVisible(self.session.several)
-        if self.session.several:
+        self.strip.setVisible(self.session.has_several_drives)
+        if self.session.has_several_drives:
             self.strip.show_drives(drive_rows(self.session), self.session.chosen)
 
     def update_style(self) -> None:
@@ -220,8 +220,8 @@ class MechanismView(MechanismMouseView):
         self.strip.arrangements[ONE].setChecked(True)
         self.arrange(ONE)
 
-    def _click_drive(self, position: QPointF) -> None:
-        number = self.assembly.number_at(position)
+    def _click_drive(self, position: complex) -> None:
+        number = self.assembly.number_at(QPointF(position.real, position.imag))
         if number is not None:
             self._choose_drive(number)
 
@@ -459,6 +459,3 @@ class MechanismView(MechanismMouseView):
         scene.set_angle(self.player.theta)
         sheet = MechanismSheet(scene, *size, look)
         return svg(sheet, self.session.design.name) if vector else png(sheet)
-
-
-__all__ = ["Canvas", "MechanismView"]

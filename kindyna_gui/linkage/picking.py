@@ -273,15 +273,15 @@ class Picker(QObject):
         fill.setAlpha(50)
         painter.setBrush(fill)
         for at in {candidate.at for candidate in self.candidates()}:
-            painter.drawEllipse(self._pixel(at), MARK_RADIUS, MARK_RADIUS)
+            painter.drawEllipse(self._canvas.pixel_at(at), MARK_RADIUS, MARK_RADIUS)
         for target in (*self._picked, *self._other_ends):
             for at in target_positions(self._geometry, target, self._scene.index) if self._geometry and target else ():
                 painter.setBrush(colour)
-                painter.drawEllipse(self._pixel(at), MARK_RADIUS - 1.0, MARK_RADIUS - 1.0)
+                painter.drawEllipse(self._canvas.pixel_at(at), MARK_RADIUS - 1.0, MARK_RADIUS - 1.0)
         if self._under is not None and self._geometry is not None:
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(colour, 2.4))
-            pixel = self._pixel(self._under.at)
+            pixel = self._canvas.pixel_at(self._under.at)
             painter.drawEllipse(pixel, MARK_RADIUS + 3.0, MARK_RADIUS + 3.0)
             self._name(painter, pixel, attachment_text(self._geometry.study.design, self._under.target))
 
@@ -302,9 +302,6 @@ class Picker(QObject):
         painter.fillRect(room, self._canvas.palette().base())
         painter.setPen(QColor(SCREEN.chosen))
         painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
-
-    def _pixel(self, at: complex) -> QPointF:
-        return self._canvas.viewportTransform().map(QPointF(at.real, at.imag))
 
 
 _KIND_TEXTS = {POINT: "a point of a link", LINK: "a link", PAIR: "a pin or a slide"}
@@ -421,10 +418,7 @@ def paint_row(canvas: Canvas, painter: QPainter, path: str) -> None:
     geometry = canvas.drawn.geometry
     if geometry is None or not path:
         return
-    pixels = [
-        canvas.viewportTransform().map(QPointF(at.real, at.imag))
-        for at in row_positions(geometry, path, canvas.drawn.index)
-    ]
+    pixels = [canvas.pixel_at(at) for at in row_positions(geometry, path, canvas.drawn.index)]
     pale = QColor(SCREEN.chosen)
     pale.setAlpha(70)
     painter.setBrush(Qt.BrushStyle.NoBrush)

@@ -236,6 +236,12 @@ class TypedValues:
         _, positions = self.drawn.layout
         return next((name for name, at in positions.items() if abs(at - position) < 1e-6), "")
 
+    def _apply(self, edit: Callable[[], DrawingEdit | Design], text: str = "") -> str:
+        """Close the boxes and apply an edit; returns an empty text, as the values are valid."""
+        self.boxes.close_all()
+        self.drawn.apply(edit, text)
+        return ""
+
     def type_values(self) -> None:
         """Open the boxes with the values of the selection."""
         request = self._selection_boxes()
@@ -279,9 +285,7 @@ class TypedValues:
             return design
 
         kind = row.partition("[")[0].rpartition(".")[2]
-        self.boxes.close_all()
-        self.drawn.apply(changed, f"Set {({'masses': 'mass', 'forces': 'force', 'springs': 'spring'})[kind]}")
-        return ""
+        return self._apply(changed, f"Set {({'masses': 'mass', 'forces': 'force', 'springs': 'spring'})[kind]}")
 
     def _set_input(self, index: int, values: Sequence[Typed]) -> str:
         """Set ratio, offset and wheels of a second input; wheels give the ratio, a ratio alone removes the wheels."""
@@ -308,9 +312,9 @@ class TypedValues:
                 return "numbers of teeth are whole numbers"
             else:
                 row = replace(row, teeth_first=int(first), teeth_second=int(second), module_mm=module, kind=kind)
-        self.boxes.close_all()
-        self.drawn.apply(lambda: with_input_values(design, index, row, offset), f"Set second input of link {old.link}")
-        return ""
+        return self._apply(
+            lambda: with_input_values(design, index, row, offset), f"Set second input of link {old.link}"
+        )
 
     def _set_point(self, name: str, values: Sequence[Typed]) -> str:
         """Set the coordinates of a point: in the frame of its link, for a pin in the global frame."""
@@ -323,7 +327,6 @@ class TypedValues:
             for value, old in zip(values, (local.real, local.imag), strict=True)
         )
         text = f"Put {name} at {shortest(x)}, {shortest(y)} mm"
-        self.boxes.close_all()
         if len(links) == 1 and links[0].number != FRAME_LINK:
             index = linkage.links.index(links[0])
 
@@ -336,10 +339,8 @@ class TypedValues:
                 free = with_drive(after, mechanism=replace(after.drive.linkage, drawn=drawn))
                 return with_positions(after, point_positions(free.drive.linkage))
 
-            self.drawn.apply(changed, text)
-        else:
-            self.drawn.apply(lambda: with_moved(design, {name: complex(x, y)}), text)
-        return ""
+            return self._apply(changed, text)
+        return self._apply(lambda: with_moved(design, {name: complex(x, y)}), text)
 
     def ask_length(self, number: int, first: str, second: str) -> None:
         """Open the box of a length next to its value in the drawing."""
@@ -370,8 +371,6 @@ class TypedValues:
                     design = with_name(self.drawn.layout[0], name, new)
                 except KindynaError as error:
                     return refusal_text(self.drawn.layout[0], error)
-                self.boxes.close_all()
-                self.drawn.apply(lambda: DrawingEdit(design, f"Rename {name} to {new}", points=(new,)))
-                return ""
+                return self._apply(lambda: DrawingEdit(design, f"Rename {name} to {new}", points=(new,)))
 
             self.boxes.ask(at, (Box("name", None, name),), accept)

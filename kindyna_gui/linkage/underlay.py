@@ -257,7 +257,7 @@ class UnderlayDesk(QObject):
         painter.setOpacity(1.0)
         painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
         for at in self._clicks:
-            painter.drawEllipse(self._pixel(at), 6.0, 6.0)
+            painter.drawEllipse(self.canvas.pixel_at(at), 6.0, 6.0)
 
     # -- placement with the mouse -------------------------------------------------------------------------------
 
@@ -286,19 +286,11 @@ class UnderlayDesk(QObject):
                 self._panel.show_method(method)
         viewport.update()
 
-    def _at(self, pixel: QPointF) -> complex:
-        inverse, _ = self.canvas.viewportTransform().inverted()
-        at = inverse.map(pixel)
-        return complex(at.x(), at.y())
-
-    def _pixel(self, at: complex) -> QPointF:
-        return self.canvas.viewportTransform().map(QPointF(at.real, at.imag))
-
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if not isinstance(event, QMouseEvent) or self.underlay is None:
             return False
         kind, left = event.type(), Qt.MouseButton.LeftButton
-        at = self._at(event.position())
+        at = self.canvas.position_at(event.position())
         if self.method == "move":
             if kind == QEvent.Type.MouseButtonPress and event.button() == left:
                 self._grip = at
@@ -429,6 +421,3 @@ def _row(*widgets: QWidget) -> QHBoxLayout:
         row.addWidget(widget)
     row.addStretch(1)
     return row
-
-
-__all__ = ["UnderlayDesk", "UnderlayPanel", "read_content"]

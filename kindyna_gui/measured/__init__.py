@@ -1,1 +1,1 @@
-"""Motions from measured tables."""
+"""File > Import measured motion and Import controller table: motions from tables."""

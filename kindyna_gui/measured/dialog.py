@@ -1,4 +1,4 @@
-"""A measured table becomes the motion: how it is read on the left, what comes of it on the right, with every change."""
+"""File > Import measured motion: settings of reading and fit on the left, the fitted motion on the right."""
 
 from __future__ import annotations
 
@@ -37,12 +37,20 @@ from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import bold_label
-from kindyna_gui.measured.form import ReadingForm, TableAnswer, TableReader, TableRequest, as_command, spelled, symbol
+from kindyna_gui.measured.form import (
+    ReadingForm,
+    TableReader,
+    TableReading,
+    TableRequest,
+    measured_command,
+    symbol,
+    with_symbols,
+)
 from kindyna_gui.measured.segments import (
     EntryTable,
     SegmentTable,
-    counted,
     fault_entries,
+    fault_summary,
     fit_entries,
     show_residuals,
     show_rows,
@@ -50,17 +58,17 @@ from kindyna_gui.measured.segments import (
 from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
 from kindyna_gui.pictures.plots.xy import XYPlot
 
-AT_ONCE = 0.15  # seconds that an answer is waited for before the dialog says that it is being computed
-COMPUTING = "Reading the table and fitting a curve to it. Cancel gives it up."
+WAIT = 0.15  # seconds for a fast result, before the dialog says that it is computing
+COMPUTING = "Reading the table and fitting the motion. Cancel stops it."
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc *.xlsx *.xls *.ods)"
-LEFT_WIDTH, USUAL, LEAST = 350, QSize(1240, 780), QSize(900, 560)
+FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 350, QSize(1240, 780), QSize(900, 560)
 ANY_NUMBER, NOT_NEGATIVE = Info("Lowest position"), Info("Measuring error", low=0.0)
 
 
 class MeasuredDialog(PutDialog):
-    """Shows what a table holds and what motion comes of it, and puts that into the design as one step.
+    """Dialog that reads a table, fits a motion, and puts it into the design as one step.
 
-    Both are computed beside the window; what comes at once is shown at once.
+    Reading and fit run in the background.
     """
 
     help_page = "making#Measured motions"
@@ -72,23 +80,22 @@ class MeasuredDialog(PutDialog):
         self._unit = motion.unit
         self._reader = self._read(data)
         self._request = TableRequest()
-        self.answer = TableAnswer()
+        self.reading = TableReading()
         self._work = Background(self)
         self.form = ReadingForm(motion.unit)
         self.errors = {quantity: NumberBox(NOT_NEGATIVE) for quantity in LETTERS.values()}
         self.lowest = NumberBox(ANY_NUMBER)
         self.residual_of = WordBox()
-        self.residual_of.setToolTip("The column whose residuals are shown")
+        self.residual_of.setToolTip("Select the column whose residuals are shown")
         self.keep_all = QCheckBox("&Keep wrong rows")
-        self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
-        self.mirror = QCheckBox("M&irror")
-        self.mirror.setToolTip("The rows are half a lobe, which is reflected in the row of its largest lift (--mirror)")
-        self.laws, self.dwells = (
-            QCheckBox("La&ws"),
-            QCheckBox("&Dwells"),
+        self.keep_all.setToolTip(
+            "Keep the rows that no smooth curve joins to their neighbours; otherwise they are left out"
         )
-        self.laws.setToolTip("Those that fit within the error; else tables between the dwells")
-        self.dwells.setToolTip("Those that stand exactly still; without laws and dwells the motion is one spline")
+        self.mirror = QCheckBox("M&irror")
+        self.mirror.setToolTip("Reflect half a lobe in the row of its largest lift (--mirror)")
+        self.laws, self.dwells = QCheckBox("La&ws"), QCheckBox("&Dwells")
+        self.laws.setToolTip("Use laws that fit within the error; otherwise tables between the dwells")
+        self.dwells.setToolTip("Detect dwells; without laws and dwells the motion is one spline")
         for box in (self.laws, self.dwells):
             box.setChecked(True)
         self.rows_plot, self.residual_plot = XYPlot("", ""), XYPlot("", "")
@@ -97,24 +104,22 @@ class MeasuredDialog(PutDialog):
             plot.show_numbers(False)
         self.entries, self.segments = EntryTable(), SegmentTable()
         self.pages = WordBox()
-        self.pages.setToolTip("Sheet of the workbook")
+        self.pages.setToolTip("Select the sheet of the workbook")
         self.pages.addItems(self._pages(data))
         self.cells = NameBox()
         self.cells.setPlaceholderText("All cells, or A1:C400")
-        self.cells.setToolTip("The cells of the sheet that are the table, by two of their corners")
+        self.cells.setToolTip("Cells of the table, by two opposite corners")
         self.sheet = SheetTable()
         self.leave = QPushButton("Leave these rows &out")
-        self.leave.setToolTip("Their lines are passed over; the file stays as it is")
+        self.leave.setToolTip("Leave these lines out; the file does not change")
         self.leave.setAutoDefault(False)
         self.leave.hide()
-        self.readings = WordBox()
-        self.readings.setAccessibleName("Rows that may be wrong")
-        self.readings.setToolTip(
-            "Steps in the rows say that some are wrong, but not which: those that are chosen are left out"
-        )
-        self.readings.hide()
+        self.alternatives = WordBox()
+        self.alternatives.setAccessibleName("Rows that may be wrong")
+        self.alternatives.setToolTip("Steps show that some rows are wrong, but not which: select the rows to leave out")
+        self.alternatives.hide()
         self.put_button.setText("&Take")
-        self.put_button.setToolTip("Put the motion into the design, as one step")
+        self.put_button.setToolTip("Put the motion into the design (one undo step)")
         self._lay_out()
         self._connect()
         self.read_and_fit()
@@ -122,31 +127,33 @@ class MeasuredDialog(PutDialog):
     def _read(self, data: bytes) -> TableReader:
         return TableReader(self._path.name, data, self._unit, self._session.design.speed_rpm)
 
-    # -- building -------------------------------------------------------------------------------------------
+    # -- layout ------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
         left = QVBoxLayout()
-        left.addLayout(self._head())
+        left.addLayout(self._file_row())
         self.workbook = QWidget()
-        of_workbook = QHBoxLayout(self.workbook)
-        of_workbook.setContentsMargins(0, 0, 0, 0)
+        workbook_row = QHBoxLayout(self.workbook)
+        workbook_row.setContentsMargins(0, 0, 0, 0)
         for text, box in (("&Sheet", self.pages), ("cells", self.cells)):
             label = QLabel(text)
             label.setBuddy(box)
-            of_workbook.addWidget(label)
-            of_workbook.addWidget(box, 1)
+            workbook_row.addWidget(label)
+            workbook_row.addWidget(box, 1)
         self.workbook.setVisible(self.pages.count() > 0)
         left.addWidget(self.workbook)
         left.addWidget(self.form)
         left.addSpacing(4)
         self.estimate = QPushButton("Esti&mate")
-        self.estimate.setToolTip("What the scatter of the rows tells, at least the rounding of the last digit")
+        self.estimate.setToolTip(
+            "Estimate the errors from the scatter of the rows, at least the rounding of the last digit"
+        )
         self.estimate.setAutoDefault(False)
         heading = QHBoxLayout()
         heading.addWidget(bold_label("Fit"), 1)
         heading.addWidget(self.estimate)
         left.addLayout(heading)
-        left.addLayout(self._numbers())
+        left.addLayout(self._number_rows())
         checks = QHBoxLayout()
         for check in (self.laws, self.dwells, self.keep_all, self.mirror):
             checks.addWidget(check)
@@ -156,7 +163,7 @@ class MeasuredDialog(PutDialog):
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
         tabs = QTabWidget()
-        tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its bar stands in the order; itself it would lead back there
+        tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its tab bar has the focus instead
         tabs.addTab(self.sheet, "T&able")
         tabs.addTab(result, "Res&ult")
         left.addWidget(tabs, 1)
@@ -166,37 +173,36 @@ class MeasuredDialog(PutDialog):
         for plot in self.derivative_plots:
             right.addWidget(plot, 2)
         right.addWidget(self.residual_plot, 3)
-        foot = QHBoxLayout()
-        foot.addWidget(self.segments, 11)
+        footer = QHBoxLayout()
+        footer.addWidget(self.segments, 11)
         notes = QVBoxLayout()
         notes.addWidget(self.entries)
         notes.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
-        notes.addWidget(self.readings)
-        foot.addLayout(notes, 10)
-        right.addLayout(foot, 3)
-        self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
+        notes.addWidget(self.alternatives)
+        footer.addLayout(notes, 10)
+        right.addLayout(footer, 3)
+        self.frame(left, FORM_WIDTH, right, TYPICAL_SIZE, LEAST_SIZE)
 
         reading = (self.again, self.pages, self.cells, *self.form.boxes.values(), self.estimate, *self.errors.values())
         checked = (self.laws, self.dwells, self.keep_all, self.mirror)
         fitting = (self.lowest, self.residual_of, *checked, tabs.tabBar(), self.sheet)
-        ends = self.buttons.buttons()
-        order = (*reading, *fitting, self.segments, self.entries, self.leave, self.readings, *ends)
-        for before, after in pairwise(order):
-            self.setTabOrder(before, after)
+        results = (self.segments, self.entries, self.leave, self.alternatives)
+        for previous, following in pairwise((*reading, *fitting, *results, *self.buttons.buttons())):
+            self.setTabOrder(previous, following)
 
-    def _head(self) -> QHBoxLayout:
+    def _file_row(self) -> QHBoxLayout:
         row = QHBoxLayout()
         name = bold_label(self._path.name)
         name.setToolTip(str(self._path))
         name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.again = QPushButton("&Read again")
-        self.again.setToolTip("After the file was mended")
+        self.again.setToolTip("Read the file again after you corrected it")
         self.again.setAutoDefault(False)
         row.addWidget(name, 1)
         row.addWidget(self.again)
         return row
 
-    def _numbers(self) -> QGridLayout:
+    def _number_rows(self) -> QGridLayout:
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
@@ -221,12 +227,12 @@ class MeasuredDialog(PutDialog):
         grid.addWidget(self.residual_of, len(rows), 1, 1, 2)
         grid.setColumnStretch(1, 1)
         for box in self.errors.values():
-            box.setToolTip("Standard deviation of one measured value; 0 lays the curve through all rows")
-        self.lowest.setToolTip("Where the follower stands at its lowest; the whole motion moves with it")
+            box.setToolTip("Standard deviation of a measured value; with 0 the curve passes through all rows")
+        self.lowest.setToolTip("Lowest position of the follower; the full motion is displaced with it")
         return grid
 
     def _connect(self) -> None:
-        self.form.changed.connect(self._read_otherwise)
+        self.form.changed.connect(self._columns_changed)
         for quantity, box in self.errors.items():
             box.entered.connect(partial(self._state_error, quantity))
         self.lowest.entered.connect(lambda value: self._change_request(lowest=value))
@@ -239,78 +245,79 @@ class MeasuredDialog(PutDialog):
         self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
         self.again.clicked.connect(self._read_again)
         self.leave.clicked.connect(self._leave_out)
-        self.readings.activated.connect(self._choose_reading)
-        self.pages.activated.connect(self._turn_to_page)
-        self.cells.editingFinished.connect(self._choose_cells)
+        self.alternatives.activated.connect(self._leave_alternative_out)
+        self.pages.activated.connect(self._page_changed)
+        self.cells.editingFinished.connect(self._cells_changed)
         self.residual_of.activated.connect(self._show_residuals)
         self.sheet.left_out.connect(lambda lines: self._change_request(leave_out=lines))
-        self.sheet.chosen.connect(self._point_out_line)
+        self.sheet.chosen.connect(self._mark_line)
         add_copy_of_line(self.buttons, self._as_command)
-        self._work.result.connect(lambda _, answer: self._take(answer))
+        self._work.result.connect(lambda _, reading: self._show_reading(reading))
         self.finished.connect(self._work.stop)
         self.segments.switched.connect(lambda switches: self._change_request(switches=switches))
         for signal in (self.segments.clicked, self.segments.activated):
-            signal.connect(lambda index: self._point_at(self.segments.start(index.row())))
-        self.entries.clicked.connect(self._point_out)
-        self.entries.activated.connect(self._point_out)
+            signal.connect(lambda index: self._mark_angle(self.segments.start(index.row())))
+        self.entries.clicked.connect(self._mark_entry)
+        self.entries.activated.connect(self._mark_entry)
 
-    # -- reading --------------------------------------------------------------------------------------------
+    # -- reading -----------------------------------------------------------------------------------------
 
     @property
     def plots(self) -> tuple[XYPlot, ...]:
-        """Rows and motion, its other derivatives, residuals."""
+        """Plots of rows and motion, of the other derivatives, and of the residuals."""
         return (self.rows_plot, *self.derivative_plots, self.residual_plot)
 
     @property
     def busy(self) -> bool:
-        """Whether the table is being read, or a curve fitted."""
+        """Whether the table is being read or the motion fitted."""
         return self._work.busy
 
     def read_and_fit(self) -> None:
-        """Read and fit as requested, and show the result; what was being computed is given up."""
+        """Read and fit as requested and show the result; a running calculation is cancelled."""
         self.put_button.setEnabled(False)
-        self._work.start([("", partial(self._reader.answer, self.form.request(self._request), self.answer))])
-        if not self._work.wait(AT_ONCE):
+        self._work.start([("", partial(self._reader.read_and_fit, self.form.request(self._request), self.reading))])
+        if not self._work.wait(WAIT):
             self.show_message(COMPUTING)
-            if self.answer.fit is None:
-                self.rows_plot.show_message("The table is being read")
+            if self.reading.fit is None:
+                self.rows_plot.show_message("Reading the table …")
 
-    def _take(self, answer: TableAnswer) -> None:
-        self.answer = answer
-        self.leave.setVisible(answer.fit is None and any(fault.line for fault in answer.faults))
-        self._offer_readings()
-        self.form.show_read(answer.sheet, answer.layout)
-        self.form.ask_trust(answer.layout, answer.fit is not None and bool(answer.fit.contradicted))
-        if answer.layout is not None:
-            how = answer.layout
-            units = {how.quantity: how.unit.name, **{each.quantity: each.unit.name for each in how.other_columns}}
+    def _show_reading(self, reading: TableReading) -> None:
+        self.reading = reading
+        fit, layout, faults = reading.fit, reading.layout, reading.faults
+        self.leave.setVisible(fit is None and any(fault.line for fault in faults))
+        self._show_alternatives()
+        self.form.show_layout(reading.sheet, layout)
+        self.form.ask_trust(layout, fit is not None and bool(fit.contradicted))
+        if layout is not None:
+            units = {layout.quantity: layout.unit.name}
+            units.update((column.quantity, column.unit.name) for column in layout.other_columns)
             for quantity, box in self.errors.items():
                 self.units[quantity].setText(symbol(units[quantity]) if quantity in units else "")
-                for each in (self.labels[quantity], box, self.units[quantity]):
-                    each.setVisible(quantity in units)
-        self.put_button.setEnabled(not answer.faults)
+                for part in (self.labels[quantity], box, self.units[quantity]):
+                    part.setVisible(quantity in units)
+        self.put_button.setEnabled(not faults)
         for widget in (*self.errors.values(), self.lowest, self.estimate, self.keep_all, self.laws, self.dwells):
-            widget.setEnabled(answer.fit is not None or answer.refused)
-        if answer.fit is not None:
-            self._show_fit(answer.fit)
-            if answer.faults:
-                self.show_message(sentence(answer.faults[0].text), wrong=True)
-        elif answer.refused:  # the last curve stays
-            if answer.of_switch:
+            widget.setEnabled(fit is not None or reading.is_refused)
+        if fit is not None:
+            self._show_fit(fit)
+            if faults:
+                self.show_message(sentence(faults[0].text), wrong=True)
+        elif reading.is_refused:  # the last curve stays
+            if reading.is_switch_refused:
                 self.segments.refuse()
-            elif not answer.is_open:
+            elif not reading.is_open:
                 self.error.set_refused(True)
-            self.show_message(sentence(spelled(answer.faults[0].text)), wrong=True)
+            self.show_message(sentence(with_symbols(faults[0].text)), wrong=True)
         else:
             self._show_faults()
-        marks = fault_marks(answer.faults) if answer.fit is None else fit_marks(answer.fit)
-        self.sheet.show_sheet(answer.sheet, answer.layout, marks, self._request.leave_out)
+        marks = fault_marks(faults) if fit is None else fit_marks(fit)
+        self.sheet.show_sheet(reading.sheet, layout, marks, self._request.leave_out)
 
     @property
     def error(self) -> NumberBox:
-        """Of the motion's column."""
-        how = self.answer.layout
-        return self.errors[how.quantity if how is not None else "displacement"]
+        """Box of the error of the column that defines the motion."""
+        layout = self.reading.layout
+        return self.errors[layout.quantity if layout is not None else "displacement"]
 
     def _change_request(self, **changes: Any) -> None:
         self._request = replace(self._request, **changes)
@@ -321,54 +328,54 @@ class MeasuredDialog(PutDialog):
             self._change_request(errors={**self._request.errors, quantity: value})
         else:
             self.errors[quantity].set_refused(True)
-            self.show_message("Measuring error: allowed: 0 or more", wrong=True)
+            self.show_message("Measuring error must be 0 or more", wrong=True)
 
-    def _read_otherwise(self) -> None:
-        """Read in other units, or another column: error and level typed before are dropped."""
+    def _columns_changed(self) -> None:
+        """Read with other units or columns; typed errors and levels no longer apply."""
         self._request = replace(self._request, errors={}, lowest=None, leave_out=(), switches=())
         self.read_and_fit()
 
     def _pages(self, data: bytes) -> tuple[str, ...]:
-        """The sheets of a workbook; none of a text, or where nothing reads it."""
+        """Names of the sheets of a workbook; none for a text file, or without a reader."""
         try:
             return sheet_names(data, self._path.name) if is_workbook(data) else ()
         except KindynaError:
             return ()
 
-    def _turn_to_page(self) -> None:
+    def _page_changed(self) -> None:
         self.form.forget()
         self._change_request(page=self.pages.currentText(), cells="", leave_out=(), errors={}, lowest=None, switches=())
         self.cells.setText("")
 
-    def _choose_cells(self) -> None:
+    def _cells_changed(self) -> None:
         if self.cells.text().strip() != self._request.cells:
             self.form.forget()
             self._change_request(cells=self.cells.text().strip(), leave_out=(), errors={}, lowest=None, switches=())
 
     def _as_command(self) -> str:
         session = self._session
-        drive = session.design.name if session.several else ""
-        return as_command(self.form.request(self._request), self._path, session.path or UNSAVED, drive)
+        drive = session.design.name if session.has_several_drives else ""
+        return measured_command(self.form.request(self._request), self._path, session.path or UNSAVED, drive)
 
     def _leave_out(self) -> None:
-        """Pass over the lines that are wrong, besides those passed over already."""
-        lines = (line for fault in self.answer.faults if fault.line for line in (fault.line, *fault.others))
+        """Leave out the wrong lines in addition to those already left out."""
+        lines = (line for fault in self.reading.faults if fault.line for line in (fault.line, *fault.others))
         self._change_request(leave_out=tuple(sorted({*self._request.leave_out, *lines})))
 
-    def _offer_readings(self) -> None:
-        """Which rows are wrong where the table itself does not say it: none of the readings is taken before it is chosen."""
-        found = self.answer.fit if self.answer.faults else None
-        self.readings.clear()
-        self.readings.addItem("Which rows are wrong?", ())
-        for rows in found.outliers.readings if found is not None else ():
-            assert found is not None
-            self.readings.addItem(f"{found.table.lines_text(rows)} ({len(rows)} rows)", rows)
-        readings = self.readings.count() > 1
-        self.readings.setVisible(readings)
-        self.readings.set_waiting(readings)
+    def _show_alternatives(self) -> None:
+        """List the alternatives where the table leaves open which rows are wrong; the user selects one."""
+        fit = self.reading.fit if self.reading.faults else None
+        self.alternatives.clear()
+        self.alternatives.addItem("Which rows are wrong?", ())
+        if fit is not None:
+            for rows in fit.outliers.readings:
+                self.alternatives.addItem(f"{fit.table.lines_text(rows)} ({len(rows)} rows)", rows)
+        has_alternatives = self.alternatives.count() > 1
+        self.alternatives.setVisible(has_alternatives)
+        self.alternatives.set_waiting(has_alternatives)
 
-    def _choose_reading(self, index: int) -> None:
-        rows, table = self.readings.itemData(index), self.answer.table
+    def _leave_alternative_out(self, index: int) -> None:
+        rows, table = self.alternatives.itemData(index), self.reading.table
         if rows and table is not None:
             lines = {int(table.lines[row]) for row in rows}
             self._change_request(leave_out=tuple(sorted({*self._request.leave_out, *lines})))
@@ -379,86 +386,83 @@ class MeasuredDialog(PutDialog):
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
-            self.answer = TableAnswer()
+            self.reading = TableReading()
             self._change_request(leave_out=(), switches=())
 
-    # -- showing --------------------------------------------------------------------------------------------
+    # -- display -----------------------------------------------------------------------------------------
 
     def _show_fit(self, fit: MotionFit) -> None:
-        own = fit.table.layout.order
-        show_rows(self.rows_plot, fit, own)
-        for plot, order in zip(self.derivative_plots, (k for k in range(3) if k != own), strict=True):
+        main_order = fit.table.layout.order
+        show_rows(self.rows_plot, fit, main_order)
+        for plot, order in zip(self.derivative_plots, (k for k in range(3) if k != main_order), strict=True):
             show_rows(plot, fit, order)
         chosen = self.residual_of.currentIndex()
         self.residual_of.clear()
-        self.residual_of.addItems([sentence(each.column.quantity) for each in fit.columns])
+        self.residual_of.addItems([sentence(column_fit.column.quantity) for column_fit in fit.columns])
         self.residual_of.setCurrentIndex(chosen if 0 <= chosen < len(fit.columns) else 0)
         for widget in (self.labels["residuals"], self.residual_of):
             widget.setVisible(len(fit.columns) > 1)
         self._show_residuals()
-        for each in fit.columns:
-            if each.column.quantity in self.errors:
-                self.errors[each.column.quantity].show_value(each.error)
+        for column_fit in fit.columns:
+            if column_fit.column.quantity in self.errors:
+                self.errors[column_fit.column.quantity].show_value(column_fit.error)
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
         self._show_figures(fit_figures(fit))
         self.segments.show_fit(fit, self._request.switches)
         self.entries.show_entries(fit_entries(fit))
-        guesses = (
-            f"Guessed: {'; '.join(map(spelled, self.answer.layout.guesses))}. "
-            if self.answer.layout and self.answer.layout.guesses
-            else ""
-        )
-        self.show_message(f"{guesses}The motion of the design is replaced; Undo brings it back.")
+        layout = self.reading.layout
+        guesses = f"Guessed: {'; '.join(map(with_symbols, layout.guesses))}. " if layout and layout.guesses else ""
+        self.show_message(f"{guesses}Take replaces the motion of the design; Undo restores it.")
 
     def _show_faults(self) -> None:
-        faults = self.answer.faults
+        faults = self.reading.faults
         self.segments.show_fit(None, ())
         self.entries.show_entries(fault_entries(faults))
         self._show_figures([])
-        self.rows_plot.show_message("Nothing can be drawn before the table can be read")
+        self.rows_plot.show_message("The table cannot be read yet")
         for plot in self.plots[1:]:
             plot.show_message("")
-        self.show_message(counted(faults), wrong=True)
+        self.show_message(fault_summary(faults), wrong=True)
 
     def _show_figures(self, rows: list[tuple[str, str]]) -> None:
-        """What the fit came to; what stands beside it already is left out."""
+        """Show the figures of the fit, except the error, which is in its own field."""
         shown = dict(row for row in rows if row[0] != "measuring error")
         for name in shown:
             if name not in self._figures:
                 self._figures[name] = QLabel(wordWrap=True)
                 self.figures.addRow(sentence(name), self._figures[name])
         for name, label in self._figures.items():
-            label.setText(spelled(shown.get(name, "")))
+            label.setText(with_symbols(shown.get(name, "")))
 
     def _show_residuals(self) -> None:
-        if self.answer.fit is not None:
-            show_residuals(self.residual_plot, self.answer.fit, max(self.residual_of.currentIndex(), 0))
+        if self.reading.fit is not None:
+            show_residuals(self.residual_plot, self.reading.fit, max(self.residual_of.currentIndex(), 0))
 
-    def _point_out(self, index: QModelIndex) -> None:
+    def _mark_entry(self, index: QModelIndex) -> None:
         line, angle = self.entries.line(index.row()), self.entries.angle(index.row())
         if line:
             self.sheet.show_line(line)
-        self._point_at(angle)
+        self._mark_angle(angle)
 
-    def _point_out_line(self, line: int) -> None:
-        table = self.answer.table
-        at = table.angles[table.lines == line] if table is not None else np.zeros(0)
-        self._point_at(float(at[0]) if at.size else None)
+    def _mark_line(self, line: int) -> None:
+        table = self.reading.table
+        angles = table.angles[table.lines == line] if table is not None else np.zeros(0)
+        self._mark_angle(float(angles[0]) if angles.size else None)
 
-    def _point_at(self, angle: float | None) -> None:
+    def _mark_angle(self, angle: float | None) -> None:
         for plot in self.plots:
             plot.point_out(angle)
 
-    # -- the end --------------------------------------------------------------------------------------------
+    # -- result ------------------------------------------------------------------------------------------
 
     def accept(self) -> None:
-        """Put the motion into the design, where the table gives one."""
-        if self.put_button.isEnabled() and self.answer.fit is not None:
-            self.put(with_measured_motion(self._session.design, self.answer.fit), f"Import {self._path.name}")
+        """Put the fitted motion into the design, if there is one."""
+        if self.put_button.isEnabled() and self.reading.fit is not None:
+            self.put(with_measured_motion(self._session.design, self.reading.fit), f"Import {self._path.name}")
 
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
-    """Ask for a table and open the dialog over a window; it is deleted once closed."""
+    """Ask for a table and open the dialog over a window; None if the user cancels."""
     opened = dialogs.opened_file(parent, "Import measured motion", TABLES)
     if opened is None:
         return None

@@ -1,4 +1,4 @@
-"""Its cells; controller tables."""
+"""Cells of a measured table with marks on wrong rows, and the dialog that imports the table of a controller."""
 
 from __future__ import annotations
 
@@ -34,15 +34,24 @@ from kindyna_gui.measured.form import symbol
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 
-# -- controller dialog -----------------------------------------------------------------------------------
-
 TITLE, FILES = "Import controller table", "Tables of controllers (*)"
-WIDTH, USUAL, LEAST = 330, QSize(900, 480), QSize(700, 360)
+FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 330, QSize(900, 480), QSize(700, 360)
 POINTS = 1441  # of the curve
+Index = QModelIndex | QPersistentModelIndex
+TINT = 0.16  # opacity of a column's colour behind its cells
+DOUBTFUL = "This row may be wrong; the table does not decide it"
+ROWS_MEASURED = 60  # rows that determine the width of a column
+WIDEST = 120  # pixels of a column
+MOST_MARKS = 5000  # rows marked in a column that contradicts another
+
+# -- controller tables -----------------------------------------------------------------------------------
 
 
 class ControllerTableDialog(PutDialog):
-    """``found`` is the motion of the file, None where the chosen controller has no such files."""
+    """Dialog that imports the table of a controller as a motion.
+
+    ``controller_motion`` is None if the file is not a table of the selected controller.
+    """
 
     help_page = "controllers#Import controller table"
 
@@ -50,7 +59,7 @@ class ControllerTableDialog(PutDialog):
         super().__init__(session, TITLE, parent)
         self._path, self._data, self._rows = path, data, controllers()
         self._unit = require_motion(session.design).unit
-        self.found: ControllerMotion | None = None
+        self.controller_motion: ControllerMotion | None = None
         self.controller, self.interpolation, self.plot = QComboBox(), QComboBox(), XYPlot("", "")
         self.form = QFormLayout()
         self.form.addRow("Controller", self.controller)
@@ -59,43 +68,43 @@ class ControllerTableDialog(PutDialog):
         left.addWidget(bold_label(path.name))
         left.addLayout(self.form)
         left.addStretch(1)
-        self.frame(left, WIDTH, self.plot, USUAL, LEAST)
+        self.frame(left, FORM_WIDTH, self.plot, TYPICAL_SIZE, LEAST_SIZE)
         add_copy_of_line(self.buttons, self._as_command)
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})
         self.controller.setMinimumContentsLength(24)
         self.controller.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.controller.currentIndexChanged.connect(self._suit_controller)
+        self.controller.currentIndexChanged.connect(self._controller_changed)
         self.interpolation.currentIndexChanged.connect(self._read)
-        fitting = next((i for i, slug in enumerate(self._rows) if self._motion(slug, None)[0] is not None), 0)
-        self.controller.setCurrentIndex(fitting)
-        self._suit_controller()
+        matching = next((i for i, slug in enumerate(self._rows) if self._motion(slug, None)[0] is not None), 0)
+        self.controller.setCurrentIndex(matching)
+        self._controller_changed()
 
     def _motion(self, slug: str, interpolation: str | None) -> tuple[ControllerMotion | None, str]:
-        """What the file is to a controller, or why it is nothing."""
+        """Read the file as a table of a controller; the text says why it is none."""
         try:
             return read_motion(self._rows[slug], self._data, interpolation, self._unit), ""
         except KindynaError as error:
             return None, str(error)
 
-    def _suit_controller(self) -> None:
+    def _controller_changed(self) -> None:
         row = self._rows[self.controller.currentData()]
-        usual: dict[Any, str] = {} if row.interpolation_asked else {None: "As the file says, or usual"}
+        default: dict[Any, str] = {} if row.interpolation_asked else {None: "As in the file, else the default"}
         known = {name: sentence(name.replace("-", " ")) for name in INTERPOLATIONS if name in row.interpolation}
         self.interpolation.blockSignals(True)
-        fill_choices(self.interpolation, {**usual, **known})
+        fill_choices(self.interpolation, {**default, **known})
         self.interpolation.blockSignals(False)
         self.form.setRowVisible(self.interpolation, self.interpolation.count() > 1)
         self._read()
 
     def _read(self) -> None:
-        self.found, wrong = self._motion(self.controller.currentData(), self.interpolation.currentData())
-        self.put_button.setEnabled(self.found is not None)
-        if self.found is None:
+        self.controller_motion, error = self._motion(self.controller.currentData(), self.interpolation.currentData())
+        self.put_button.setEnabled(self.controller_motion is not None)
+        if self.controller_motion is None:
             self.plot.show_message("")
-            self.show_message(sentence(wrong), wrong=True)
+            self.show_message(sentence(error), wrong=True)
             return
-        self.show_message(motion_text(self.found).strip())
-        motion = self.found.motion
+        self.show_message(motion_text(self.controller_motion).strip())
+        motion = self.controller_motion.motion
         compiled = program(motion)
         ends = np.rad2deg(np.append(compiled.starts, compiled.ends[-1]))
         curve, rows = (
@@ -109,13 +118,13 @@ class ControllerTableDialog(PutDialog):
     def _as_command(self) -> str:
         from core.commands.tables import MeasuredArguments
 
-        asked = {"table": self._path, "controller": self.controller.currentData(), **session_options(self._session)}
-        return command_text("measured", command_words(MeasuredArguments, asked))
+        options = {"table": self._path, "controller": self.controller.currentData(), **session_options(self._session)}
+        return command_text("measured", command_words(MeasuredArguments, options))
 
     def accept(self) -> None:
         """Put the motion into the design as one step."""
-        if self.found is not None:
-            self.put(with_controller_motion(self._session.design, self.found), f"Import {self._path.name}")
+        if self.controller_motion is not None:
+            self.put(with_controller_motion(self._session.design, self.controller_motion), f"Import {self._path.name}")
 
 
 def import_controller(session: Session, parent: QWidget) -> None:
@@ -125,58 +134,57 @@ def import_controller(session: Session, parent: QWidget) -> None:
         ControllerTableDialog(session, *opened, parent).open_once()
 
 
-# -- sheet -----------------------------------------------------------------------------------------------
-
-Index = QModelIndex | QPersistentModelIndex
-TINT = 0.16  # of a column's colour behind its cells
-DOUBT = "It may be wrong: nothing tells"
-ROWS_MEASURED = 60  # that tell how wide a column is
-WIDEST = 120  # pixels of a column
-MOST = 5000  # rows marked of a column that contradicts another
+# -- marks -----------------------------------------------------------------------------------------------
 
 
 @frozen
 class Mark:
-    """What is wrong with a row: its columns (empty: all), and why."""
+    """Mark of a wrong row: its wrong columns (empty: all), and the reason."""
 
     columns: tuple[int, ...]
     text: str
 
 
 def fault_marks(faults: Collection[RowFault]) -> dict[int, Mark]:
-    """By line, of rows that cannot be read."""
+    """Marks by line of the rows that cannot be read."""
     return {line: Mark((), fault.text) for fault in faults if fault.line for line in (fault.line, *fault.others)}
 
 
 def fit_marks(fit: MotionFit) -> dict[int, Mark]:
-    """By line, of rows that contradict those beside them: what stands there, and what was expected."""
-    how, table = fit.table.layout, fit.table
-    places = (how.value_column, *(each.column for each in how.other_columns))
+    """Marks by line of the rows that contradict their neighbours, with the expected values."""
+    table = fit.table
+    columns = (table.layout.value_column, *(column.column for column in table.layout.other_columns))
     marks: dict[int, Mark] = {}
-    for i, each in enumerate(fit.columns):
-        rows = list(fit.spoiled.get(each.column.order, ()))
+    for i, column_fit in enumerate(fit.columns):
+        rows = list(fit.spoiled.get(column_fit.column.order, ()))
         curve = fit.curve(table.angles[rows], i) if rows else ()
         for row, expected in zip(rows, curve, strict=True):
-            line, unit = int(table.lines[row]), symbol(each.column.unit)
-            before = marks.get(line, Mark((), ""))
-            left = ", left out" if i or row in fit.left_out else ""
-            told = f"{each.column.name}: {digits(float(expected), 5)} {unit} expected{left}"
-            marks[line] = Mark((*before.columns, places[i]), "; ".join(filter(None, (before.text, told))))
-    by_order = {each.column.order: (place, each.column.name) for place, each in zip(places, fit.columns, strict=True)}
+            line, unit = int(table.lines[row]), symbol(column_fit.column.unit)
+            previous = marks.get(line, Mark((), ""))
+            left_out = ", left out" if i or row in fit.left_out else ""
+            text = f"{column_fit.column.name}: {digits(float(expected), 5)} {unit} expected{left_out}"
+            marks[line] = Mark((*previous.columns, columns[i]), "; ".join(filter(None, (previous.text, text))))
+    by_order = {
+        column_fit.column.order: (column, column_fit.column.name)
+        for column, column_fit in zip(columns, fit.columns, strict=True)
+    }
     for gap in fit.contradicted:
-        (place, _), (_, before_name) = by_order[gap.order], by_order[gap.order - 1]
-        for row in np.flatnonzero(np.isin(np.round(table.angles, 6), np.round(gap.angles, 6)))[:MOST].tolist():
-            marks.setdefault(int(table.lines[row]), Mark((place,), f"It contradicts {before_name}"))
-    doubtful = (*fit.outliers.possible, *(row for stretch in fit.outliers.undecided for row in stretch))
+        (column, _), (_, integral_name) = by_order[gap.order], by_order[gap.order - 1]
+        for row in np.flatnonzero(np.isin(np.round(table.angles, 6), np.round(gap.angles, 6)))[:MOST_MARKS].tolist():
+            marks.setdefault(int(table.lines[row]), Mark((column,), f"Contradicts {integral_name}"))
+    doubtful = (*fit.outliers.possible, *(row for rows in fit.outliers.undecided for row in rows))
     for row in doubtful:
-        marks.setdefault(int(table.lines[row]), Mark((places[0],), DOUBT))
+        marks.setdefault(int(table.lines[row]), Mark((columns[0],), DOUBTFUL))
     return marks
 
 
-class SheetModel(QAbstractTableModel):
-    """Lines of the file with a check each, and their cells.
+# -- sheet -----------------------------------------------------------------------------------------------
 
-    switched   line that was checked or unchecked; whether it is checked
+
+class SheetModel(QAbstractTableModel):
+    """Table model of the lines of a file, each with a check box.
+
+    ``switched`` (line, bool) is emitted when a line is checked or unchecked.
     """
 
     switched = Signal(int, bool)
@@ -189,17 +197,18 @@ class SheetModel(QAbstractTableModel):
         self._colours: dict[int, str] = {}
 
     def show(
-        self, sheet: Worksheet | None, how: ColumnLayout | None, marks: Mapping[int, Mark], left_out: Collection[int]
+        self, sheet: Worksheet | None, layout: ColumnLayout | None, marks: Mapping[int, Mark], left_out: Collection[int]
     ) -> None:
-        """Show this sheet, so read, with these rows marked, and these left out."""
-        colours = {} if how is None else {how.angle_column: SCREEN.quiet, how.value_column: SCREEN.family(how.quantity)}
-        for each in how.other_columns if how is not None else ():
-            colours[each.column] = SCREEN.family(each.quantity)
-        same = sheet is self.sheet
-        if not same:
+        """Show a sheet with the colours of its columns, marks by line, and lines left out."""
+        colours = {}
+        if layout is not None:
+            colours = {layout.angle_column: SCREEN.quiet, layout.value_column: SCREEN.family(layout.quantity)}
+            colours.update((column.column, SCREEN.family(column.quantity)) for column in layout.other_columns)
+        is_same = sheet is self.sheet
+        if not is_same:
             self.beginResetModel()
         self.sheet, self.marks, self.left_out, self._colours = sheet, marks, frozenset(left_out), colours
-        if not same:
+        if not is_same:
             self.endResetModel()
         elif sheet is not None and sheet.rows:
             self.dataChanged.emit(self.index(0, 0), self.index(self.rowCount() - 1, self.columnCount() - 1))
@@ -212,13 +221,13 @@ class SheetModel(QAbstractTableModel):
         return 0 if self.sheet is None else self.sheet.columns + 1
 
     def row_of(self, line: int) -> int | None:
-        """Where a line of the file stands."""
+        """Row of a line of the file; None if the sheet does not have it."""
         rows = self.sheet.rows if self.sheet is not None else ()
-        at = bisect_left(rows, line, key=lambda row: row.line)
-        return at if at < len(rows) and rows[at].line == line else None
+        index = bisect_left(rows, line, key=lambda row: row.line)
+        return index if index < len(rows) and rows[index].line == line else None
 
     def line_of(self, row: int) -> int:
-        """The line of the file that stands there."""
+        """Line of the file of a row."""
         assert self.sheet is not None
         return self.sheet.rows[row].line
 
@@ -228,14 +237,14 @@ class SheetModel(QAbstractTableModel):
         if role == Qt.ItemDataRole.DisplayRole:
             return (self.sheet.names[section - 1] or str(section)) if section else "Line"
         if role == Qt.ItemDataRole.ForegroundRole and section - 1 in self._colours:
-            return QColor(SCREEN.letters(self._colours[section - 1]))
+            return QColor(SCREEN.text_colour(self._colours[section - 1]))
         if role == Qt.ItemDataRole.ToolTipRole:
-            return "Unchecked lines are left out; Space switches those chosen" if not section else None
+            return "Unchecked lines are left out; Space checks or unchecks the selected lines" if not section else None
         return None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
-        usual = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
-        return usual | Qt.ItemFlag.ItemIsUserCheckable if index.column() == 0 else usual
+        flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+        return flags | Qt.ItemFlag.ItemIsUserCheckable if index.column() == 0 else flags
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
         assert self.sheet is not None
@@ -272,10 +281,9 @@ class SheetModel(QAbstractTableModel):
 
 
 class SheetTable(QTableView):
-    """The sheet; Space leaves the chosen rows out, or takes them back.
+    """Table of the sheet; Space checks or unchecks the selected rows.
 
-    left_out   lines that are left out from now on
-    chosen     line of the row that was chosen
+    Signals: ``left_out`` (all lines that are left out) after a change; ``chosen`` (line) when a row is selected.
     """
 
     left_out = Signal(object)
@@ -299,12 +307,12 @@ class SheetTable(QTableView):
         self.selectionModel().currentRowChanged.connect(self._choose)
 
     def show_sheet(
-        self, sheet: Worksheet | None, how: ColumnLayout | None, marks: Mapping[int, Mark], left_out: Collection[int]
+        self, sheet: Worksheet | None, layout: ColumnLayout | None, marks: Mapping[int, Mark], left_out: Collection[int]
     ) -> None:
-        """As of the model; of another sheet the first row that is marked comes into sight."""
-        other = sheet is not self.cells.sheet
-        self.cells.show(sheet, how, marks, left_out)
-        if other and sheet is not None:
+        """Show a sheet, see `SheetModel.show`; another sheet is scrolled to its first marked row."""
+        is_other = sheet is not self.cells.sheet
+        self.cells.show(sheet, layout, marks, left_out)
+        if is_other and sheet is not None:
             for column in range(self.cells.columnCount()):
                 width = max(self.sizeHintForColumn(column), self.horizontalHeader().sectionSizeHint(column))
                 self.setColumnWidth(column, min(width, WIDEST))
@@ -312,7 +320,7 @@ class SheetTable(QTableView):
                 self.scrollTo(self.cells.index(row, 0), QAbstractItemView.ScrollHint.PositionAtCenter)
 
     def show_line(self, line: int) -> None:
-        """Choose the row of a line and bring it into sight."""
+        """Select the row of a line and scroll to it."""
         row = self.cells.row_of(line)
         if row is not None:
             self.selectRow(row)

@@ -86,7 +86,7 @@ class StrokeField(Field):
         self.editor.setProperty(HELP, "making#Stroke, above the diagram")
 
     def edit(self, value: Any, text: str) -> None:
-        if not self.obsolete:
+        if not self.is_obsolete:
             design = self.session.typed
             changed = with_motion(design, with_stroke(require_motion(design), value, stroke_of(design)))
             self.session.lay_out(changed, text, self.spec.path)

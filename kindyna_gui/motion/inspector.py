@@ -49,7 +49,7 @@ class LawField(SegmentField):
 
     def edit(self, value: Any, text: str) -> None:
         """Change the law; the same law again is no edit, which would reset its settings."""
-        if not self.obsolete and value == self.spec.read(self.session.typed):
+        if not self.is_obsolete and value == self.spec.read(self.session.typed):
             self.session.clear_refusal(self.spec.path)
         else:
             super().edit(value, text)
@@ -168,7 +168,7 @@ class MotionPage(QScrollArea):
         self.bar.show_segment(design, index)
         for field in self._rows.values():
             field.refresh(design)
-        fixed = motion.follows is not None or self._session.on_balancer
+        fixed = motion.follows is not None or self._session.is_on_balancer
         for path, field in self._rows.items():
             field.editor.setEnabled(not fixed and not (".rise" in path and is_dwell(motion.segments[index])))
         self.curve.setEnabled(not fixed)

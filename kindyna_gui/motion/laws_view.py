@@ -38,7 +38,7 @@ from kindyna_gui.labels import law_label, value_text
 from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.motion.laws_plot import QUANTITIES, LawsLegend, LineStyle, RankingPanel, line_style, show_laws
 from kindyna_gui.pictures.plots.xy import XYPlot
-from kindyna_gui.pictures.style import SCREEN, of_theme
+from kindyna_gui.pictures.style import SCREEN, cached_by_theme
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import clear_menu
@@ -282,7 +282,7 @@ def _aligned(column: int) -> Qt.AlignmentFlag:
     return LEFT if column == NAME else RIGHT if column < ENDS else Qt.AlignmentFlag.AlignCenter
 
 
-@of_theme
+@cached_by_theme
 def line_icon(number: int) -> QIcon:
     """Icon with a line style; for -1 empty, so that all names are aligned."""
     pixmap = QPixmap(QSize(56, 24))

@@ -116,7 +116,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
         "insert": SegmentAction(
             "Insert",
             "Insert segment",
-            "Insert a dwell of half its span after the selected segment (Ins)",
+            "Insert a dwell after the selected segment, with half of its span (Ins)",
             "insert",
             "Insert segment after segment {n}",
             lambda design, index, _: insert_segment(design, index),
@@ -126,7 +126,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
         "insert_before": SegmentAction(
             "Insert before",
             "Insert before",
-            "Insert a dwell of half its span before the selected segment",
+            "Insert a dwell before the selected segment, with half of its span",
             "insert",
             "Insert segment before segment {n}",
             lambda design, index, _: insert_segment(design, index, before=True),
@@ -148,7 +148,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
         "duplicate": SegmentAction(
             "Duplicate",
             "Duplicate segment",
-            "Insert a copy after the selected segment; each gets half of its span and rise, so that no other join moves",
+            "Insert a copy after the selected segment; both get half of its span and rise, so that no other join moves",
             "duplicate",
             "Duplicate segment {n}",
             lambda design, index, _: copy_segment(design, index),

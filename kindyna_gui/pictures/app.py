@@ -1,4 +1,4 @@
-"""The application object that Qt wants before anything is drawn, with or without a window."""
+"""The application object that Qt needs before it draws, with or without a window."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ from shiboken6 import Shiboken
 from kindyna_gui.background import tidy_in_this_thread
 from kindyna_gui.pictures.style import font
 
-_ROOT: Any = Shiboken.Object  # of every class of Qt
+_ROOT: Any = Shiboken.Object  # base of all classes of Qt
 
 
 def ensure_app(offscreen: bool = False) -> QApplication:
-    """The one application; made now where there is none yet.
+    """Return the application, and create it first where there is none.
 
-    offscreen: draw without any display, so that pictures are the same on every machine. Without a display on Linux
-    this is so anyway.
+    Parameters
+    ----------
+    offscreen : bool
+        Draw without a display, so that images are the same on every machine. Linux without a display always does.
     """
     existing = QApplication.instance()
     if isinstance(existing, QApplication):
@@ -37,65 +39,65 @@ def ensure_app(offscreen: bool = False) -> QApplication:
     let_errors_through()
     app.setFont(font())
     if not QFontDatabase.families():
-        print("no fonts on this machine, texts are missing in pictures: install fonts-dejavu-core", file=sys.stderr)
+        print("No fonts are installed, so images have no texts: install fonts-dejavu-core", file=sys.stderr)
     return app
 
 
-# -- what handlers raise ------------------------------------------------------------------------------------
+# -- exceptions in overridden methods -----------------------------------------------------------------------
 
 
 def let_errors_through() -> None:
-    """Make all classes that there are, and those to come, hand on what their handlers raise.
+    """Make overridden methods of Qt's classes raise exceptions that PySide can handle.
 
-    Before Python 3.12 an exception that C code raises, of a division by zero or a widget that Qt has deleted, is an
-    exception only once somebody handles it; until then it is a class and a message. PySide takes that message for the exception, and the
-    process dies. So every method of ours and of pyqtgraph's in place of one of Qt's handles what it raises, and raises it again.
+    Before Python 3.12 an exception raised by C code, such as a division by zero, consists of a class and a message
+    until Python code handles it. PySide mistakes the message for the exception, and the process crashes. Therefore
+    each method that overrides one of Qt's, in present and future classes, catches its exceptions and raises them again.
     """
     if sys.version_info >= (3, 12) or "__init_subclass__" in vars(_ROOT):
         return
-    _ROOT.__init_subclass__ = classmethod(_created)
-    for cls in _below(_ROOT):
+    _ROOT.__init_subclass__ = classmethod(_init_subclass)
+    for cls in _subclasses(_ROOT):
         _wrap(cls)
 
 
-def _created(cls: type, /, **keywords: Any) -> None:
+def _init_subclass(cls: type, /, **keywords: Any) -> None:
     super(_ROOT, cls).__init_subclass__(**keywords)
     _wrap(cls)
 
 
-def _below(cls: Any) -> Iterator[type]:
-    for each in cls.__subclasses__():
-        yield each
-        yield from _below(each)
+def _subclasses(cls: Any) -> Iterator[type]:
+    for subclass in cls.__subclasses__():
+        yield subclass
+        yield from _subclasses(subclass)
 
 
 def _wrap(cls: type) -> None:
-    """Methods in place of one of Qt's, those of mixins too."""
-    if _is_of_qt(cls):
+    """Wrap the methods that override one of Qt's, those of mixins too."""
+    if _is_qt_class(cls):
         return
-    called = frozenset[str]().union(*(_methods(each) for each in cls.__mro__ if _is_of_qt(each)))
-    for each in cls.__mro__:
-        if each is not object and not _is_of_qt(each):
-            for name in called & vars(each).keys():
-                method = vars(each)[name]
+    overridable = frozenset[str]().union(*(_methods(base) for base in cls.__mro__ if _is_qt_class(base)))
+    for base in cls.__mro__:
+        if base is not object and not _is_qt_class(base):
+            for name in overridable & vars(base).keys():
+                method = vars(base)[name]
                 if isinstance(method, FunctionType) and method.__code__ is not _CODE:
-                    setattr(each, name, _raised_whole(method))
+                    setattr(base, name, _raising_again(method))
 
 
-def _is_of_qt(cls: type) -> bool:
+def _is_qt_class(cls: type) -> bool:
     return cls is _ROOT or cls.__module__.startswith("PySide6.")
 
 
 @cache
 def _methods(cls: Any) -> frozenset[str]:
-    """Names of the methods of a class of Qt but its slots: how many values a signal hands on is read off what it is connected to."""
+    """Names of the methods of a class of Qt without its slots, whose signature tells how many values a signal passes."""
     meta = getattr(cls, "staticMetaObject", None)
     methods = () if meta is None else map(meta.method, range(meta.methodCount()))
     slots = {m.name().data().decode() for m in methods if m.methodType() == QMetaMethod.MethodType.Slot}
     return frozenset(name for name in vars(cls) if not name.startswith("__")) - slots
 
 
-def _raised_whole(method: Callable[..., Any]) -> Callable[..., Any]:
+def _raising_again(method: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(method)
     def called(*args: Any, **keywords: Any) -> Any:
         try:
@@ -106,4 +108,4 @@ def _raised_whole(method: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
-_CODE = _raised_whole(len).__code__  # of all that handle what they raise already
+_CODE = _raising_again(len).__code__  # of all methods that are wrapped already

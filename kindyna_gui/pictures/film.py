@@ -1,4 +1,4 @@
-"""Animations."""
+"""Animations of a mechanism as files, and the images of reports, charts and papers. Equal designs give equal bytes."""
 
 from __future__ import annotations
 
@@ -34,51 +34,41 @@ if TYPE_CHECKING:
     from core.commands import Drawn
 
 
-# -- film ------------------------------------------------------------------------------------------------
-
-# The same design gives the same bytes.
-
-COLOURS, SAMPLE_FRAMES = 255, 6  # of the palette, and frames it is made from
+COLOURS, SAMPLE_FRAMES = 255, 6  # of the palette, and frames from which it is determined
 LEAST_SAMPLES = 1440  # of a turn, for smooth outlines
+FFMPEG = "ffmpeg"
 
 GoOn = Callable[[int], bool]
-"""Takes the frames done; False stops the work."""
+"""Function called with the number of finished frames; returns False to stop the work."""
+
+# -- frames ----------------------------------------------------------------------------------------------
 
 
 class _Stopped(Exception):
-    """The user has had enough."""
-
-
-def _one(design: Design, samples: int, layers: Mapping[str, bool]) -> MechanismScene:
-    """A mechanism with these layers."""
-    scene = MechanismScene(theme=LIGHT)
-    for name, shown in layers.items():
-        scene.set_layer(name, shown)
-    scene.update_study(Study(design, samples))
-    return scene
-
-
-def _all(design: Design, samples: int) -> Assembly:
-    """All drives of a shaft, side by side."""
-    scene = Assembly(LIGHT)
-    scene.show_shaft(Study(design, samples).camshaft, 0, about_shaft=False)
-    return scene
+    """The user has stopped the work."""
 
 
 class Camera:
-    """Takes pictures of a mechanism at any part of the turn."""
+    """Camera that draws the frames of a film."""
 
     def __init__(self, design: Design, film: Film, layers: Mapping[str, bool]) -> None:
         ensure_app(offscreen=True)
         self._film = film
-        # so many samples that each frame falls on one
-        samples = film.frames * ceil(LEAST_SAMPLES / film.frames)
-        self._scene = _all(design, samples) if design.listed else _one(design, samples, layers)
+        samples = film.frames * ceil(LEAST_SAMPLES / film.frames)  # each frame is at a sample
+        self._scene: MechanismScene | Assembly
+        if design.listed:
+            self._scene = Assembly(LIGHT)
+            self._scene.show_shaft(Study(design, samples).camshaft, 0, about_shaft=False)
+        else:
+            self._scene = MechanismScene(theme=LIGHT)
+            for name, shown in layers.items():
+                self._scene.set_layer(name, shown)
+            self._scene.update_study(Study(design, samples))
         self._sheet = MechanismSheet(self._scene, film.width, film.height)
-        self._sheet.grab()  # sizes are settled by drawing once
+        self._sheet.grab()  # drawing once determines the sizes
 
     def take(self, frame: int) -> Image.Image:
-        """The frame of this number, in full colour."""
+        """Frame with this number, in full colour."""
         from PIL import Image
 
         self._scene.set_fraction(frame / self._film.frames)
@@ -94,15 +84,18 @@ class Camera:
 
 
 def _packed(frame: Image.Image) -> np.ndarray:
-    """Colours as one number each (height, width)."""
+    """Colours of an image as numbers (height, width)."""
     parts = np.asarray(frame, dtype=np.uint32)
     packed: np.ndarray = parts[..., 0] << 16 | parts[..., 1] << 8 | parts[..., 2]
     return packed
 
 
 class Palette:
-    """The commonest colours of a few frames spread over the turn: papers and fills keep theirs to the bit, the shades
-    of their edges take the nearest. (Pillow's own look-up is coarser and would turn white paper grey.)"""
+    """Palette of the most frequent colours in a few frames of the film.
+
+    Paper and fills keep their exact colours; the shades of their edges are replaced by the nearest colour. Pillow's own
+    search is coarser: it would make white paper grey.
+    """
 
     def __init__(self, camera: Camera, film: Film) -> None:
         pixels = np.concatenate(
@@ -110,33 +103,36 @@ class Palette:
         )
         colours, counts = np.unique(pixels, return_counts=True)
         self._colours = colours[np.lexsort((colours, -counts.astype(np.int64)))][:COLOURS]
-        self._known = np.full(1 << 24, -1, dtype=np.int16)
-        self._known[self._colours] = np.arange(self._colours.size)
+        self._index = np.full(1 << 24, -1, dtype=np.int16)  # of every colour, -1 before it has occurred
+        self._index[self._colours] = np.arange(self._colours.size)
 
     def reduce(self, frame: Image.Image) -> Image.Image:
-        """The frame in these colours."""
+        """Frame in the colours of the palette."""
         from PIL import Image
 
         packed = _packed(frame)
-        indices = self._known[packed]
+        indices = self._index[packed]
         new = np.unique(packed[indices < 0])
         if new.size:
-            apart = [_part(new, i)[:, None] - _part(self._colours, i) for i in range(3)]
-            self._known[new] = np.argmin(sum(d * d for d in apart), axis=1)
-            indices = self._known[packed]
+            differences = [_part(new, i)[:, None] - _part(self._colours, i) for i in range(3)]
+            self._index[new] = np.argmin(sum(d * d for d in differences), axis=1)
+            indices = self._index[packed]
         reduced = Image.fromarray(indices.astype(np.uint8), "P")
         reduced.putpalette([int(_part(colour, i)) for colour in self._colours for i in range(3)])
         return reduced
 
 
-def _part(packed: np.ndarray, which: int) -> np.ndarray:
-    """Red, green or blue of packed colours."""
-    part: np.ndarray = (packed >> (16 - 8 * which) & 255).astype(np.int64)
+def _part(packed: np.ndarray, index: int) -> np.ndarray:
+    """Red, green or blue (index 0, 1, 2) of packed colours."""
+    part: np.ndarray = (packed >> (16 - 8 * index) & 255).astype(np.int64)
     return part
 
 
+# -- files of animations ---------------------------------------------------------------------------------
+
+
 def _turn(camera: Camera, film: Film, go_on: GoOn) -> Image.Image:
-    """The turn as an image of many frames, each drawn when Pillow comes to it: so it is encoded before the next is drawn."""
+    """The turn as an image of many frames, each drawn when Pillow seeks it, so that it is encoded before the next one."""
     from PIL import Image
 
     class Turn(Image.Image):
@@ -157,14 +153,14 @@ def _turn(camera: Camera, film: Film, go_on: GoOn) -> Image.Image:
                 return
             if frame > self._frame and not go_on(frame):
                 raise _Stopped
-            taken = camera.take(frame)
-            self._frame, self._size, self._mode, self.im = frame, taken.size, taken.mode, taken.im
+            image = camera.take(frame)
+            self._frame, self._size, self._mode, self.im = frame, image.size, image.mode, image.im
 
     return Turn()
 
 
 class _Watched(BytesIO):
-    """A file that calls ``go_on`` before each part is written, and stops where that returns False."""
+    """File that calls ``go_on`` before each write, and raises _Stopped where that returns False."""
 
     def __init__(self, go_on: Callable[[], bool]) -> None:
         super().__init__()
@@ -199,11 +195,11 @@ def _allowed(go_on: GoOn, number: int) -> bool:
 
 
 def _mp4(camera: Camera, film: Film, go_on: GoOn) -> bytes:
-    """By the program ffmpeg, which takes the frames as they are drawn. Raises KindynaError where there is none, or it fails."""
+    """Encode the frames with the program ffmpeg as they are drawn."""
     program = shutil.which(FFMPEG)
     if program is None:
         raise KindynaError(
-            "MP4: no ffmpeg is found on the PATH; install it, or take .gif, .webp, .html or a folder of pictures"
+            "MP4: ffmpeg is not on the PATH; install it, or choose .gif, .webp, .html or a folder of images"
         )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.mp4"
@@ -211,54 +207,79 @@ def _mp4(camera: Camera, film: Film, go_on: GoOn) -> bytes:
         command = [program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate,
                    "-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-flags:v", "+bitexact",
                    str(path)]  # fmt: skip
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as running:
-            assert running.stdin is not None
-            assert running.stderr is not None
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            assert process.stdin is not None
+            assert process.stderr is not None
             try:
                 for number in range(film.frames):
                     _allowed(go_on, number)
                     frame = camera.take(number)
-                    running.stdin.write(frame.crop((0, 0, film.width // 2 * 2, film.height // 2 * 2)).tobytes())
-                running.stdin.close()
+                    process.stdin.write(frame.crop((0, 0, film.width // 2 * 2, film.height // 2 * 2)).tobytes())
+                process.stdin.close()
             except BrokenPipeError:
-                pass  # it says why
+                pass  # ffmpeg writes the reason
             except _Stopped:
-                running.kill()
+                process.kill()
                 raise
-            said = running.stderr.read().decode("utf-8", "replace").strip()
-        if running.returncode != 0 or not path.is_file():
-            raise KindynaError(f"MP4: ffmpeg fails: {said.splitlines()[-1] if said else running.returncode}")
+            output = process.stderr.read().decode("utf-8", "replace").strip()
+        if process.returncode != 0 or not path.is_file():
+            raise KindynaError(f"MP4: ffmpeg fails: {output.splitlines()[-1] if output else process.returncode}")
         return path.read_bytes()
+
+
+WRITERS: Mapping[str, Callable[[Camera, Film, GoOn], bytes]] = MappingProxyType(
+    {".gif": _gif, ".webp": _webp, ".mp4": _mp4}
+)
+"""Ending of an animation's file -> its writer."""
 
 
 def pictures(
     design: Design, film: Film, layers: Mapping[str, bool] = MappingProxyType({}), go_on: GoOn | None = None
 ) -> dict[str, bytes] | None:
-    """File name -> picture, one for each frame; None where ``go_on`` stopped it. Raises as ``shoot``."""
-    camera, made = Camera(design, film, layers), {}
+    """One turn as PNG images.
+
+    Parameters and exceptions are those of `shoot`.
+
+    Returns
+    -------
+    dict of str to bytes
+        File name -> content of each frame; None where ``go_on`` stopped the work.
+    """
+    camera, images = Camera(design, film, layers), {}
     for number in range(film.frames):
         if go_on is not None and not go_on(number):
             return None
         target = BytesIO()
         camera.take(number).save(target, "PNG")
-        made[f"frame_{number:03d}.png"] = target.getvalue()
-    return made
-
-
-FFMPEG = "ffmpeg"
-WRITERS: Mapping[str, Callable[[Camera, Film, GoOn], bytes]] = MappingProxyType(
-    {".gif": _gif, ".webp": _webp, ".mp4": _mp4}
-)
-"""Of the files that hold all frames."""
+        images[f"frame_{number:03d}.png"] = target.getvalue()
+    return images
 
 
 def shoot(
     design: Design, film: Film, layers: Mapping[str, bool] = MappingProxyType({}), go_on: GoOn | None = None
 ) -> bytes | None:
-    """One turn as an animation that repeats for ever; None where ``go_on`` stopped it.
+    """One turn as an animation in a continuous loop.
 
-    layers: those of ``mechanism.LAYERS`` that shall be other than usual. Raises NoSolution where the design has no
-    mechanism.
+    Parameters
+    ----------
+    design : Design
+    film : Film
+        Size, duration and ending of the file.
+    layers : mapping of str to bool
+        Layers of the drawing to show or hide, different from the default.
+    go_on : GoOn, optional
+
+    Returns
+    -------
+    bytes
+        Content of the file; None where ``go_on`` stopped the work.
+
+    Raises
+    ------
+    NoSolution
+        Where the design has no mechanism.
+    KindynaError
+        Where ffmpeg, which MP4 needs, is missing or fails.
     """
     camera = Camera(design, film, layers)
     try:
@@ -267,12 +288,22 @@ def shoot(
         return None
 
 
-# -- painter ---------------------------------------------------------------------------------------------
+# -- images by kind --------------------------------------------------------------------------------------
 
 
 def paint(drawn: Drawn) -> dict[str, bytes]:
-    """The pictures of a report, of a linkage at one angle, of a chart, of another figure, of a paper, of a graph: file name -> content;
-    of a report to hand on: its ending -> content. Raises NoSolution where the design has none."""
+    """Images of a report, snapshot, chart, figure or graph.
+
+    Returns
+    -------
+    dict of str to bytes
+        File name -> content; of a printed report its ending -> content.
+
+    Raises
+    ------
+    NoSolution
+        Where the design has no solution.
+    """
     from core.output.report.document import Printed
 
     ensure_app(offscreen=True)
@@ -281,8 +312,7 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
 
         return {drawn.ending: report_file(drawn.document, drawn.ending) or b""}
     if isinstance(drawn, Study):
-        without = () if "cam" in drawn.stages else ("cam.png",)
-        return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
+        return {name: draw(drawn) for name, draw in PICTURES.items() if name != "cam.png" or "cam" in drawn.stages}
     if isinstance(drawn, Snapshot):
         from kindyna_gui.pictures.painter import SNAPSHOTS
 

@@ -1,4 +1,4 @@
-"""Graphics items."""
+"""Items of a drawing: outlines, closed curves, texts of constant size and arrows; how they move; the visible region."""
 
 from __future__ import annotations
 
@@ -26,14 +26,17 @@ from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
 from kindyna_gui.pictures.units import UNSEEN, level, needed
 from kindyna_gui.settings import sized
 
-# -- items -----------------------------------------------------------------------------------------------
-
 Move = Callable[[int], None]
-"""Puts an item where it belongs at the sample of this index."""
+"""Function that moves an item to its position at the sample with this index."""
+
+# -- items -----------------------------------------------------------------------------------------------
 
 
 class Outline(QGraphicsPathItem):
-    """A path with a cosmetic pen. Qt would take the pen's width for mm and stroke the whole path to find its bounds."""
+    """Path with a cosmetic pen, whose bounds are those of the path.
+
+    Qt would interpret the pen's width in mm and stroke the full path to determine the bounds.
+    """
 
     def __init__(self, path: QPainterPath, line: QPen | None = None, fill: QBrush | None = None) -> None:
         super().__init__(path)
@@ -46,14 +49,14 @@ class Outline(QGraphicsPathItem):
         return self._bounds
 
     def redraw(self, path: QPainterPath) -> None:
-        """Draw this path from now on."""
+        """Replace the path."""
         self.prepareGeometryChange()
         self._bounds = path.controlPointRect()
         self.setPath(path)
 
 
 class Loop(Outline):
-    """A closed line through many points (n,) [mm], drawn from those that its scale needs; from all until ``look`` is called."""
+    """Closed line through many points (n,) [mm]; after ``look``, drawn through no more of them than its scale needs."""
 
     def __init__(self, points: np.ndarray, line: QPen, fill: QBrush | None = None) -> None:
         super().__init__(outline(points), line, fill)
@@ -61,21 +64,21 @@ class Loop(Outline):
         self._level = 0.0
 
     def look(self, scale: float) -> None:
-        """Be drawn at so many dots per mm."""
-        wanted = level(scale)
-        if wanted != self._level:
-            self._level = wanted
-            # the box stays: that of the kept points is the same within what nobody sees
-            self.setPath(outline(self._points[needed(self._points, UNSEEN / wanted)[:-1]]))
+        """Thin the line for a scale [dots per mm]."""
+        needed_level = level(scale)
+        if needed_level != self._level:
+            self._level = needed_level
+            # the bounds are unchanged: those of the thinned line differ by less than can be seen
+            self.setPath(outline(self._points[needed(self._points, UNSEEN / needed_level)[:-1]]))
 
 
 class Silhouette(Outline):
-    """Pieces that overlap, drawn as one: the edges of all, then over them the fill of all."""
+    """Overlapping pieces drawn as one: first the edges of all pieces, then the fills."""
 
     def __init__(self, pieces: Sequence[QPainterPath], line: QPen, fill: QBrush) -> None:
-        whole = joined(*pieces)
-        whole.setFillRule(Qt.FillRule.WindingFill)
-        super().__init__(whole, line, fill)
+        path = joined(*pieces)
+        path.setFillRule(Qt.FillRule.WindingFill)
+        super().__init__(path, line, fill)
         self._pieces = tuple(pieces)
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
@@ -92,8 +95,17 @@ class Silhouette(Outline):
 
 
 class Tag(QGraphicsItem):
-    """A text of constant size at a place of the scene, upright at every zoom; ``lean``: where the place lies in
-    the text's box: (0, 0) top left, (1, 1) bottom right; ``backing``: paper under the text."""
+    """Text of constant size at a position of the scene, upright at every zoom.
+
+    Parameters
+    ----------
+    pixels : int
+        Font size.
+    lean : tuple of float
+        Position in the text's box: (0, 0) is its top left corner, (1, 1) its bottom right corner.
+    backing : bool
+        Draw paper under the text.
+    """
 
     def __init__(
         self,
@@ -127,29 +139,33 @@ class Tag(QGraphicsItem):
         return QRectF()
 
     def paint(self, *_: object) -> None:
-        """Nothing of its own."""
+        """Draw nothing; the text is a child item."""
 
     @property
     def text(self) -> str:
+        """Text that is shown."""
         return self._text.text()
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width and height in pixels."""
+        """Width and height of the text [pixels]."""
         box = self._text.boundingRect()
         return box.width(), box.height()
 
     def set_text(self, text: str) -> None:
+        """Set the text."""
         if text != self._text.text():
             self._text.setText(text)
             self._lay()
 
     def set_lean(self, x: float, y: float) -> None:
+        """Set the position in the text's box, (0, 0) at its top left corner."""
         if (x, y) != self._lean:
             self._lean = (x, y)
             self._lay()
 
     def set_colour(self, colour: str) -> None:
+        """Set the colour of the text."""
         self._text.setBrush(brush(colour))
 
     def update_font(self) -> None:
@@ -158,20 +174,20 @@ class Tag(QGraphicsItem):
         self._lay()
 
     def shift(self, x: float, y: float) -> None:
-        """Move the text by so many pixels from its place, y downwards."""
+        """Shift the text from its position [pixels, y downwards]."""
         if (x, y) != self._shift:
             self._shift = (x, y)
             self._lay()
 
-    def lead(self, wanted: bool) -> None:
-        """Draw or leave out a thin line from the place to the text."""
-        self._line.setVisible(bool(wanted))
+    def lead(self, shown: bool) -> None:
+        """Show or hide a thin line from the position to the text."""
+        self._line.setVisible(bool(shown))
         box = self.pixel_box().adjusted(-2.0, 0.0, 2.0, 0.0)
         x, y = min(max(0.0, box.left()), box.right()), min(max(0.0, box.top()), box.bottom())
         self._line.setLine(0.0, 0.0, x, y)
 
     def pixel_box(self) -> QRectF:
-        """The text's box in pixels about its place, y downwards."""
+        """Box of the text relative to its position [pixels, y downwards]."""
         return QRectF(self._text.pos(), self._text.boundingRect().size())
 
     def _lay(self) -> None:
@@ -182,20 +198,20 @@ class Tag(QGraphicsItem):
 
 
 class Arrow(Outline):
-    """A vector from a place: shaft and filled head; nothing where it is shorter than a hair."""
+    """Vector with a line and a filled arrowhead [mm]; nothing is drawn where it is very short."""
 
-    def __init__(self, line: QPen, head: float) -> None:
+    def __init__(self, line: QPen, head_length: float) -> None:
         super().__init__(QPainterPath(), line, QBrush(QColor(line.color())))
-        self._head = head
+        self._head_length = head_length
 
-    def point(self, place: complex, vector: complex) -> None:
-        """Draw from ``place`` [mm] along ``vector`` [mm]."""
+    def point(self, start: complex, vector: complex) -> None:
+        """Draw the arrow from ``start`` along ``vector`` [mm]."""
         path, length = QPainterPath(), abs(vector)
-        if math.isfinite(length) and length > 0.05 * self._head:
-            along, head = vector / length, min(self._head, 0.6 * length)
-            tip, neck = place + vector, place + vector - along * head
-            side = 1j * along * head * 0.3
-            path.moveTo(place.real, place.imag)
+        if math.isfinite(length) and length > 0.05 * self._head_length:
+            along, head_length = vector / length, min(self._head_length, 0.6 * length)
+            tip, neck = start + vector, start + vector - along * head_length
+            side = 1j * along * head_length * 0.3
+            path.moveTo(start.real, start.imag)
             path.lineTo(neck.real, neck.imag)
             for corner in (neck + side, tip, neck - side, neck):
                 path.lineTo(corner.real, corner.imag)
@@ -204,7 +220,16 @@ class Arrow(Outline):
 
 @frozen(eq=False)
 class DrawnPart:
-    """One thing drawn: its key, its item, the layers that must all be shown, and how it moves (None: it stands)."""
+    """Part of a drawing.
+
+    Attributes
+    ----------
+    key : name of the part
+    item : graphics item
+    layers : layers that must all be shown
+    z : order of drawing
+    move : how the item moves, None where it is fixed
+    """
 
     key: str
     item: QGraphicsItem
@@ -214,41 +239,41 @@ class DrawnPart:
 
 
 def riding(item: QGraphicsItem, z: np.ndarray, angle: np.ndarray) -> Move:
-    """The item moves with a body: origin z (n,) [mm], angle (n,) [deg]."""
+    """Motion of an item with a body: origin z (n,) [mm], angle (n,) [deg]."""
 
     def move(i: int) -> None:
-        place = complex(z[i])
-        item.setPos(place.real, place.imag)
+        origin = complex(z[i])
+        item.setPos(origin.real, origin.imag)
         item.setRotation(float(angle[i]))
 
     return move
 
 
 def turning(item: QGraphicsItem, angle: np.ndarray) -> Move:
-    """The item turns about the scene's origin by angle (n,) [deg]."""
+    """Rotation of an item about the scene's origin by angle (n,) [deg]."""
     return lambda i: item.setRotation(float(angle[i]))
 
 
 def pinned(item: QGraphicsItem, track: np.ndarray) -> Move:
-    """The item stays upright at a moving place (n,) [mm]; it is not seen where the place is infinite."""
+    """Motion of an upright item along positions (n,) [mm]; it is hidden where the position is infinite."""
     return standing_at(item, track.__getitem__)
 
 
-def standing_at(item: QGraphicsItem, place_at: Callable[[int], complex]) -> Move:
-    """The same of a place that is found for the sample of an index."""
+def standing_at(item: QGraphicsItem, position_at: Callable[[int], complex]) -> Move:
+    """Motion of an upright item to the position [mm] at a sample's index; it is hidden where that is infinite."""
 
     def move(i: int) -> None:
-        place = complex(place_at(i))
-        seen = cmath.isfinite(place)
-        item.setOpacity(1.0 if seen else 0.0)
-        if seen:
-            item.setPos(place.real, place.imag)
+        position = complex(position_at(i))
+        is_finite = cmath.isfinite(position)
+        item.setOpacity(1.0 if is_finite else 0.0)
+        if is_finite:
+            item.setPos(position.real, position.imag)
 
     return move
 
 
 def text_size(text: str, pixels: int = SMALL) -> tuple[float, float]:
-    """Width and height of a text in pixels."""
+    """Width and height of a text [pixels] in a font size."""
     return _text_size(text, pixels, sized(pixels))
 
 
@@ -259,7 +284,7 @@ def _text_size(text: str, pixels: int, shown: float) -> tuple[float, float]:
 
 
 def wrapped(text: str, width: float, pixels: int = SMALL) -> str:
-    """A text with its lines broken between words so that none is wider, if it can be helped [pixels]."""
+    """Break a text between words into lines of at most this width [pixels]; only a longer word exceeds it."""
     lines: list[str] = []
     for paragraph in text.split("\n") if text else ():
         line = ""
@@ -274,29 +299,35 @@ def wrapped(text: str, width: float, pixels: int = SMALL) -> str:
     return "\n".join(lines)
 
 
-# -- viewport --------------------------------------------------------------------------------------------
+# -- visible region --------------------------------------------------------------------------------------
 
 
 class Viewport:
-    """visible: rectangle [mm], y upwards; scale: pixels per mm. The scene keeps it up to date."""
+    """Visible region of a scene, which the scene updates.
+
+    Attributes
+    ----------
+    visible : rectangle [mm], y upwards
+    scale : pixels per mm
+    """
 
     def __init__(self) -> None:
         self.visible, self.scale = QRectF(-100.0, -100.0, 200.0, 200.0), 1.0
 
     @property
     def centre(self) -> complex:
-        """Of what is visible, x + iy [mm]."""
-        place = self.visible.center()
-        return complex(place.x(), place.y())
+        """Centre of the region, x + iy [mm]."""
+        centre = self.visible.center()
+        return complex(centre.x(), centre.y())
 
-    def holds(self, place: complex, margin: float = 0.0) -> bool:
-        """Whether a place [mm] is visible, and so many pixels away from the edge."""
+    def holds(self, point: complex, margin: float = 0.0) -> bool:
+        """Whether a point [mm] is visible, with a margin to the edge [pixels]."""
         room = margin / self.scale
         box = self.visible.adjusted(room, room, -room, -room)
-        return box.left() <= place.real <= box.right() and box.top() <= place.imag <= box.bottom()
+        return box.left() <= point.real <= box.right() and box.top() <= point.imag <= box.bottom()
 
     def edge(self, towards: complex, margin: float) -> complex:
-        """Where the ray from the middle leaves the picture, so many pixels before its edge [mm]."""
+        """Point [mm] where the ray from the centre in a direction meets the edge, less a margin [pixels]."""
         room = margin / self.scale
         half = complex(self.visible.width() / 2.0 - room, self.visible.height() / 2.0 - room)
         direction = towards / abs(towards)
@@ -307,24 +338,24 @@ class Viewport:
         return self.centre + reach * direction
 
     def across(self, line: np.ndarray) -> tuple[complex, complex] | None:
-        """The part of the line a x + b y + c = 0 [mm] that is visible; None where none is."""
+        """Ends [mm] of the visible part of the line a x + b y + c = 0, (a, b, c) with c in mm; None where there is none."""
         a, b, c = (float(part) for part in line)
         length = float(np.hypot(a, b))
         if length == 0.0 or not np.isfinite(length + c):
             return None
         normal = complex(a, b) / length
-        foot = self.centre - normal * ((normal.conjugate() * self.centre).real + c / length)
+        middle = self.centre - normal * ((normal.conjugate() * self.centre).real + c / length)
         along = 1j * normal
         low, high = -np.inf, np.inf
         sides = (
-            (foot.real, along.real, self.visible.left(), self.visible.right()),
-            (foot.imag, along.imag, self.visible.top(), self.visible.bottom()),
+            (middle.real, along.real, self.visible.left(), self.visible.right()),
+            (middle.imag, along.imag, self.visible.top(), self.visible.bottom()),
         )
-        for start, rate, least, most in sides:
+        for start, rate, least, greatest in sides:
             if abs(rate) < 1e-12:
-                if not least <= start <= most:
+                if not least <= start <= greatest:
                     return None
                 continue
-            ends = sorted(((least - start) / rate, (most - start) / rate))
+            ends = sorted(((least - start) / rate, (greatest - start) / rate))
             low, high = max(low, ends[0]), min(high, ends[1])
-        return (foot + low * along, foot + high * along) if low < high else None
+        return (middle + low * along, middle + high * along) if low < high else None

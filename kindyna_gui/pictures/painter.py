@@ -1,4 +1,4 @@
-"""Pictures as files."""
+"""Drawings and plots as PNG and SVG files: those of a report, of a snapshot at one angle, and thumbnails of designs."""
 
 from __future__ import annotations
 
@@ -35,16 +35,23 @@ if TYPE_CHECKING:
     from core.stability import Chart
 
 
-# -- paper -----------------------------------------------------------------------------------------------
-
 MARGIN = 8  # around the plots, pixels
 RATIO = 2.0  # dots per pixel of a PNG
-LIGHTLY = 70  # of Qt's 0 ... 100 of a PNG: zlib's level 3, where 6 is usual
-ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
+PNG_QUALITY = 70  # of Qt's 0 ... 100: zlib's level 3 instead of the default 6
+ENLARGED = 64.0  # magnification of an SVG at which its curves begin to show corners
+SHEET = (960, 720)  # of a mechanism, pixels
+SHEET_OF_CHART = (960, 560)
+SHEET_OF_POLYGON = (640, 560)
+PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
+SAMPLES = 180  # of a turn, for a thumbnail
+FRACTION = 0.125  # of a turn, position of the mechanism in a thumbnail
+_OMITTED_LAYERS = ("labels", "scale", "pitch", "base", "normal", "centre", "loads")  # in a thumbnail
+
+# -- files of a widget -----------------------------------------------------------------------------------
 
 
 class PaperSheet(QWidget):
-    """A widget in the colour of a theme's paper; subclasses lay out their plots ``MARGIN`` from its edges."""
+    """Widget in the colour of a theme's paper; subclasses lay out their plots ``MARGIN`` from its edges."""
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -55,7 +62,7 @@ class PaperSheet(QWidget):
 
 
 def png(widget: QWidget, ratio: float = RATIO) -> bytes:
-    """A widget as PNG, ``ratio`` dots per pixel; draw with a theme of the same ratio."""
+    """Widget as PNG with ``ratio`` dots per pixel; its theme must have the same ratio."""
     image = QImage(widget.size() * ratio, QImage.Format.Format_RGB32)
     image.setDevicePixelRatio(ratio)
     image.fill(QColor("white"))
@@ -64,18 +71,18 @@ def png(widget: QWidget, ratio: float = RATIO) -> bytes:
 
 
 def png_bytes(image: QImage) -> bytes:
-    """An image as PNG: a fifth larger than Qt would make it, in two thirds of the time."""
+    """Image as PNG, a fifth larger than Qt's default, in two thirds of the time."""
     data = QByteArray()
     buffer = QBuffer(data)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     writer = QImageWriter(buffer, b"PNG")
-    writer.setQuality(LIGHTLY)
+    writer.setQuality(PNG_QUALITY)
     writer.write(image)
     return bytes(data.data())
 
 
 def svg(widget: QWidget, title: str = "") -> bytes:
-    """A widget as SVG."""
+    """Widget as SVG."""
     data = QByteArray()
     buffer = QBuffer(data)
     generator = QSvgGenerator()
@@ -90,8 +97,8 @@ def svg(widget: QWidget, title: str = "") -> bytes:
 
 
 def _draw(widget: QWidget, device: QPaintDevice) -> None:
-    """As the screen would show it: a graphics view's own ``render`` would leave out what is measured in pixels."""
-    widget.grab(QRect(0, 0, 1, 1))  # sizes of all that is inside are settled by drawing once
+    """Draw a widget as on the screen; a graphics view's own ``render`` would omit items measured in pixels."""
+    widget.grab(QRect(0, 0, 1, 1))  # drawing once determines the sizes of its contents
     painter = QPainter(device)
     try:
         QWidget.render(widget, painter, QPoint())
@@ -99,20 +106,21 @@ def _draw(widget: QWidget, device: QPaintDevice) -> None:
         painter.end()
 
 
-# -- files -----------------------------------------------------------------------------------------------
-
-SHEET = (960, 720)  # of a mechanism, pixels
-SHEET_OF_CHART = (960, 560)
-PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
-
-
 class MechanismSheet(QGraphicsView):
-    """A view on a mechanism that fills it, for files only: never shown, never scrolled."""
+    """View of a mechanism for files.
+
+    Parameters
+    ----------
+    scene : MechanismScene or Assembly
+    width, height : int
+        Size [pixels].
+    region : (QRectF, float), optional
+        Visible rectangle [mm] and scale [pixels per mm]; by default the full mechanism.
+    """
 
     def __init__(
         self, scene: MechanismScene | Assembly, width: int, height: int, region: tuple[QRectF, float] | None = None
     ) -> None:
-        """region: what is visible [mm] and at how many pixels per mm; None: all of it."""
         super().__init__()
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -129,9 +137,20 @@ class MechanismSheet(QGraphicsView):
 
 
 class PlotStack(PaperSheet):
-    """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom.
+    """Stack of plots over one cam angle, with names of segments along the top and angles along the bottom.
 
-    unseen: pixels by which curves may be off; 0 draws every point; marks: whether extremes are marked; bands: as ``set_curves``
+    Parameters
+    ----------
+    study : Study
+    rows : sequence of sequence of Quantity
+        Quantities of each plot.
+    theme : Theme
+    unseen : float
+        Error of the curves that is allowed [pixels]; 0 draws every point.
+    marks : bool
+        Mark the extremes.
+    bands : mapping of str to ndarray (5, n)
+        Column of a channel -> percentiles of the machines, drawn as shaded bands.
     """
 
     def __init__(
@@ -161,11 +180,11 @@ class PlotStack(PaperSheet):
         self.resize(PLOT_WIDTH, max(PLOT_HEIGHT * len(rows), LEAST_HEIGHT) + PLOT_EDGES)
 
 
-# -- the pictures of a report -----------------------------------------------------------------------------
+# -- images of a report ----------------------------------------------------------------------------------
 
 
 def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
-    """The mechanism where the pressure angle is largest, so that normal and instant centre are seen at work."""
+    """Mechanism at its largest pressure angle, where normal and instant centre are clearly visible."""
     scene = MechanismScene(study, theme, closest, still=True)
     at = int(np.argmax(study.cam.flank.pressure_angle)) if "cam" in study.stages else study.theta.size // 8
     scene.set_index(at)
@@ -181,17 +200,17 @@ def _mechanism_svg(study: Study) -> bytes:
 
 
 def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Quantity]]:
-    """What plots of these quantities show: what a design does not have is left out, and links stand for a follower."""
+    """Channels of plots of these quantities: those that the design has, or the links' for a linkage without follower."""
     available = {row.name: row for row in existing(study, channels(study.design))}
-    rows_here = [quantities_for(study, names) for names in rows]
     shown = [
-        without_equal_curves(study, [available[name] for name in names if name in available]) for names in rows_here
+        without_equal_curves(study, [available[name] for name in quantities_for(study, names) if name in available])
+        for names in rows
     ]
     return [row for row in shown if row]
 
 
 def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
-    """Plots of these quantities, one row below the other."""
+    """Function that draws a stack of plots of these quantities as PNG."""
     return lambda study: curves_file(study, plot_rows(study, rows), ".png")
 
 
@@ -202,8 +221,13 @@ def curves_file(
     marks: bool = True,
     bands: Mapping[str, np.ndarray] = NO_BANDS,
 ) -> bytes:
-    """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked, bands shaded. Raises NoSolution where one has no
-    values."""
+    """Stack of plots as a file, ``.png`` or ``.svg``; parameters as for `PlotStack`.
+
+    Raises
+    ------
+    NoSolution
+        Where a quantity has no solution.
+    """
     if ending == ".svg":
         return svg(PlotStack(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
     return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))
@@ -225,25 +249,23 @@ PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
 
 
 def chart_file(chart: Chart, ending: str) -> bytes:
-    """A chart of stability as a file, ``.png`` or ``.svg``."""
+    """Stability chart as a file, ``.png`` or ``.svg``."""
     from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 
     vector = ending == ".svg"
     plot = ChartPlot(theme=LIGHT if vector else replace(LIGHT, ratio=RATIO))
     plot.resize(*SHEET_OF_CHART)
     plot.show_chart(chart)
-    plot.grab()  # the axes find their sizes
+    plot.grab()  # drawing once determines the sizes of the axes
     plot.show_chart(chart)
     return svg(plot, chart.name) if vector else png(plot)
 
 
-# -- snapshots -------------------------------------------------------------------------------------------
-
-SHEET_OF_POLYGON = (640, 560)  # pixels
+# -- images of a snapshot --------------------------------------------------------------------------------
 
 
 def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
-    """The mechanism with all centres, the lines that find them and the velocity ratios from link to link."""
+    """Mechanism with all instant centres, their construction lines, and the velocity ratios from link to link."""
     vector = ending == ".svg"
     theme, closest = (LIGHT, ENLARGED) if vector else (replace(LIGHT, ratio=RATIO), 1.0)
     scene = MechanismScene(None, theme, closest, still=True)
@@ -256,7 +278,7 @@ def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
 
 
 def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
-    """The velocity polygon."""
+    """Velocity polygon."""
     study = snapshot.study
     sheet = PolygonSheet()
     sheet.resize(*SHEET_OF_POLYGON)
@@ -274,21 +296,17 @@ SNAPSHOTS: Mapping[str, Callable[[Snapshot, str], bytes]] = MappingProxyType(
 )
 
 
-# -- small pictures of designs, without texts, by which they are chosen ----------------------------------
-
-SAMPLES = 180  # of a turn
-TURNED = 0.125  # of a turn, at which the mechanism stands
-_LEFT_OUT = ("labels", "scale", "pitch", "base", "normal", "centre", "loads")
+# -- thumbnails ------------------------------------------------------------------------------------------
 
 
 def _mechanism(design: Design, width: int, height: int) -> MechanismSheet:
     scene = MechanismScene()
     for layer in EVERY_LAYER:
-        scene.set_layer(layer, layer not in _LEFT_OUT and EVERY_LAYER[layer].shown)
+        scene.set_layer(layer, layer not in _OMITTED_LAYERS and EVERY_LAYER[layer].shown)
     scene.update_study(Study(design, SAMPLES))
     assert scene.overlay is not None
     scene.overlay.angle.hide()
-    scene.set_fraction(TURNED)
+    scene.set_fraction(FRACTION)
     return MechanismSheet(scene, width, height, scene.fill(width, height))
 
 
@@ -297,28 +315,25 @@ def _drives(design: Design, width: int, height: int) -> MechanismSheet:
     scene.show_shaft(Study(design, SAMPLES).camshaft, 0, about_shaft=False, layers=())
     for part in (scene.overlay.angle, scene.overlay.bar, *(figure.tag for figure in scene.figures.values())):
         part.hide()
-    scene.set_fraction(TURNED)
-    scene.fit(width, height)  # as many drives in a row as suit the picture
-    whole = scene.fit_rect()
-    scale = min(width / whole.width(), height / whole.height())
+    scene.set_fraction(FRACTION)
+    scene.fit(width, height)  # chooses the number of drives in a row
+    drives = scene.fit_rect()
+    scale = min(width / drives.width(), height / drives.height())
     room = QRectF(0.0, 0.0, width / scale, height / scale)
-    room.moveCenter(whole.center())
+    room.moveCenter(drives.center())
     return MechanismSheet(scene, width, height, (room, scale))
 
 
 @lru_cache(maxsize=128)
 def thumbnail(design: Design, width: int, height: int, ratio: float = 1.0) -> QImage:
-    """A small picture of the mechanism, or of all drives; empty where it has no position."""
-    picture = QImage(QSize(width, height) * ratio, QImage.Format.Format_RGB32)
-    picture.setDevicePixelRatio(ratio)
-    picture.fill(Qt.GlobalColor.white)
+    """Small image of the mechanism, or of all drives, without texts; empty where it has no position."""
+    image = QImage(QSize(width, height) * ratio, QImage.Format.Format_RGB32)
+    image.setDevicePixelRatio(ratio)
+    image.fill(Qt.GlobalColor.white)
     try:
         sheet = (_drives if design.listed else _mechanism)(design, width, height)
     except KindynaError:
-        return picture
-    sheet.grab(QRect(0, 0, 1, 1))  # sizes are settled by drawing once
-    painter = QPainter(picture)
-    QWidget.render(sheet, painter, QPoint())
-    painter.end()
+        return image
+    _draw(sheet, image)
     sheet.deleteLater()
-    return picture
+    return image

@@ -1,6 +1,6 @@
-"""What is open changes its colours where it stands, when the theme does.
+"""Change of theme in an open window: each colour is replaced by the one of the same tone in the new theme.
 
-All colours that anything is drawn with come from a ``Theme``: each that is in place gives way to the one of the same tone.
+All colours of the window come from a ``Theme``.
 """
 
 from __future__ import annotations
@@ -32,63 +32,65 @@ from PySide6.QtWidgets import (
 )
 
 from kindyna_gui.pictures.plots.plot import Axis
-from kindyna_gui.pictures.style import BALANCE, DRIVES, FAMILIES, Theme, made_for, shade
+from kindyna_gui.pictures.style import BALANCE, DRIVES, FAMILIES, Theme, icon_maker, shade
 
 _HEX = re.compile(r"#[0-9A-Fa-f]{6}\b")
 _SHADES = 4  # of a colour of curves
 
 
 def _tones(theme: Theme) -> Iterator[str]:
-    """Every colour that is drawn with in a theme, in one order for all."""
-    for each in fields(Theme):
-        value = getattr(theme, each.name)
+    """All colours that a theme draws with, in the same order for every theme."""
+    for field in fields(Theme):
+        value = getattr(theme, field.name)
         yield from (value,) if isinstance(value, str) else value if isinstance(value, tuple) else ()
     for hue in (*FAMILIES.values(), *DRIVES, BALANCE):
         seen = theme.seen(hue)
         shades = [theme.seen(shade(seen, number)) for number in range(_SHADES)]
-        yield from (seen, *shades, *(theme.letters(each) for each in shades))
+        yield from (seen, *shades, *(theme.text_colour(tone) for tone in shades))
 
 
-def _below(item: QTreeWidgetItem) -> Iterator[QTreeWidgetItem]:
+def _descendants(item: QTreeWidgetItem) -> Iterator[QTreeWidgetItem]:
     for child in (item.child(number) for number in range(item.childCount())):
         yield child
-        yield from _below(child)
+        yield from _descendants(child)
 
 
 class Swap:
-    """The colours of one theme for those of another."""
+    """Replacement of the colours of one theme by those of another."""
 
     def __init__(self, before: Theme, after: Theme) -> None:
         self._after: dict[str, str] = {}
-        for one, other in zip(_tones(before), _tones(after), strict=True):
-            self._after.setdefault(one.lower(), other)
+        for old, new in zip(_tones(before), _tones(after), strict=True):
+            self._after.setdefault(old.lower(), new)
 
     def colour(self, colour: QColor) -> QColor:
-        """That of the same tone, as transparent; what belongs to no theme stays."""
+        """Colour of the same tone and opacity; a colour that belongs to no theme is unchanged."""
         after = self._after.get(colour.name())
         if after is None:
             return colour
-        made = QColor(after)
-        made.setAlpha(colour.alpha())
-        return made
+        result = QColor(after)
+        result.setAlpha(colour.alpha())
+        return result
 
     def text(self, text: str) -> str:
-        """A style sheet, or rich text."""
-        return _HEX.sub(lambda found: self._after.get(found[0].lower(), found[0]), text)
+        """Replace the colours of a style sheet or of rich text."""
+        return _HEX.sub(lambda match: self._after.get(match[0].lower(), match[0]), text)
 
     def pen(self, pen: QPen) -> QPen:
-        made = QPen(pen)
-        made.setColor(self.colour(pen.color()))
-        return made
+        """Pen in the new colour."""
+        result = QPen(pen)
+        result.setColor(self.colour(pen.color()))
+        return result
 
     def brush(self, brush: QBrush) -> QBrush:
-        made = QBrush(brush)
+        """Brush in the new colour."""
+        result = QBrush(brush)
         if brush.style() == Qt.BrushStyle.SolidPattern:
-            made.setColor(self.colour(brush.color()))
-        return made
+            result.setColor(self.colour(brush.color()))
+        return result
 
     def widget(self, widget: QWidget) -> None:
-        """What a widget itself keeps of colours: palette, style sheet, rich text, icons, the cells of a list, the items of a scene."""
+        """Replace a widget's colours: palette, style sheet, rich text, icons, cells of a list, items of a scene."""
         if widget.testAttribute(Qt.WidgetAttribute.WA_SetPalette):
             widget.setPalette(self._palette(widget.palette()))
         if sheet := widget.styleSheet():
@@ -112,7 +114,7 @@ class Swap:
                 for item in scene.items():
                     self.item(item)
         elif isinstance(widget, QListWidget | QTableWidget | QTreeWidget):
-            before = widget.blockSignals(True)  # nobody has edited a cell
+            before = widget.blockSignals(True)  # no cell was edited
             self._lists(widget)
             widget.blockSignals(before)
 
@@ -123,32 +125,32 @@ class Swap:
             cells = (widget.item(row, i) for row in range(widget.rowCount()) for i in range(widget.columnCount()))
             self._cells((cell, ()) for cell in cells if cell is not None)
         else:
-            rows = _below(widget.invisibleRootItem())
+            rows = _descendants(widget.invisibleRootItem())
             self._cells((row, (i,)) for row in rows for i in range(widget.columnCount()))
 
     def _palette(self, palette: QPalette) -> QPalette:
-        made = QPalette(palette)
+        result = QPalette(palette)
         for group in (QPalette.ColorGroup.Active, QPalette.ColorGroup.Inactive, QPalette.ColorGroup.Disabled):
             for role in (role for role in QPalette.ColorRole if role != QPalette.ColorRole.NColorRoles):
                 if palette.isBrushSet(group, role):
-                    made.setBrush(group, role, self.brush(palette.brush(group, role)))
-        return made
+                    result.setBrush(group, role, self.brush(palette.brush(group, role)))
+        return result
 
     @staticmethod
-    def _icon(icon: QIcon, put: Callable[[QIcon], Any]) -> None:
-        again = made_for(icon.cacheKey())
-        if again is not None:
-            put(again())
+    def _icon(icon: QIcon, set_icon: Callable[[QIcon], Any]) -> None:
+        make = icon_maker(icon.cacheKey())
+        if make is not None:
+            set_icon(make())
 
     def _cells(self, items: Iterator[tuple[Any, tuple[int, ...]]]) -> None:
-        """Of lists that keep what they show; a model that is asked for it answers anew. Each item with its column where it has some."""
+        """Replace the colours of list items, each with its column where there are several; models return new colours."""
         for item, column in items:
             self._icon(item.icon(*column), partial(item.setIcon, *column))
             if (ink := item.foreground(*column)).style() != Qt.BrushStyle.NoBrush:
                 item.setForeground(*column, self.brush(ink))
 
     def item(self, item: QGraphicsItem) -> None:
-        """Lines, fills and texts of a scene."""
+        """Replace the colours of an item in a scene."""
         if isinstance(item, QAbstractGraphicsShapeItem):
             item.setPen(self.pen(item.pen()))
             item.setBrush(self.brush(item.brush()))
@@ -163,8 +165,8 @@ class Swap:
             if isinstance(item, Axis):
                 item.redraw_title(self.text)
         elif isinstance(item, pg.ScatterPlotItem):
-            for name, put, change in (("pen", item.setPen, self.pen), ("brush", item.setBrush, self.brush)):
-                put([change(each) for each in (getattr(spot, name)() for spot in item.points())])
+            for name, setter, change in (("pen", item.setPen, self.pen), ("brush", item.setBrush, self.brush)):
+                setter([change(getattr(spot, name)()) for spot in item.points()])
         elif isinstance(item, pg.PlotCurveItem) and isinstance(item.opts["pen"], QPen):
             item.setPen(self.pen(item.opts["pen"]))
 

@@ -1,8 +1,8 @@
-"""Outlines of the textbook's symbols as paths. Lengths in mm, y upwards; ``unit`` is the size of symbols [mm].
+"""Symbols of mechanisms as paths: links, plates, levers, pivots, bearings, hatching, arrows.
 
-Symbols are built at the size of a few units and then scaled, so that a mechanism of micrometres is drawn as one of
-kilometres is. Bodies are pieces that overlap and are drawn as one: merging their outlines would cost more than all the
-rest of a drawing, and would turn their arcs into so many straight lines.
+Lengths are in mm, y upwards; ``unit`` is the size of symbols [mm]. Symbols are built at a size of a few units and then
+scaled, so that mechanisms of micrometres and of kilometres look alike. Bodies consist of overlapping pieces: merging
+their outlines would take longer than the rest of a drawing, and would replace their arcs by straight lines.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from shiboken6 import VoidPtr
 PIN, EYE, HUB = 0.6, 1.15, 1.45  # radii of a pin, of the eye around it, of a lever's hub, in units
 BAR, WEB = 0.62, 7.0  # half the width of a bar, reach of a lever's web, in units
 HATCH = 0.75  # distance of hatching lines, in units
-KEPT = 64  # symbols of each kind that are remembered: most edits leave most of them as they are
+CACHE_SIZE = 64  # symbols of each kind; most edits change few of them
 
 
-def at(place: complex) -> QPointF:
-    """A place of the complex plane as Qt has it."""
-    return QPointF(place.real, place.imag)
+def at(point: complex) -> QPointF:
+    """Point of the complex plane as Qt's type."""
+    return QPointF(point.real, point.imag)
 
 
-def scaled(path: QPainterPath, unit: float, place: complex = 0j, turn: complex = 1 + 0j) -> QPainterPath:
-    """A symbol drawn in units, turned by a unit vector, at its place [mm]."""
+def scaled(path: QPainterPath, unit: float, position: complex = 0j, turn: complex = 1 + 0j) -> QPainterPath:
+    """Scale a symbol from units to mm, rotate it by a unit vector, and move it to its position [mm]."""
     a, b = unit * turn.real, unit * turn.imag
-    return QTransform(a, b, -b, a, place.real, place.imag).map(path)
+    return QTransform(a, b, -b, a, position.real, position.imag).map(path)
 
 
 def polyline(points: Iterable[complex], closed: bool = False) -> QPainterPath:
-    """Straight from point to point."""
+    """Straight lines from point to point."""
     polygon = QPolygonF([at(p) for p in points])
     path = QPainterPath()
     path.addPolygon(polygon)
@@ -46,19 +46,19 @@ def polyline(points: Iterable[complex], closed: bool = False) -> QPainterPath:
 
 
 def circle(radius: float, centre: complex = 0j) -> QPainterPath:
+    """Circle about a centre."""
     path = QPainterPath()
     path.addEllipse(at(centre), radius, radius)
     return path
 
 
 def outline(points: np.ndarray) -> QPainterPath:
-    """A closed curve through many points (n,), handed over as one block of memory: one by one they would take
-    milliseconds."""
+    """Closed curve through points (n,) complex, copied as one block of memory, which saves milliseconds."""
     polygon = QPolygonF()
     polygon.resize(points.size)
     if points.size:
-        room: Any = VoidPtr(polygon.data(), 16 * points.size, True)  # type: ignore[arg-type, call-arg]
-        np.frombuffer(room, dtype=complex)[:] = points
+        memory: Any = VoidPtr(polygon.data(), 16 * points.size, True)  # type: ignore[arg-type, call-arg]
+        np.frombuffer(memory, dtype=complex)[:] = points
     path = QPainterPath()
     path.addPolygon(polygon)
     path.closeSubpath()
@@ -66,11 +66,11 @@ def outline(points: np.ndarray) -> QPainterPath:
 
 
 def joined(*paths: QPainterPath) -> QPainterPath:
-    """Several paths as one, each with its own outline."""
-    whole = QPainterPath()
+    """Several paths as one path that keeps their outlines."""
+    result = QPainterPath()
     for path in paths:
-        whole.addPath(path)
-    return whole
+        result.addPath(path)
+    return result
 
 
 def fit_transform(points: np.ndarray, size: QSize, margin: float) -> QTransform:
@@ -83,7 +83,7 @@ def fit_transform(points: np.ndarray, size: QSize, margin: float) -> QTransform:
 
 
 def segments(lines: Iterable[tuple[complex, complex]]) -> QPainterPath:
-    """Straight lines that do not hang together, from start to end each."""
+    """Separate straight lines, (start, end)."""
     path = QPainterPath()
     for start, end in lines:
         path.moveTo(at(start))
@@ -92,7 +92,7 @@ def segments(lines: Iterable[tuple[complex, complex]]) -> QPainterPath:
 
 
 def bar(start: complex, end: complex, half_width: float) -> QPainterPath:
-    """A bar with round ends [mm]."""
+    """Bar with round ends."""
     length = abs(end - start)
     path = QPainterPath()
     path.addRoundedRect(
@@ -102,56 +102,55 @@ def bar(start: complex, end: complex, half_width: float) -> QPainterPath:
     return scaled(path, 1.0, start, turn)
 
 
-def _pieces(paths: Sequence[QPainterPath], unit: float, place: complex) -> tuple[QPainterPath, ...]:
-    """Paths drawn in units, at their place [mm]."""
-    return tuple(scaled(path, unit, place) for path in paths)
+def _pieces(paths: Sequence[QPainterPath], unit: float, position: complex) -> tuple[QPainterPath, ...]:
+    return tuple(scaled(path, unit, position) for path in paths)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def lever(hub: complex, ends: tuple[complex, ...], unit: float) -> tuple[QPainterPath, ...]:
-    """The pieces of a lever of several arms from one hub, stiffened by a web between neighbours."""
+    """Pieces of a lever with several arms from one hub, stiffened by a web between neighbours."""
     local = sorted(((end - hub) / unit for end in ends), key=cmath.phase)
     paths = [circle(HUB)]
     for end in local:
         paths += [bar(0j, end, BAR), circle(EYE, end)]
-    for one, other in zip(local, local[1:] + local[:1], strict=True):
-        if 0.0 < math.degrees(cmath.phase(other / one)) < 170.0:
-            reach = min(WEB, 0.4 * abs(one), 0.4 * abs(other))
-            web = [0j, reach * one / abs(one), reach * other / abs(other)]
+    for end, neighbour in zip(local, local[1:] + local[:1], strict=True):
+        if 0.0 < math.degrees(cmath.phase(neighbour / end)) < 170.0:
+            reach = min(WEB, 0.4 * abs(end), 0.4 * abs(neighbour))
+            web = [0j, reach * end / abs(end), reach * neighbour / abs(neighbour)]
             paths.append(polyline(web, closed=True))
     return _pieces(paths, unit, hub)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def plate(corners: tuple[complex, ...], unit: float) -> tuple[QPainterPath, ...]:
-    """The pieces of a body of three or more points without a fixed one: a plate with eyes."""
+    """Pieces of a plate with eyes at three or more points."""
     centre = sum(corners) / len(corners)
     local = sorted(((c - centre) / unit for c in corners), key=cmath.phase)
     paths = [polyline(local, closed=True)]
-    for one, other in zip(local, local[1:] + local[:1], strict=True):
-        paths += [bar(one, other, BAR), circle(EYE, one)]
+    for corner, neighbour in zip(local, local[1:] + local[:1], strict=True):
+        paths += [bar(corner, neighbour, BAR), circle(EYE, corner)]
     return _pieces(paths, unit, centre)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def link(ends: tuple[complex, ...], unit: float) -> tuple[QPainterPath, ...]:
-    """The pieces of a bar between two points, with eyes."""
+    """Pieces of a bar between two points, with eyes."""
     start, end = ends
     local = (end - start) / unit
     return _pieces([bar(0j, local, BAR), circle(EYE), circle(EYE, local)], unit, start)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def stem(length: float, half_width: float, eye: float) -> tuple[QPainterPath, ...]:
-    """The pieces of a bar along +x from an eye about the origin, cut off square at its end; lengths in units."""
+    """Pieces of a bar along +x from an eye at the origin, with a square end; lengths in units."""
     path = QPainterPath()
     path.addRect(QRectF(0.0, -half_width, length, 2 * half_width))
     return path, circle(eye)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def hatched_box(left: float, right: float, low: float, high: float, gap: float) -> QPainterPath:
-    """The strokes at 45 degrees inside a box."""
+    """Strokes at 45° inside a box."""
     lines = []
     for i in range(math.ceil((left - high) / gap), math.floor((right - low) / gap) + 1):
         c = i * gap  # x = y + c
@@ -162,32 +161,32 @@ def hatched_box(left: float, right: float, low: float, high: float, gap: float) 
 
 
 def hatching(start: complex, end: complex, depth: float, gap: float) -> QPainterPath:
-    """Short strokes at 45 degrees on the right of the line from start to end [mm]: as many as it has gaps, which share it."""
+    """Short strokes at 45° on the right of the line from start to end, at equal distances of about ``gap``."""
     length = abs(end - start)
     count = max(2, min(400, round(length / gap)))
     return scaled(_strokes(count, depth / gap), length / count, start, (end - start) / length)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def _strokes(count: int, depth: float) -> QPainterPath:
-    """So many of them below the +x axis, one in each of its units."""
-    feet = (0.5 + i for i in range(count))
-    return segments((foot + 0.25 * depth, complex(foot - 0.75 * depth, -depth)) for foot in feet)
+    """Strokes below the +x axis, one in each unit of length."""
+    middles = (0.5 + i for i in range(count))
+    return segments((x + 0.25 * depth, complex(x - 0.75 * depth, -depth)) for x in middles)
 
 
 @lru_cache(maxsize=1)
 def pedestal() -> tuple[QPainterPath, QPainterPath]:
-    """The textbook's fixed pivot below the origin, in units: triangle, and hatched ground."""
-    half, height, wide = 1.9, 3.4, 2.9
+    """Fixed pivot below the origin, in units: triangle, and hatched ground."""
+    half, height, ground_half = 1.9, 3.4, 2.9
     triangle = polyline([0j, complex(-half, -height), complex(half, -height)], closed=True)
-    ground = segments([(complex(-wide, -height), complex(wide, -height))])
-    ground.addPath(hatching(complex(-wide, -height), complex(wide, -height), 0.85, HATCH))
+    ground = segments([(complex(-ground_half, -height), complex(ground_half, -height))])
+    ground.addPath(hatching(complex(-ground_half, -height), complex(ground_half, -height), 0.85, HATCH))
     return triangle, ground
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPainterPath]:
-    """A shaft in its bearing, radii in mm: bush, hatching of the bush, shaft with centre lines."""
+    """Shaft in its bearing, radii in mm: bush, hatching of the bush, shaft with centre lines."""
     bush = circle(outer)
     gap = (outer - inner) * 0.55
     lines = []
@@ -210,23 +209,23 @@ def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPa
 
 
 def cross(size: float, centre: complex = 0j) -> QPainterPath:
-    """Two lines through a point that reach ``size`` from it in each direction."""
+    """Two lines through a point, which extend ``size`` from it in both directions."""
     return segments([(centre - size, centre + size), (centre - 1j * size, centre + 1j * size)])
 
 
 def arrow_head(tip: complex, along: complex, size: float) -> QPainterPath:
-    """A slim filled head [mm]; ``along`` is a unit vector."""
-    back = tip - along * size
+    """Slim arrowhead; ``along`` is a unit vector."""
+    base = tip - along * size
     side = 1j * along * size * 0.27
-    return polyline([tip, back + side, back - side], closed=True)
+    return polyline([tip, base + side, base - side], closed=True)
 
 
-@lru_cache(maxsize=KEPT)
-def arc_arrow(radius: float, start: float, span: float, head: float) -> tuple[QPainterPath, QPainterPath]:
-    """An arc about the origin from ``start`` over ``span`` [deg, counter-clockwise] and the head at its end."""
-    stop = span - math.copysign(math.degrees(0.7 * head / radius), span)
+@lru_cache(maxsize=CACHE_SIZE)
+def arc_arrow(radius: float, start: float, span: float, head_length: float) -> tuple[QPainterPath, QPainterPath]:
+    """Arc about the origin from ``start`` over ``span`` [deg, counter-clockwise], and the arrowhead at its end."""
+    stop = span - math.copysign(math.degrees(0.7 * head_length / radius), span)
     angles = [math.radians(start + stop * i / 40.0) for i in range(41)]
     line = polyline([cmath.rect(radius, a) for a in angles])
     end = cmath.rect(radius, math.radians(start + span))
-    chord = end - cmath.rect(radius, math.radians(start + span) - math.copysign(head / radius, span))
-    return line, arrow_head(end, chord / abs(chord), head)
+    chord = end - cmath.rect(radius, math.radians(start + span) - math.copysign(head_length / radius, span))
+    return line, arrow_head(end, chord / abs(chord), head_length)

@@ -1,4 +1,9 @@
-"""Colours, pens, sizes."""
+"""Style of all drawings: themes, colours by quantity, pens, brushes and fonts; and the size below which a value is zero.
+
+The mechanism and the curves carry the colour, everything else is quiet. The colours of the quantities are those of
+Okabe and Ito, which colour-blind readers can distinguish; a family of `core.output.channels` has the same colour in
+every drawing and plot.
+"""
 
 from __future__ import annotations
 
@@ -17,73 +22,72 @@ from core.frozen import frozen
 from core.study import Quantity, Study
 from kindyna_gui.settings import sized
 
-# -- sizes -----------------------------------------------------------------------------------------------
+# -- size below which a value is zero --------------------------------------------------------------------
 
-# In a dwell the contact normal passes through the cam's centre, so that the torque is the difference of two equal
-# products; drawn to its own scale it would be a storm of noise.
+# In a dwell the contact normal passes through the cam's centre. The torque is then the difference of two equal
+# products, and an axis fitted to it would show nothing but rounding noise.
 
-ROUNDING = 256.0 * np.finfo(float).eps  # of the natural size: what rounding leaves of a zero
+ROUNDING = 256.0 * np.finfo(float).eps  # rounding error of a zero, in natural sizes
 _ORDERS: Mapping[str, int] = MappingProxyType({"/s": 1, "/s²": 2, "/s³": 3})
 
 
 def _reach(study: Study) -> float:
-    """A length characteristic of the mechanism's size [m]."""
+    """Length characteristic of the mechanism's size [m]."""
     return study.driver_ranges.plan.size if study.mechanism.ranged else study.reach
 
 
-def _motion(study: Study) -> float:
+def _stroke(study: Study) -> float:
+    """Greatest displacement of the motion [m or rad]."""
     return float(np.abs(study.motion.displacement[0]).max())
 
 
-def _one(study: Study) -> float:
+def _unity(study: Study) -> float:
     return 1.0
 
 
-def _force(study: Study) -> float:
-    return force_size(study.dynamics)
+@lru_cache(maxsize=4)
+def force_size(forces: Forces) -> float:
+    """Largest finite force on any pair [N]."""
+    sizes = np.abs(np.array(list(forces.pairs.values())))
+    return float(sizes.max(where=np.isfinite(sizes), initial=0.0))
+
+
+def torque_size(study: Study) -> float:
+    """Torque of the largest force on the arm of the follower's reference point [N m]."""
+    return force_size(study.dynamics) * _reach(study)
 
 
 _SIZES: Mapping[str, Callable[[Study], float]] = MappingProxyType(
     {
         "mm": _reach,
         "1/mm": lambda study: 1.0 / _reach(study),
-        "N": _force,
-        "N·m": lambda study: torque_size(study),
+        "N": lambda study: force_size(study.dynamics),
+        "N·m": torque_size,
     }
 )
-"""Unit of a channel, without what makes it a rate -> the natural size of what it counts [SI]; angles and ratios: 1."""
-
-
-@lru_cache(maxsize=4)
-def force_size(forces: Forces) -> float:
-    """The largest finite force on any pair [N]."""
-    sizes = np.abs(np.array(list(forces.pairs.values())))
-    return float(sizes.max(where=np.isfinite(sizes), initial=0.0))
-
-
-def torque_size(study: Study) -> float:
-    """What the largest force would give at the arm of the follower's reference point [N m]."""
-    return _force(study) * _reach(study)
+"""Unit of a channel, without the time of a rate -> natural size of the quantity [SI]; 1 for angles and ratios."""
 
 
 def floor_of(study: Study, row: Quantity) -> float:
-    """Size below which values of a channel are zero, in its own unit. Raises NoSolution where its stage has none."""
+    """Size below which a channel's values count as zero, in the channel's unit.
+
+    Raises
+    ------
+    NoSolution
+        Where the channel's stage has no solution.
+    """
     symbol, slash, rate = row.unit.symbol.partition("/s")
     order = _ORDERS.get(slash + rate, 0)
-    natural = _motion if row.stage == "motion" else _SIZES.get(symbol, _one)
-    return ROUNDING * natural(study) * abs(study.omega) ** order / row.unit.factor
+    natural_size = _stroke if row.stage == "motion" else _SIZES.get(symbol, _unity)
+    return ROUNDING * natural_size(study) * abs(study.omega) ** order / row.unit.factor
 
 
 def without_noise(values: np.ndarray, floor: float) -> np.ndarray:
-    """The values (n,); all zero where none stands above the floor."""
+    """Values (n,), replaced by zeros where none exceeds the floor."""
     return values if bool((np.abs(values) > floor).any()) else np.where(np.isnan(values), values, 0.0)
 
 
-# -- the look of every drawing: colours by quantity, papers, pens, fonts ---------------------------------
-
-# A drawing office: the mechanism and the curves carry the colour, everything else is quiet. The colours of the
-# quantities are those of Okabe and Ito, which colour-blind readers keep apart; each family of ``core.output.channels`` has one,
-# the same in every picture.
+# -- colours and themes ----------------------------------------------------------------------------------
 
 BLACK, ORANGE, SKY, GREEN, YELLOW = "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
@@ -114,24 +118,30 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
 DRIVES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 """Colours of the drives on one shaft, in the order of their list."""
 BALANCE = "#5A6B7B"
-"""That of the balance cam."""
+"""Colour of the balance cam."""
 
-READABLE = 4.5  # least contrast of a colour with dark paper: that of texts, by WCAG 2
+READABLE = 4.5  # least contrast of a colour with dark paper, as WCAG 2 requires for texts
 THIN, OUTLINE = 1.0, 1.5  # widths in pixels at every zoom
 
 
 @frozen
 class Theme:
-    """One paper and what is quiet on it.
+    """Colours of paper and drawing.
 
-    ink    outlines of the mechanism, texts; quiet: axes, hatching, construction lines; faint: grid; band: every other
-           segment of the motion; limit: lines that must not be crossed
-    cam, second, roller, slider, shaft, links   fills of the mechanism, links in turn; second: of a conjugate pair
-    desk   what is around the papers; line: frames; chosen: what is; chosen_row: its row in a table; assumed: values; good: what
-           is right; title, button, row, tip: of docks, of buttons, of every other row of tables, of tips; greyed: what is disabled;
-           dwell: beside the player; hair: the finer grid of a drawing
-    light ... shadow, idle   edges of Qt's style, and what is chosen in a window that has not the keys
-    ratio  dots per pixel of the device: Qt counts the width of cosmetic pens in dots
+    Attributes
+    ----------
+    paper, ink : background; outlines of the mechanism and texts
+    quiet, faint, hair : axes, hatching and construction lines; grid; finer grid of a drawing
+    band, dwell : every second segment of a plot; dwells next to the player
+    limit : limits, and values that exceed them
+    cam, second, roller, slider, shaft, links : fills of the mechanism; second: the other cam of a conjugate pair
+    cam_line, second_line : outlines of the cams
+    desk, line : window around the papers; frames
+    chosen, chosen_row, idle : selection; its row in a table; selection in a window without focus
+    assumed, good, greyed : assumed values; signs of success; disabled texts
+    title, button, row, tip : title bars, buttons, every second row of a table, tips
+    light, midlight, mid, dark, shadow : edges of Qt's style
+    ratio : dots per pixel of the device; Qt counts the width of cosmetic pens in dots
     """
 
     paper: str
@@ -170,35 +180,35 @@ class Theme:
     ratio: float = 1.0
 
     def pen(self, colour: str, width: float = THIN, dash: tuple[float, ...] = ()) -> QPen:
-        """A pen of so many pixels at every zoom; dashes in pixels."""
+        """Pen with a width in pixels at every zoom; dashes in pixels."""
         return QPen(_pen(colour, width, dash, self.ratio))
 
-    def letters(self, colour: str) -> str:
-        """A colour for texts: the same hue, dark enough to be read on light paper."""
+    def text_colour(self, colour: str) -> str:
+        """Colour of the same hue for texts, dark enough to be read on light paper."""
         base = QColor(self.seen(colour))
         light = 0.2126 * base.redF() + 0.7152 * base.greenF() + 0.0722 * base.blueF()
         pale = QColor(self.paper).lightnessF() > 0.5 and light > 0.5
         return base.darker(140).name() if pale else base.name()
 
     def family(self, name: str) -> str:
-        """The colour of a quantity on this paper."""
+        """Colour of a family of quantities on this paper."""
         colour = FAMILIES.get(name, self.quiet)
         return self.ink if colour == BLACK else self.seen(colour)
 
     def drive(self, number: int) -> str:
-        """The colour of the drive of this number, from 0, on this paper; those beyond the colours that can be told apart are shades."""
-        turn, place = divmod(number, len(DRIVES))
-        return self.seen(shade(DRIVES[place], turn))
+        """Colour of a drive, numbered from 0, on this paper; after the last colour, shades of the colours follow."""
+        round_number, index = divmod(number, len(DRIVES))
+        return self.seen(shade(DRIVES[index], round_number))
 
     def seen(self, colour: str) -> str:
-        """A colour of the same hue that stands out from dark paper; on light paper, for which all are chosen, the colour itself."""
+        """Colour of the same hue with enough contrast to dark paper; on light paper the colour itself."""
         if not self.is_dark:
             return colour
         return self.ink if colour == BLACK else _lightened(colour, self.paper)
 
     @property
     def is_dark(self) -> bool:
-        """Whether the paper is."""
+        """Whether the paper is dark."""
         return QColor(self.paper).lightnessF() < 0.5
 
 
@@ -275,76 +285,73 @@ DARK = Theme(
 
 
 SCREEN = replace(LIGHT)
-"""The theme of everything that is drawn in the window. It alone changes, by ``draw_in``; files and reports are ``LIGHT``."""
+"""Theme of everything in the window, changed by ``draw_in``; files and reports are always in ``LIGHT``."""
+
+# -- objects that depend on the theme --------------------------------------------------------------------
+
+Result = TypeVar("Result")
+_CACHE_CLEARS: list[Callable[[], None]] = []
+_ICON_MAKERS: dict[int, Callable[[], Any]] = {}
 
 
-Made = TypeVar("Made")
-_OF_THEME: list[Callable[[], None]] = []
-_MADE: dict[int, Callable[[], Any]] = {}
-
-
-def of_theme(make: Callable[..., Made]) -> Callable[..., Made]:
-    """A function whose answers, such as icons, are kept as long as the theme stays."""
+def cached_by_theme(make: Callable[..., Result]) -> Callable[..., Result]:
+    """Cache the results of a function, such as icons, until the theme changes."""
 
     @lru_cache(maxsize=256)
-    def kept(*asked: Any) -> Made:
-        made: Any = make(*asked)
-        if isinstance(made, QIcon):
-            _MADE[made.cacheKey()] = partial(kept, *asked)
-        return made
+    def cached(*arguments: Any) -> Result:
+        result: Any = make(*arguments)
+        if isinstance(result, QIcon):
+            _ICON_MAKERS[result.cacheKey()] = partial(cached, *arguments)
+        return result
 
-    _OF_THEME.append(kept.cache_clear)
-    return wraps(make)(kept)
+    _CACHE_CLEARS.append(cached.cache_clear)
+    return wraps(make)(cached)
 
 
-def made_for(key: int) -> Callable[[], Any] | None:
-    """What makes the icon of this key for the theme at hand; None where it was not made for a theme."""
-    return _MADE.get(key)
+def icon_maker(key: int) -> Callable[[], Any] | None:
+    """Function that makes an icon, given by its cache key, in the current theme; None for other icons."""
+    return _ICON_MAKERS.get(key)
 
 
 def draw_in(theme: Theme) -> None:
-    """Let the window be drawn in the colours of this theme from now on."""
+    """Draw the window in the colours of this theme from now on."""
     vars(SCREEN).clear()
     vars(SCREEN).update(vars(theme))
-    for forget in _OF_THEME:
-        forget()
+    for clear_cache in _CACHE_CLEARS:
+        clear_cache()
 
+
+# -- pens, brushes and fonts -----------------------------------------------------------------------------
 
 # dashes and gaps, pixels
-DASHED = (7.0, 4.0)  # the reference design
+DASHED = (7.0, 4.0)  # pinned variant
 CHAIN = (10.0, 3.0, 1.5, 3.0)  # pitch curve, centre lines
 DOTTED = (1.5, 3.0)  # base circle
 SPARSE = (2.0, 4.0)  # construction lines
 
-TEXT, SMALL = 12, 11  # heights of letters, pixels
-SERIF = (
-    "DejaVu Serif",
-    "Noto Serif",
-    "Liberation Serif",
-    "Cambria",
-    "Times New Roman",
-)  # of equations: others lose the dots of derivatives
+TEXT, SMALL = 12, 11  # font sizes, pixels
+SERIF = ("DejaVu Serif", "Noto Serif", "Liberation Serif", "Cambria", "Times New Roman")
+"""Fonts of equations; others lose the dots of derivatives."""
 FONTS = ("DejaVu Sans", "Noto Sans", "Liberation Sans", "Segoe UI", "Helvetica Neue", "Arial", "NanumGothic")
 
-
-# Every edit needs the same few dozens of these again; a copy costs next to nothing.
+# Pens and brushes are cached because every edit needs the same few dozens of them; a copy costs next to nothing.
 
 
 @lru_cache(maxsize=256)
 def _pen(colour: str, width: float, dash: tuple[float, ...], ratio: float) -> QPen:
-    made = QPen(QColor(colour), width * ratio)
-    made.setCosmetic(True)
-    made.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
-    made.setCapStyle(Qt.PenCapStyle.FlatCap if dash else Qt.PenCapStyle.RoundCap)
+    pen = QPen(QColor(colour), width * ratio)
+    pen.setCosmetic(True)
+    pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+    pen.setCapStyle(Qt.PenCapStyle.FlatCap if dash else Qt.PenCapStyle.RoundCap)
     if dash:
-        made.setDashPattern([part / width for part in dash])
-    return made
+        pen.setDashPattern([part / width for part in dash])
+    return pen
 
 
 def contrast(colour: str, paper: str) -> float:
-    """How much brighter one of two colours is than the other, 1 ... 21 (WCAG 2, relative luminance)."""
-    ends = sorted(0.05 + _luminance(QColor(each)) for each in (colour, paper))
-    return ends[1] / ends[0]
+    """Contrast ratio of two colours, 1 ... 21 (WCAG 2, relative luminance)."""
+    darker, lighter = sorted(0.05 + _luminance(QColor(tone)) for tone in (colour, paper))
+    return lighter / darker
 
 
 def _luminance(colour: QColor) -> float:
@@ -355,60 +362,62 @@ def _luminance(colour: QColor) -> float:
 
 @lru_cache(maxsize=256)
 def _lightened(colour: str, paper: str) -> str:
-    """The colour, as much lighter as it takes to be read."""
-    made = QColor(colour)
-    hue, depth, light = made.hslHueF(), made.hslSaturationF(), made.lightnessF()
-    while contrast(made.name(), paper) < READABLE and light < 1.0:
-        light = min(light + 0.02, 1.0)
-        made = QColor.fromHslF(max(hue, 0.0), depth, light)
-    return made.name() if made != QColor(colour) else colour
+    """Colour made lighter until its contrast to the paper suffices."""
+    lighter = QColor(colour)
+    hue, saturation, lightness = lighter.hslHueF(), lighter.hslSaturationF(), lighter.lightnessF()
+    while contrast(lighter.name(), paper) < READABLE and lightness < 1.0:
+        lightness = min(lightness + 0.02, 1.0)
+        lighter = QColor.fromHslF(max(hue, 0.0), saturation, lightness)
+    return lighter.name() if lighter != QColor(colour) else colour
 
 
 def no_pen() -> QPen:
+    """Pen that draws nothing."""
     return QPen(Qt.PenStyle.NoPen)
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """Red, green and blue, 0 ... 255."""
-    made = QColor(colour)
-    return made.red(), made.green(), made.blue()
+    """Red, green and blue of a colour, 0 ... 255."""
+    parts = QColor(colour)
+    return parts.red(), parts.green(), parts.blue()
 
 
 def brush(colour: str, opacity: float = 1.0) -> QBrush:
+    """Brush for a fill of this colour and opacity."""
     return QBrush(_brush(colour, opacity))
 
 
 @lru_cache(maxsize=256)
 def _brush(colour: str, opacity: float) -> QBrush:
-    made = QColor(colour)
-    made.setAlphaF(opacity)
-    return QBrush(made)
+    fill = QColor(colour)
+    fill.setAlphaF(opacity)
+    return QBrush(fill)
 
 
 def font(pixels: int = TEXT, bold: bool = False) -> QFont:
-    """The font of all drawings, in pixels at the usual size of letters; the first of ``FONTS`` that the machine has."""
+    """Font of all drawings, the first of ``FONTS`` that is installed; its size in pixels at 100 % font size."""
     return QFont(_font(round(sized(pixels)), bold))
 
 
 @lru_cache(maxsize=16)
 def _font(pixels: int, bold: bool) -> QFont:
-    made = QFont()
-    made.setFamilies(list(FONTS))
-    made.setPixelSize(pixels)
-    made.setBold(bold)
-    return made
+    result = QFont()
+    result.setFamilies(list(FONTS))
+    result.setPixelSize(pixels)
+    result.setBold(bold)
+    return result
 
 
 @lru_cache(maxsize=64)
 def shade(colour: str, number: int) -> str:
-    """The colour of the curve of this number (0, 1, ...) among curves of one family in one plot: darker and
-    lighter in turn, lighter only where dark already."""
+    """Colour of the curve with this number (0, 1, ...) among the curves of one family in a plot.
+
+    Shades are darker and lighter alternately; of a dark colour only lighter.
+    """
     base = QColor(colour)
     if number == 0:
         return base.name()
-    steps = (200, 62, 330)  # below 100 it becomes lighter
-    step = steps[(number - 1) % len(steps)]
-    dark = base.lightnessF() < 0.2
-    if dark:
+    if base.lightnessF() < 0.2:
         return QColor.fromHsvF(0.0, 0.0, min(0.75, 0.3 + 0.15 * number)).name()
-    return base.darker(step).name()
+    steps = (200, 62, 330)  # per cent; below 100 the colour becomes lighter
+    return base.darker(steps[(number - 1) % len(steps)]).name()

@@ -1,1 +1,1 @@
-"""Numbers of the design varied live: what is varied and asked, curves, map or points, the design as a cross, and the board."""
+"""The dock Study: vary numbers of the design, compare many designs, find the best one, and save designs on a board."""

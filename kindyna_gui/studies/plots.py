@@ -101,7 +101,7 @@ class SurveyPlot(DraggablePoint, XYPlot):
     def __init__(self, upright: bool = False) -> None:
         super().__init__("", "")
         self._upright = upright
-        self.own: tuple[float, float] | None = None
+        self.design_point: tuple[float, float] | None = None
         self._cross = Outline(_cross(), self._theme.pen(self._theme.ink, 1.8))
         self._cross.setFlag(self._cross.GraphicsItemFlag.ItemIgnoresTransformations)
         self._line = self._outline(self._theme.ink, Z_DESIGN)
@@ -115,7 +115,7 @@ class SurveyPlot(DraggablePoint, XYPlot):
 
     def mark_design(self, at: tuple[float, float] | None, refused: bool = False) -> None:
         """Mark the current design at a point, None: nowhere; refused: no design can be built at this point."""
-        self.own = at
+        self.design_point = at
         (low, high), (bottom, top) = self._view.viewRange()
         inside = at is not None and self._filled and low <= at[0] <= high and (self._upright or bottom <= at[1] <= top)
         pen = self._theme.pen(self._theme.limit if refused else self._theme.ink, 1.8)
@@ -153,7 +153,7 @@ class SurveyPlot(DraggablePoint, XYPlot):
 
     def own_pixel(self) -> QPointF | None:
         shown = self._line if self._upright else self._cross
-        return self.pixel(*self.own) if self.own is not None and shown.isVisible() else None
+        return self.pixel(*self.design_point) if self.design_point is not None and shown.isVisible() else None
 
     def _is_over_point(self, place: QPointF) -> bool:
         pixel = self.own_pixel()
@@ -174,7 +174,7 @@ class SurveyPlot(DraggablePoint, XYPlot):
         in_range = Dots(np.full(len(limits), x[0]), np.array(limits), self._theme.limit, size=0.0)
         self.show_lines([Line(x, finite, quantity.colour)], rules=rules, dots=[in_range] if limits else [], fit=True)
         self.show_range((float(x[0]), float(x[-1])))
-        self.mark_design(self.own)
+        self.mark_design(self.design_point)
 
     def show_map(
         self,
@@ -219,7 +219,7 @@ class SurveyPlot(DraggablePoint, XYPlot):
         self.show_range((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])))
         for row in reversed(texts):  # limits first
             self._write_on(*row)
-        self.mark_design(self.own)
+        self.mark_design(self.design_point)
 
     def _write_on(self, text: str, colour: str, line: tuple[np.ndarray, np.ndarray], near: tuple[float, float]) -> None:
         """Write a text on a line, as close as possible to a part of width and height, without overlap."""

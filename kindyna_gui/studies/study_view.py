@@ -86,7 +86,7 @@ EMPTY = (
     "One number gives curves, two a map, more give parallel coordinates."
 )
 WORDS_ONLY = "Words are tried one by one: find the best design on the left."
-NO_QUANTITY = "Ask a quantity on the left."
+NO_QUANTITY = "Add a quantity on the left."
 SIMULATING = "Simulating machines …"
 NO_SHARE = "Enter a tolerance ± and a limit to see the share of machines within it."
 

@@ -253,7 +253,7 @@ class DesignActions(QObject):
     def _choose_mechanism(self, keeps_motion: bool) -> None:
         from kindyna_gui.window import gallery
 
-        replaces = keeps_motion and self._session.several  # replaces one drive, as an undo step
+        replaces = keeps_motion and self._session.has_several_drives  # replaces one drive, as an undo step
         if replaces or self._window.documents.may_leave():
             ask = gallery.ask_mechanism if keeps_motion else gallery.ask_new_mechanism
             choice = ask(self._window)

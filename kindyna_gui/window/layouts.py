@@ -292,7 +292,7 @@ class Layouts(QObject):
     def _show_kind_docks(self) -> None:
         """Show or hide the docks of linkages and those of several drives, as the design needs them."""
         session, task = self._window.session, self._row
-        kinds = (lists_links(session.design), session.several)
+        kinds = (lists_links(session.design), session.has_several_drives)
         for number, (is_kind, names) in enumerate(zip(kinds, task.kind_docks, strict=True)):
             if names and is_kind != self._kinds[self.current][number]:
                 self._switch_docks(number, is_kind, names)

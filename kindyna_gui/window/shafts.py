@@ -36,7 +36,7 @@ def add_to_shaft(window: Window) -> None:
     """Put the current design on a shaft, a new one or that of a file; to a shaft, add the drives of a file."""
     session = window.session
     window.documents.settle()
-    if session.several:
+    if session.has_several_drives:
         if add_from_file(session, window):
             window.show_view("drives")
         return

@@ -70,12 +70,12 @@ def test_without_a_display_the_main_job_is_done(started: tuple[Path, subprocess.
 
 @pytest.mark.stress
 def test_a_design_with_an_error_is_written_whole_and_answers_1(tmp_path: Path) -> None:
-    """And a display that does not answer is none."""
+    """And a display that does not respond is none."""
     path = tmp_path / "pusher.toml"
     save(with_drive(replace(PUSHER, name="loose"), loads=TranslatingLoads(follower_mass_kg=1.5)), path)
     done = run(str(path), folder=tmp_path, DISPLAY=":9731")
     assert done.returncode == 1
-    assert done.stdout.startswith("the display :9731 does not answer")
+    assert done.stdout.startswith("the display :9731 does not respond")
     assert "leaves the cam" in done.stdout
     assert {path.name for path in (tmp_path / "out").iterdir()} == PICTURES | TABLES | {"report.txt"}
 
@@ -256,10 +256,10 @@ def test_what_counts_as_a_display(wayland: Path) -> None:
     assert obstacle({"QT_QPA_PLATFORM": "offscreen"}, "linux") == ""
     assert obstacle({"WAYLAND_DISPLAY": "wayland-0", "XDG_RUNTIME_DIR": str(wayland)}, "linux") == ""
     assert obstacle({"WAYLAND_DISPLAY": "wayland-1", "XDG_RUNTIME_DIR": str(wayland)}, "linux") == (
-        "the display wayland-1 does not answer"
+        "the display wayland-1 does not respond"
     )
     for name in (":9731", "unix:9731.0", "localhost:9731.0", "nonsense", ":x", "::1"):
-        assert obstacle({"DISPLAY": name}, "linux") == f"the display {name} does not answer"
+        assert obstacle({"DISPLAY": name}, "linux") == f"the display {name} does not respond"
 
 
 def test_a_display_over_the_network_answers() -> None:

@@ -101,7 +101,7 @@ class DriveFigure:
         self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
         self.ribbons = [part.item for part in self.parts if isinstance(part.item, ColouredLoop)]
         self._extent = mechanism.full_extent(self.geometry, self.parts)
-        self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
+        self.tag = Tag(name, theme.text_colour(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         self.corner, self.index = 0j, 0
 
@@ -173,9 +173,9 @@ class TransferFigure:
             axis_name.setPos(QPointF(end.real, end.imag))
         self.part = QGraphicsEllipseItem(-4.0, -4.0, 8.0, 8.0, self.root)
         self.part.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.part.setBrush(QColor(theme.letters(BLUE)))
+        self.part.setBrush(QColor(theme.text_colour(BLUE)))
         self.part.setPen(theme.pen(theme.ink))
-        self.tag = Tag(TRANSFERRED, theme.letters(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
+        self.tag = Tag(TRANSFERRED, theme.text_colour(BLUE), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         box = self.root.path().boundingRect().united(axes.boundingRect())
         room = 0.15 * max(box.width(), box.height())

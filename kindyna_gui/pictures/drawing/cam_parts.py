@@ -40,7 +40,7 @@ from kindyna_gui.pictures.style import (
     no_pen,
     rgb,
 )
-from kindyna_gui.pictures.units import readable, short, with_unit
+from kindyna_gui.pictures.units import readable_text, short
 
 # -- cam and shaft -------------------------------------------------------------------------------------
 
@@ -317,12 +317,9 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
     except KindynaError:
         return None
     allowable = limit_of(study, "contact_pressure_mpa")
-    top = (
-        float(f"{highest:.{DIGITS}g}") or 1.0 if allowable is None else allowable.value
-    )  # 1 MPa where all pressures are 0
-    ticks = tuple(
-        (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
-    )
+    # 1 MPa where all pressures are 0
+    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowable is None else allowable.value
+    ticks = (0.0, short(0.0, 4)), (0.5 * top, short(0.5 * top, 4)), (top, f"{short(top, 4)} MPa")
     stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
     title = "Contact pressure" if allowable is None else "Contact pressure up to the allowable value"
     return ColourScale(title, 0.0, top, stops, ticks, "" if allowable is None else theme.limit)
@@ -490,8 +487,7 @@ class ProfileReading:
             f"{self.pressure_angle:.1f}°, {shape}"
         )
         if self.force is not None:
-            unit = readable("N", abs(self.force))
-            text += f", force {with_unit(short(self.force / unit.size, 4), unit.symbol)}"
+            text += f", force {readable_text(self.force, 'N')}"
         return text if self.pressure is None else f"{text}, contact pressure {short(self.pressure, 4)} MPa"
 
 

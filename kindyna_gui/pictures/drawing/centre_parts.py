@@ -27,9 +27,9 @@ from core.instant_centres import (
 )
 from core.mechanism import ROLLER, body_name, link_number
 from core.mechanism.kinematics import FRAME
-from kindyna_gui.pictures.drawing.free_space import TakenSpace
+from kindyna_gui.pictures.drawing.free_space import OccupiedSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.labels import ink
+from kindyna_gui.pictures.drawing.labels import drawing_dots
 from kindyna_gui.pictures.drawing.overlay import MARGIN, Group
 from kindyna_gui.pictures.drawing.parts import GHOST_POSES
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
@@ -81,14 +81,14 @@ class _Mark:
         self.arrow = Outline(shaft, theme.pen(colour, OUTLINE), brush(colour))
         for item in (self.dot, self.arrow):
             item.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = centre_name(key)
 
     def show(self, on: bool) -> None:
         for item in (self.dot, self.arrow, self.tag):
             item.setVisible(on)
 
-    def place(self, centre: complex, infinite: bool, viewport: Viewport, space: TakenSpace) -> complex:
+    def place(self, centre: complex, infinite: bool, viewport: Viewport, space: OccupiedSpace) -> complex:
         """Place the mark of a centre [mm], or of a direction where ``infinite``; returns the mark's position [mm]."""
         visible = not infinite and viewport.holds(centre)
         self.dot.setVisible(visible)
@@ -109,7 +109,9 @@ class _Mark:
 class CentreMarks:
     """Marks of all centres of a table, or of those in ``only``."""
 
-    def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, space: Callable[[], TakenSpace]) -> None:
+    def __init__(
+        self, table: CentreTable, theme: Theme, viewport: Viewport, space: Callable[[], OccupiedSpace]
+    ) -> None:
         self._table, self._viewport, self._space = table, viewport, space
         self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
         self._far = {key: centres.is_far(table.size) for key, centres in table.centres.items()}
@@ -117,7 +119,7 @@ class CentreMarks:
         self._placed: list[tuple[_Mark, complex]] = []
         self.item = Group([item for mark in self.marks for item in (mark.dot, mark.arrow, mark.tag)])
 
-    def dots(self, i: int, space: TakenSpace) -> None:
+    def dots(self, i: int, space: OccupiedSpace) -> None:
         """Place the marks at a sample; ``move`` places their numbers after everything else."""
         self._placed = []
         for mark in self.marks:
@@ -133,7 +135,7 @@ class CentreMarks:
     def move(self, i: int) -> None:
         space = self._space()
         for mark, position in self._placed:
-            space.settle(mark.tag, (position,))
+            space.place_text(mark.tag, (position,))
 
 
 class KennedyLines:
@@ -251,7 +253,7 @@ class _Dimension:
     def __init__(self, start: Key, end: Key, colour: str, theme: Theme) -> None:
         self.start, self.end = start, end
         self.line = Outline(QPainterPath(), theme.pen(colour, OUTLINE), brush(colour))
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.5, 0.5), backing=True)
+        self.tag = Tag("", theme.text_colour(colour), theme, SMALL, (0.5, 0.5), backing=True)
         self.name = f"I{centre_name(start)}I{centre_name(end)}"
 
     def show(self, on: bool) -> None:
@@ -259,7 +261,7 @@ class _Dimension:
         self.tag.setVisible(on)
 
     def lay(
-        self, start: complex, end: complex, offset: complex, length: float, viewport: Viewport, space: TakenSpace
+        self, start: complex, end: complex, offset: complex, length: float, viewport: Viewport, space: OccupiedSpace
     ) -> None:
         """Draw the dimension between two centres [mm] at an offset [mm]; ``length`` [mm] is shown with its sign."""
         pixel = 1.0 / viewport.scale
@@ -279,7 +281,7 @@ class _Dimension:
                     _stroke(path, tip, tip + ARROW_HEAD * pixel * direction * (1.0 + side))
         self.line.redraw(path)
         self.tag.set_text(f"{self.name} {_figure(length)} mm")
-        space.settle(self.tag, [first + t * (second - first) for t in ALONG], GAPS)
+        space.place_text(self.tag, [first + t * (second - first) for t in ALONG], GAPS)
 
 
 def _stroke(path: QPainterPath, start: complex, end: complex) -> None:
@@ -305,7 +307,7 @@ class RatioDimensions:
     """Velocity ratios of a chain: two dimensions for each ratio, and a list below the angle."""
 
     def __init__(
-        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, space: Callable[[], TakenSpace]
+        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, space: Callable[[], OccupiedSpace]
     ) -> None:
         self._geometry, self._viewport, self._space = geometry, viewport, space
         self._table = geometry.study.centres
@@ -319,7 +321,7 @@ class RatioDimensions:
                 _Dimension(arms.base_key, arms.common_key, colour, theme),
                 _Dimension(arms.body_key, arms.common_key, colour, theme),
             )
-            self.rows.append((arms, lines, Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.0), backing=True)))
+            self.rows.append((arms, lines, Tag("", theme.text_colour(colour), theme, SMALL, (0.0, 0.0), backing=True)))
         items = [item for _, lines, tag in self.rows for d in lines for item in (d.line, d.tag)]
         self.item = Group([*items, *(tag for _, _, tag in self.rows)])
 
@@ -362,7 +364,7 @@ class RatioDimensions:
         """Height of the list [pixels]."""
         return LINE * len(self.rows)
 
-    def list(self, i: int, space: TakenSpace, down: float) -> None:
+    def list(self, i: int, space: OccupiedSpace, down: float) -> None:
         """Write the list at a sample, ``down`` [pixels] below its highest position."""
         omega, bodies = self._geometry.study.omega, self._geometry.kinematics.bodies
         visible, scale = self._viewport.visible, self._viewport.scale
@@ -372,7 +374,7 @@ class RatioDimensions:
                 ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body)))
             )
             tag.setPos(QPointF(x / scale, -(y + LINE * number) / scale))
-            space.take(QRectF(x, y + LINE * number, tag.size[0], LINE))
+            space.reserve(QRectF(x, y + LINE * number, tag.size[0], LINE))
 
 
 # -- layers of a general linkage -----------------------------------------------------------------------
@@ -391,7 +393,7 @@ class Construct:
         self._geometry, self._theme, self._viewport, self._texts = geometry, theme, viewport, texts
         self._step, self._drawn_layers = step, set[str]()
         self._index = 0
-        self._space: TakenSpace | None = None
+        self._space: OccupiedSpace | None = None
         self.marks: CentreMarks | None = None
         self.kennedy: KennedyLines | None = None
         self.ratios: dict[str, RatioDimensions] = {}
@@ -407,11 +409,11 @@ class Construct:
         """Prepare a move to a sample, where all texts are placed again."""
         self._index, self._space = index, None
 
-    def space(self) -> TakenSpace:
+    def space(self) -> OccupiedSpace:
         """Occupied space at the current sample."""
         if self._space is None:
-            drawn = ink(self._geometry, np.array([self._index]), ())
-            self._space = TakenSpace(self._viewport, drawn, self._texts())
+            drawn = drawing_dots(self._geometry, np.array([self._index]), ())
+            self._space = OccupiedSpace(self._viewport, drawn, self._texts())
             down = 0.0
             for ratios in self._listed():
                 ratios.list(self._index, self._space, down)
@@ -514,7 +516,7 @@ class CircleDiagram(QWidget):
         self.dotted = tuple(w.key for w in plan.steps[max(step - 1, 0) :])
         self.update()
 
-    def place(self, body: str) -> QPointF:
+    def number_position(self, body: str) -> QPointF:
         """Position of a link's number [pixels], clockwise from the top."""
         part = self.bodies.index(body) / len(self.bodies)
         radius = 0.5 * min(self.width(), self.height()) - self.NUMBER - 4.0
@@ -531,7 +533,7 @@ class CircleDiagram(QWidget):
 
     def _paint(self, painter: QPainter) -> None:
         middle = QPointF(self.width() / 2.0, self.height() / 2.0)
-        offset = self.place(self.bodies[0]) - middle
+        offset = self.number_position(self.bodies[0]) - middle
         radius = abs(complex(offset.x(), offset.y()))
         painter.setPen(QPen(QColor(SCREEN.shaft), 1.0))
         painter.drawEllipse(middle, radius, radius)
@@ -541,7 +543,7 @@ class CircleDiagram(QWidget):
                 tint.setAlphaF(0.16)
                 painter.setPen(Qt.PenStyle.NoPen)
                 painter.setBrush(tint)
-                painter.drawPolygon(QPolygonF([self.place(b) for b in (*self.target.key, triangle.third)]))
+                painter.drawPolygon(QPolygonF([self.number_position(b) for b in (*self.target.key, triangle.third)]))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for keys, pen in (
             (self.dotted, QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine)),
@@ -549,14 +551,14 @@ class CircleDiagram(QWidget):
         ):
             painter.setPen(pen)
             for key in keys:
-                painter.drawLine(self.place(key[0]), self.place(key[1]))
+                painter.drawLine(self.number_position(key[0]), self.number_position(key[1]))
         if self.target is not None:
             painter.setPen(QPen(QColor(SCREEN.limit), 2.0, Qt.PenStyle.DotLine))
-            painter.drawLine(self.place(self.target.key[0]), self.place(self.target.key[1]))
+            painter.drawLine(self.number_position(self.target.key[0]), self.number_position(self.target.key[1]))
         painter.setFont(font(12))
         for body in self.bodies:
             box = QRectF(0.0, 0.0, 2.0 * self.NUMBER, 2.0 * self.NUMBER)
-            box.moveCenter(self.place(body))
+            box.moveCenter(self.number_position(body))
             painter.setPen(QPen(QColor(SCREEN.ink), 1.0))
             painter.setBrush(QColor(SCREEN.paper))
             painter.drawEllipse(box)

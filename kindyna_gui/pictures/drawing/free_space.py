@@ -17,22 +17,22 @@ CLEAR, MOST_STEPS = 8.0, 40  # distance of an arrow from a text, pixels; how oft
 _DIRECTIONS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
 
 
-class TakenSpace:
+class OccupiedSpace:
     """Occupied space at one sample: dots of the drawing and boxes of texts, in pixels of the scene, y downwards."""
 
-    def __init__(self, viewport: Viewport, ink: DrawnDots, texts: Iterable[QRectF]) -> None:
+    def __init__(self, viewport: Viewport, dots: DrawnDots, texts: Iterable[QRectF]) -> None:
         self._viewport = viewport
-        self._x, self._y = ink.points[0].real * viewport.scale, -ink.points[0].imag * viewport.scale
-        self._radius, self._weight = ink.radius * viewport.scale, ink.weight
+        self._x, self._y = dots.points[0].real * viewport.scale, -dots.points[0].imag * viewport.scale
+        self._radius, self._weight = dots.radius * viewport.scale, dots.weight
         self._boxes: list[tuple[float, float, float, float]] = []  # centres and half sizes
         for box in texts:
-            self.take(box)
+            self.reserve(box)
         visible, scale = viewport.visible, viewport.scale
         edges = visible.left(), visible.right(), -visible.bottom(), -visible.top()
         left, right, top, low = (edge * scale for edge in edges)
         self._view = (left + EDGE, top + EDGE, right - EDGE, low - EDGE)
 
-    def take(self, box: QRectF) -> None:
+    def reserve(self, box: QRectF) -> None:
         """Reserve a box, so that no other text is placed there."""
         middle = box.center()
         self._boxes.append((middle.x(), middle.y(), 0.5 * box.width(), 0.5 * box.height()))
@@ -53,7 +53,7 @@ class TakenSpace:
     def dot(self, point: complex, radius: float) -> None:
         """Reserve the space of a mark at a point [mm]; radius in pixels."""
         pixel = point.conjugate() * self._viewport.scale
-        self.take(QRectF(pixel.real - radius, pixel.imag - radius, 2.0 * radius, 2.0 * radius))
+        self.reserve(QRectF(pixel.real - radius, pixel.imag - radius, 2.0 * radius, 2.0 * radius))
 
     def cost(self, centres: np.ndarray, width: float, height: float) -> np.ndarray:
         """Costs (c,) of boxes of this size around ``centres`` (c,); 0 where the space is free."""
@@ -73,7 +73,7 @@ class TakenSpace:
         out = (x - wide < left) | (x + wide > right) | (y - high < top) | (y + high > low)
         return np.asarray(occupied + LEAVES * out)
 
-    def settle(self, tag: Tag, points: Sequence[complex], gaps: tuple[float, ...] = GAPS) -> None:
+    def place_text(self, tag: Tag, points: Sequence[complex], gaps: tuple[float, ...] = GAPS) -> None:
         """Place a text where it covers least, next to one of the points [mm]; a thin line leads to it from afar.
 
         The first points and short gaps are preferred.

@@ -129,11 +129,11 @@ def labels_of(geometry: Geometry) -> Iterator[Label]:
         yield Label(f"roller.{name}", f"{name} roller", track, radius, "roller")
     slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
     for body in geometry.moving.values():
-        places = list(geometry.nodes(body).values())
+        points = list(geometry.nodes(body).values())
         name = body.name.removeprefix("link") if geometry.has_numbered_links else body.name.replace("_", " ")
         if body.name in slides:
             yield Label(body.name, name, *_slide_label(geometry, slides[body.name]), "linkage")
-        elif len(places) > 1:
+        elif len(points) > 1:
             ends = max(bars(body, geometry), key=lambda e: abs(e[0] - e[1]))
             yield Label(
                 body.name,
@@ -173,9 +173,9 @@ def _free_points(geometry: Geometry) -> Iterator[Label]:
         return
     pinned_points = {joint.pair.point for joint in geometry.joints}
     for body in geometry.moving.values():
-        for name, place in body.points.items():
+        for name, point in body.points.items():
             if name not in pinned_points and not (name == ROLLER or name.isdecimal()):
-                yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * geometry.unit, "linkage")
+                yield Label(f"point.{body.name}.{name}", name, body.track(point), 1.3 * EYE * geometry.unit, "linkage")
 
 
 def _slide_label(geometry: Geometry, joint: Joint) -> tuple[np.ndarray, float]:
@@ -215,7 +215,7 @@ class DrawnDots:
     weight: np.ndarray
 
 
-def ink(
+def drawing_dots(
     geometry: Geometry,
     samples: np.ndarray,
     strokes: Sequence[tuple[np.ndarray, np.ndarray]],
@@ -318,7 +318,7 @@ class Labels:
             return False
         self._geometry = geometry
         self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
-        for cached in ("samples", "_ink"):
+        for cached in ("samples", "_dots"):
             self.__dict__.pop(cached, None)
         return True
 
@@ -328,8 +328,8 @@ class Labels:
         return spread_samples(self._geometry) if self._fixed_sample is None else np.array([self._fixed_sample])
 
     @cached_property
-    def _ink(self) -> DrawnDots:
-        return ink(self._geometry, self.samples, self._strokes, self._curves)
+    def _dots(self) -> DrawnDots:
+        return drawing_dots(self._geometry, self.samples, self._strokes, self._curves)
 
     def parts(self) -> Iterator[DrawnPart]:
         """The labels as parts of the drawing, which move with the labelled parts."""
@@ -343,13 +343,13 @@ class Labels:
     def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]], curves: Sequence[np.ndarray] = ()) -> None:
         """Avoid strokes from (n,) to (n,) [mm] and fixed curves (m,) [mm], from the next ``arrange`` on."""
         self._strokes, self._curves = strokes, curves
-        self.__dict__.pop("_ink", None)
+        self.__dict__.pop("_dots", None)
 
     def use_sample(self, index: int) -> None:
         """Consider only one sample, from the next ``arrange`` on."""
         if index != self._fixed_sample:
             self._fixed_sample = index
-            for cached in ("samples", "_ink"):
+            for cached in ("samples", "_dots"):
                 self.__dict__.pop(cached, None)
 
     def arrange(self, corners: tuple[complex, complex], scale: float, texts: Sequence[TextBox] = ()) -> None:
@@ -422,14 +422,14 @@ class Labels:
 
     def _covered(self, centre: np.ndarray, half: complex, scale: float) -> np.ndarray:
         """Weight of the dots that boxes around ``centre`` (k, c) cover, averaged over the turn (c,)."""
-        ink, pad = self._ink, PAD / scale
+        dots, pad = self._dots, PAD / scale
         low = complex(centre.real.min(), centre.imag.min()) - half * 1.5 - complex(pad, pad)
         high = complex(centre.real.max(), centre.imag.max()) + half * 1.5 + complex(pad, pad)
-        p, r = ink.points, ink.radius
+        p, r = dots.points, dots.radius
         near = (
             (p.real + r > low.real) & (p.real - r < high.real) & (p.imag + r > low.imag) & (p.imag - r < high.imag)
         ).any(axis=0)
-        p, r, weight = p[:, near], r[near], ink.weight[near]
+        p, r, weight = p[:, near], r[near], dots.weight[near]
         x = _beyond(centre.real, p.real, half.real)
         y = _beyond(centre.imag, p.imag, half.imag)
         at = np.flatnonzero(np.maximum(x, y) < np.float32(r + pad))  # only a few dots are this near

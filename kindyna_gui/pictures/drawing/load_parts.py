@@ -33,7 +33,7 @@ from kindyna_gui.pictures.drawing.parts import BLOCK_LENGTH, behind_face, bush_s
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Outline, Tag, pinned
 from kindyna_gui.pictures.shapes import HATCH, PIN, arc_arrow, circle, hatching, joined, polyline, scaled, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush
-from kindyna_gui.pictures.units import readable, short, with_unit
+from kindyna_gui.pictures.units import readable_text, short
 
 # -- springs and dampers -------------------------------------------------------------------------------
 
@@ -138,12 +138,11 @@ def closing_spring(element: OutputForce, geometry: Geometry, theme: Theme) -> It
     offset = float(np.mean(((joint.track - geometry.middle) * joint.line.conjugate()).real))
     sign = joint.outward_sign if stem or not offset else float(np.sign(offset))
     line = joint.line * sign
-    near = behind_face(geometry, line) if stem else 0.5 * BLOCK_LENGTH * unit
-    far = (
-        bush_start(joint, geometry)
-        if stem
-        else max(sign * joint.low, sign * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
-    )
+    if stem:
+        near, far = behind_face(geometry, line), bush_start(joint, geometry)
+    else:
+        near = 0.5 * BLOCK_LENGTH * unit
+        far = max(sign * joint.low, sign * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
     end = joint.root + line * far * unit
     path = spring_symbol(True, False, unit, STEM_WIDTH if stem else 1.0, STEM_COILS if stem else COILS)
     yield _stretched(f"spring.{element.name}", path, joint.track + line * near, np.full(geometry.samples, end), theme)
@@ -266,11 +265,6 @@ def _quarters(radius: float) -> QPainterPath:
     return joined(*parts)
 
 
-def _value(size: float, symbol: str) -> str:
-    unit = readable(symbol, size)
-    return with_unit(short(size / unit.size, DIGITS), unit.symbol)
-
-
 def external(element: Any, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Forces as arrows at their points, torques as arcs about them; hidden while they are zero."""
     for row in element_forces(element, geometry.kinematics, geometry.study.omega):
@@ -331,11 +325,11 @@ def _torque(row: ForceOnBody, geometry: Geometry, theme: Theme) -> Iterator[Draw
 
 def _tag(key: str, size: np.ndarray, unit: str, track: np.ndarray, away: np.ndarray, theme: Theme) -> DrawnPart:
     """A value (n,) next to a path (n,) [mm], on the side ``away`` (n,)."""
-    tag = Tag(_value(float(size[0]), unit), theme.ink, theme, SMALL, backing=True)
+    tag = Tag(readable_text(float(size[0]), unit), theme.ink, theme, SMALL, backing=True)
 
     def move(i: int) -> None:
         tag.setOpacity(1.0 if size[i] else 0.0)
-        tag.set_text(_value(float(size[i]), unit))
+        tag.set_text(readable_text(float(size[i]), unit))
         side = -1.0 if tag.sceneTransform().m11() < 0.0 else 1.0  # -1 for a drive seen from its other end
         x, y = side * round(float(away[i].real), 2), round(float(away[i].imag), 2)
         tag.set_lean(0.5 - 0.5 * x, 0.5 + 0.5 * y)

@@ -62,17 +62,16 @@ def full_extent(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
     """Rectangle that contains the moving parts, the ground and near instant centres over the turn [mm]."""
     low, high = geometry.core_box
     rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
+    distance, spread = np.abs(geometry.reference), range(0, geometry.samples, max(1, geometry.samples // 8))
+    samples = {"spring": spread, "load": spread, "stem": (int(np.argmin(distance)), int(np.argmax(distance)))}
     for part in parts:
-        if part.move is None and part.key.partition(".")[0] in _FIXED_PARTS:
-            rect = rect.united(part.item.boundingRect())
-        if part.move is not None and part.key.startswith(("spring.", "load.")):
-            for i in range(0, geometry.samples, max(1, geometry.samples // 8)):
-                part.move(i)
-                rect = rect.united(part.item.sceneBoundingRect())
-        if part.move is not None and part.key.startswith("stem."):
-            for i in (int(np.argmin(np.abs(geometry.reference))), int(np.argmax(np.abs(geometry.reference)))):
-                part.move(i)
-                rect = rect.united(part.item.sceneBoundingRect())
+        kind = part.key.partition(".")[0]
+        if part.move is None:
+            rect = rect.united(part.item.boundingRect()) if kind in _FIXED_PARTS else rect
+            continue
+        for i in samples.get(kind, ()):
+            part.move(i)
+            rect = rect.united(part.item.sceneBoundingRect())
     q = geometry.near_centres
     if q.size:
         x, y = q.real, q.imag
@@ -132,7 +131,8 @@ def _about(rect: QRectF, width: float, height: float, scale: float) -> QRectF:
 # -- scene ---------------------------------------------------------------------------------------------
 
 DEFAULT_SIZE = (900.0, 675.0)  # size of a view that is not given, pixels
-
+DOT = 4.0  # radius of the mark at the profile point whose values are shown, pixels
+Z_DOT = 12.0
 
 BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
     cam_parts.cam,
@@ -151,9 +151,6 @@ LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingPr
     }
 )
 """Layers whose parts are drawn when the layer is first shown."""
-
-DOT = 4.0  # radius of the mark at the profile point whose values are shown, pixels
-Z_DOT = 12.0
 
 
 class MechanismScene(QGraphicsScene):
@@ -261,10 +258,9 @@ class MechanismScene(QGraphicsScene):
                 self.removeItem(part.item)
         self.parts = {}
         self._drawn_layers = set()
-        if self.overlay is not None:
-            self.overlay.drop_colours(self.removeItem)
         if self.overlay is None:
             self.overlay = Overlay(self.theme, self.addItem)
+        self.overlay.drop_colours(self.removeItem)
         self.overlay.angle_name = geometry.study.angle_name if geometry.has_numbered_links else "cam angle"
         for builder in BUILDERS:
             for part in builder(geometry, self.theme):

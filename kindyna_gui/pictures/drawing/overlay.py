@@ -162,7 +162,7 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All dimensions of the drive, which move with their bodies."""
     colour = theme.family("length")
     for number, (row, drawn, origin, turn, body) in enumerate(placed_dimensions(geometry)):
-        tag = Tag(dimension_text(row), theme.letters(colour), theme, SMALL, backing=True)
+        tag = Tag(dimension_text(row), theme.text_colour(colour), theme, SMALL, backing=True)
         items = (
             ("lines", Outline(drawn.lines, theme.pen(colour, THIN))),
             ("heads", Outline(drawn.heads, None, brush(colour))),

@@ -133,14 +133,14 @@ def has_advance(study: Study) -> bool:
 
 def available_layers(study: Study) -> tuple[str, ...]:
     """Layers that apply to a design."""
-    without = () if "cam" in study.stages else _CAM_LAYERS
-    without = (
-        *without,
+    shaft = study.design.shaft
+    omitted = {
+        *(() if "cam" in study.stages else _CAM_LAYERS),
         *(() if has_advance(study) else (MODULO,)),
-        *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)),
-    )
+        *(() if shaft is not None and shaft.elastic is not None else (TWIST,)),
+    }
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS
-    return tuple(name for name in rows if name not in without)
+    return tuple(name for name in rows if name not in omitted)
 
 
 # -- links and pairs -----------------------------------------------------------------------------------
@@ -179,26 +179,26 @@ def drawn_joints(geometry: Geometry) -> Iterator[Joint]:
 def body_pieces(body: Body, geometry: Geometry) -> tuple[QPainterPath, ...]:
     """Outline of a body: a bar between two points, a lever about its fixed pivot, or a plate; empty with one point."""
     nodes = geometry.nodes(body)
-    places = tuple(nodes.values())
-    if len(places) < 2:
+    points = tuple(nodes.values())
+    if len(points) < 2:
         return ()
-    if len(places) == 2:
-        return link(places, geometry.unit)
+    if len(points) == 2:
+        return link(points, geometry.unit)
     hubs = [
         j.pair.point for j in geometry.joints if j.is_fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name
     ]
     if hubs and hubs[0] in nodes:
         hub = nodes[hubs[0]]
-        return lever(hub, tuple(p for p in places if p != hub), geometry.unit)
-    return plate(places, geometry.unit)
+        return lever(hub, tuple(p for p in points if p != hub), geometry.unit)
+    return plate(points, geometry.unit)
 
 
 def passes_shaft(body: Body, geometry: Geometry) -> bool:
     """Whether a bar crosses the camshaft during the turn, so that it is drawn behind the cam."""
-    places = tuple(geometry.nodes(body).values())
-    if not geometry.has_cam or len(places) != 2:
+    points = tuple(geometry.nodes(body).values())
+    if not geometry.has_cam or len(points) != 2:
         return False
-    start, end = (body.track(place) for place in places)
+    start, end = (body.track(point) for point in points)
     along = end - start
     part = np.clip(-(start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
     return bool(np.abs(start + part * along).min() < EYE * geometry.unit)
@@ -213,8 +213,8 @@ def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 def _pedestal(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     turn = 1j * ground_direction(joint, geometry)  # the symbol is drawn downwards
-    place = complex(joint.track[0])
-    triangle, ground = (scaled(path, geometry.unit, place, turn) for path in pedestal())
+    pivot = complex(joint.track[0])
+    triangle, ground = (scaled(path, geometry.unit, pivot, turn) for path in pedestal())
     yield DrawnPart(
         f"pedestal.{joint.name}",
         Outline(triangle, theme.pen(theme.ink, THIN), brush(theme.paper)),
@@ -263,9 +263,7 @@ def bush_length(joint: Joint, geometry: Geometry) -> float:
 
 def behind_face(geometry: Geometry, line: complex) -> float:
     """Distance from the follower's reference point to the back of its face, along an outward direction [mm]."""
-    return (
-        geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_attachment * line.conjugate()).real)
-    )
+    return geometry.face_radius or max(0.0, (geometry.face_attachment * line.conjugate()).real)
 
 
 def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -308,13 +306,11 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]
     low = (joint.low if sign > 0 else -joint.high) / unit
     eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.has_rolling_face else 0.0
     half = STEM * (eye or EYE)
-    inner = (
-        max(0.0, (geometry.face_attachment * body_line.conjugate()).real) / unit
-    )  # a face that is not round is held on its back
-    shapes = stem(start + length - low + 1.8 - inner, half, eye)
-    pieces = [
-        scaled(path, unit, body.points[joint.pair.point] + inner * unit * body_line, body_line) for path in shapes
-    ]
+    # a face that is not round is held on its back
+    back = max(0.0, (geometry.face_attachment * body_line.conjugate()).real) / unit
+    shapes = stem(start + length - low + 1.8 - back, half, eye)
+    end = body.points[joint.pair.point] + back * unit * body_line
+    pieces = [scaled(path, unit, end, body_line) for path in shapes]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
     yield DrawnPart(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()
@@ -372,7 +368,7 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     curves = [curve for curve in (geometry.profile, geometry.pitch) if curve.size]
     rim = BEYOND * max((float(np.abs(curve).max()) for curve in curves), default=geometry.base_radius)
     below = float(geometry.reference.imag.mean()) >= 0.0  # away from the follower
-    note = Tag("", theme.letters(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
+    note = Tag("", theme.text_colour(VERMILION), theme, TEXT, lean=(0.5, 0.0 if below else 1.0), backing=True)
     note.setPos(0.0, -BEYOND * rim if below else BEYOND * rim)
     if turn is None:
         note.set_text(reason)
@@ -410,7 +406,7 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     yield DrawnPart("twist.spring", spring, (TWIST,), Z_SPRING, move)
     yield DrawnPart("twist.arc", arc, (TWIST,), Z_TWIST)
     yield DrawnPart("twist.text", note, (TWIST,), Z_TWIST)
-    name = Tag("input", theme.letters(VERMILION), theme, backing=True)
+    name = Tag("input", theme.text_colour(VERMILION), theme, backing=True)
     yield DrawnPart(
         "twist.name", name, (TWIST, "labels"), Z_TWIST, pinned(name, BEYOND * rim * np.exp(1j * np.deg2rad(ahead)))
     )

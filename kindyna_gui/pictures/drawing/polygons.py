@@ -34,7 +34,7 @@ from core.frozen import frozen
 from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, PolygonSide, VelocityPolygon
 from core.mechanism import link_number
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SCREEN, SMALL, TEXT, THIN, font
-from kindyna_gui.pictures.units import nice_below, number, readable, short, with_unit
+from kindyna_gui.pictures.units import nice_below, number, readable, readable_text, short, with_unit
 from kindyna_gui.settings import sized
 
 # -- layout of names -----------------------------------------------------------------------------------
@@ -441,7 +441,7 @@ class PolygonSheet(QWidget):
             )
         for s in diagram.strokes:
             if abs(s.vector) * frame.scale >= SHORTEST:
-                colour = theme.letters(self._pen(s).color().name())
+                colour = theme.text_colour(self._pen(s).color().name())
                 across = _away(s.vector) * 1j
                 if s.value and (across * _away(s.start + s.vector / 2.0 - middle).conjugate()).real < 0.0:
                     across = -across  # outside the polygon
@@ -511,7 +511,6 @@ SYMBOLS: Mapping[str, str] = MappingProxyType(
     {REACTION: "F", CONTACT: "F", FRICTION: "R", DRIVE: "D", SPRING: "S", LOAD: "P", WEIGHT: "G", INERTIA: "\u2212ma"}
 )
 """Symbol of each kind of force; the index names the pair, the element or the body."""
-DIGITS = 4
 JAMMED = "Friction jams at this angle: the forces are infinite."
 COUPLE_SYMBOLS: Mapping[str, str] = MappingProxyType({REACTION: "M", INERTIA: "\u2212Iα"})
 """Symbol of each kind of couple that differs from the symbol of the force."""
@@ -539,12 +538,6 @@ def force_name(row: ForceOnBody) -> tuple[str, str]:
     return SYMBOLS[row.kind], re.sub(r"^(?:link|spring) (?=\d)|(?<=^torsion) spring", "", words)
 
 
-def force_text(value: float, symbol: str = "N") -> str:
-    """Force [N], or couple [N·m] where the symbol says so, in a readable unit."""
-    unit = readable(symbol, abs(value))
-    return with_unit(short(value / unit.size, DIGITS), unit.symbol)
-
-
 def force_box(rows: Sequence[ForceOnBody]) -> tuple[complex, complex]:
     """Lower left and upper right of a body's polygon over the turn [N]."""
     ends = (
@@ -566,7 +559,7 @@ def force_diagram(rows: Sequence[ForceOnBody], largest: float) -> PolygonDiagram
         if abs(force) > NO_FORCE * largest:
             strokes.append(
                 PolygonVector(
-                    *force_name(row), start, force, dashed=row.kind in MASS_KINDS, value=force_text(abs(force))
+                    *force_name(row), start, force, dashed=row.kind in MASS_KINDS, value=readable_text(abs(force), "N")
                 )
             )
             start += force
@@ -585,7 +578,7 @@ def _couples(rows: Sequence[ForceOnBody]) -> str:
         if np.isfinite(couple) and abs(couple) > NO_COUPLE * largest:
             symbol, index = force_name(row)
             symbol = COUPLE_SYMBOLS.get(row.kind, symbol)
-            texts.append(f"{symbol} {index} {force_text(couple, 'N·m')}")
+            texts.append(f"{symbol} {index} {readable_text(couple, 'N·m')}")
     return f"Couples: {', '.join(texts)}" if texts else ""
 
 
@@ -599,8 +592,8 @@ def pair_diagram(name: str, force: complex, turn: np.ndarray) -> PolygonDiagram:
     finite = turn[np.isfinite(turn)]
     if not np.isfinite(force):
         return PolygonDiagram(FORCES, (), curve=finite, lines=(JAMMED,))
-    size, angle = force_text(abs(force)), number(math.degrees(np.angle(force)), 1)
-    text = f"x {force_text(force.real)}, y {force_text(force.imag)}: {size} at {angle}°"
+    size, angle = readable_text(abs(force), "N"), number(math.degrees(np.angle(force)), 1)
+    text = f"x {readable_text(force.real, 'N')}, y {readable_text(force.imag, 'N')}: {size} at {angle}°"
     stroke = PolygonVector("F", body_label(name), 0j, force, value=size)
     return PolygonDiagram(FORCES, (stroke,), (PolygonCorner("", "", 0j),), curve=finite, lines=(text,))
 

@@ -498,7 +498,7 @@ class CurvePlot(FixedPlot):
         return unit
 
     def _title_colour(self) -> str:
-        return self._theme.letters(self._curves[0].colour) if len(self._curves) == 1 else self._theme.ink
+        return self._theme.text_colour(self._curves[0].colour) if len(self._curves) == 1 else self._theme.ink
 
 
 def angle_title(name: str) -> str:

@@ -318,7 +318,10 @@ class GraphPlot(FixedPlot):
             if isfinite(point[0]) and isfinite(point[1]):
                 right, above = (point[0] >= middle[0]) != inwards, (point[1] >= middle[1]) != inwards
                 tag = Tag(
-                    text, self._theme.letters(colour), self._theme, lean=(0.0 if right else 1.0, 1.0 if above else 0.0)
+                    text,
+                    self._theme.text_colour(colour),
+                    self._theme,
+                    lean=(0.0 if right else 1.0, 1.0 if above else 0.0),
                 )
                 tag.shift(6.0 if right else -6.0, -3.0 if above else 3.0)
                 tag.setPos(*point)
@@ -504,7 +507,7 @@ class GraphPlot(FixedPlot):
             colours = {self.colour(number) for number in self.data.axes[i].series}
             axis.show_title(
                 self._upwards(i),
-                self._theme.letters(colours.pop()) if len(colours) == 1 and len(self._slots) > 1 else ink,
+                self._theme.text_colour(colours.pop()) if len(colours) == 1 and len(self._slots) > 1 else ink,
             )
         for _, view in self._right_axes:
             view.setGeometry(self._view.geometry())

@@ -395,7 +395,7 @@ class Readout:
         if (colour, self._theme.paper) != self._colour:
             self._colour = (colour, self._theme.paper)
             self.dot.setBrush(brush(colour))
-            self.tag.set_colour(self._theme.letters(colour))
+            self.tag.set_colour(self._theme.text_colour(colour))
 
     def hide(self) -> None:
         """Hide dot and text."""

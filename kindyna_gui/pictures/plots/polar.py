@@ -264,7 +264,7 @@ class PolarPlot(QWidget):
                 painter.drawPath(path)
             for mark in self.marks:
                 mark.paint(painter, self._theme)
-            names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
+            names = [(row.label, self._theme.text_colour(colour)) for row, _, colour in self._rows]
             if self._shaded:
                 names.append((band_entry(self._theme).name, self._theme.quiet))
             paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
@@ -400,7 +400,7 @@ class PolarPlot(QWidget):
                 painter.drawEllipse(self._on_ray(value), 3.5, 3.5)
                 painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.fillRect(box, brush(theme.paper, 0.85))
-            painter.setPen(QColor(theme.letters(colour)))
+            painter.setPen(QColor(theme.text_colour(colour)))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
 

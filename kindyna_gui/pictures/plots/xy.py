@@ -459,7 +459,10 @@ class XYPlot(FixedPlot):
 
     def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
         """Set the titles of the axes for the next contents, and the colour of the upward one; "" for ink."""
-        self._titles, self._title_colour = (across, upwards), self._theme.letters(colour) if colour else self._theme.ink
+        self._titles, self._title_colour = (
+            (across, upwards),
+            self._theme.text_colour(colour) if colour else self._theme.ink,
+        )
 
     def _colour(self, curve: PlotCurve, is_single_row: bool) -> str:
         """Colour of the curve's quantity; without one that of its row, or ink for a single row."""

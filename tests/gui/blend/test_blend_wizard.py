@@ -400,7 +400,7 @@ def test_every_keystroke_is_answered(ask: Ask) -> None:
         wizard.answered()
         seen.append(wizard.table[0][1])
     assert seen == ["2.0000", "2.0000", "2.5000"]
-    assert box.typing, "without Enter"
+    assert box.is_typing, "without Enter"
     asked = wizard.questions.request()
     assert asked.given == (("h1", 2.5), ("h3", 1.0))
     expected = blend(asked.solver_request)
@@ -445,7 +445,7 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     wizard.answered()
     assert row.message.isVisible()
     assert row.message.text() == "h3 = 25 mm is not feasible with h1 = 1; feasible: 0 < h3 ≤ 19 mm"
-    assert row.box.refused
+    assert row.box.is_refused
     assert not wizard.rows["h1"].message.isVisible()
     assert not wizard.can_put
     assert wizard.veiled == "The last feasible motion"
@@ -455,7 +455,7 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     wizard.type(row.box, "19")
     wizard.answered()
     assert not row.message.isVisible()
-    assert not row.box.refused
+    assert not row.box.is_refused
     assert wizard.veiled == ""
     assert wizard.can_put
 
@@ -471,7 +471,7 @@ def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
     wizard.type(rows["h1"].box, "1")
     wizard.type(questions.stroke, "0")
     assert questions.size_faults[0].text() == "Allowed: above 0 ... 1e+09 mm"
-    assert questions.stroke.refused
+    assert questions.stroke.is_refused
     wizard.type(questions.stroke, "20")
     wizard.type(questions.end, "20")
     assert questions.size_faults[1].text() == "The end must be at least 0.001° after the start"
@@ -664,7 +664,7 @@ def test_precision_points(ask: Ask) -> None:
     wizard.type(row.level, "19.9")
     wizard.answered()
     assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible with h1 = 1; feasible: ")
-    assert row.level.refused
+    assert row.level.is_refused
     wizard.click(row.close)
     wait_for(lambda: not wizard.dialog.ranges.busy)
     assert settings.points == []

@@ -121,7 +121,7 @@ def test_frames_go_into_a_folder_and_a_film_by_ffmpeg(
     assert list(made) == [f"frame_{number:03d}.png" for number in range(SMALL.frames)]
     assert Image.open(BytesIO(made["frame_000.png"])).size == (SMALL.width, SMALL.height)
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(KindynaError, match="no ffmpeg"):
+    with pytest.raises(KindynaError, match="ffmpeg is not on the PATH"):
         shoot(LIFT, replace(SMALL, ending=".mp4"))
     stand_in = tmp_path / "ffmpeg"  # writes down how many bytes come, into the file that the real one would write
     stand_in.write_text(

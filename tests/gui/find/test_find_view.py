@@ -110,7 +110,7 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     # what is no limit stays as typed, and says so
     type_limit(view, RETURN, "95")
     assert view.limits.message.text() == "Pressure angle, return: outside its range; allowed: above 0 ... 90 °"
-    assert view.limits.boxes[RETURN].refused
+    assert view.limits.boxes[RETURN].is_refused
 
 
 @pytest.mark.stress
@@ -170,7 +170,7 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
     seek(view, "lift-off-speed")
     fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
     assert text_of(view).splitlines()[0] == f"Speed {fact:.5f} rpm now 300 rpm"
-    assert text_of(view).endswith("Applied just below it, so that the limit is met.")
+    assert text_of(view).endswith("Applied just below this value, so that the limit is met.")
     press(view.take)
     assert get(user.design, "shaft.speed_rpm") == pytest.approx(fact, rel=1e-8)
     assert get(user.design, "shaft.speed_rpm") < fact

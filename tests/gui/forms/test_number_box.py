@@ -89,7 +89,7 @@ def test_looking_and_leaving_changes_nothing(bench: Bench) -> None:
 
 def test_a_typed_number_counts_on_enter(bench: Bench) -> None:
     bench.type("12.5")
-    assert (bench.said, bench.length.typing, bench.length.pending) == ([], True, True)
+    assert (bench.said, bench.length.is_typing, bench.length.pending) == ([], True, True)
     bench.type("", Qt.Key.Key_Return)
     assert bench.said == [12.5, "finished"]
 
@@ -239,7 +239,7 @@ def test_a_refused_box_has_a_red_frame(bench: Bench) -> None:
     bench.length.set_refused(True)
     assert reddest() > before + 50
     bench.length.show_value(1.0)
-    assert not bench.length.refused
+    assert not bench.length.is_refused
 
 
 # -- a field narrower than its number ---------------------------------------------------------------------

@@ -164,9 +164,9 @@ def test_the_name_is_typed_above(user: User) -> None:
     name.selectAll()
     user.type("  ")
     user.press(Qt.Key.Key_Return)
-    assert (user.design.name, name.refused) == ("Mine", True)
+    assert (user.design.name, name.is_refused) == ("Mine", True)
     user.choose("Edit", "Undo Change name to Mine")
-    assert (name.text(), name.refused) == (LIFT.name, False)
+    assert (name.text(), name.is_refused) == (LIFT.name, False)
 
 
 # -- stepping ---------------------------------------------------------------------------------------------
@@ -211,7 +211,7 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
     user.enter(ROD, "-5")
     assert user.session.study is before
     assert user.steps == []
-    assert field.editor.refused
+    assert field.editor.is_refused
     assert field.message.isVisible()
     assert field.message.text().startswith("Outside its range; allowed: ")
     assert user.number(ROD).text() == "-5"
@@ -220,7 +220,7 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
     assert not view.tabs.tabIcon(tab).isNull()
     assert view.tabs.tabIcon(tab + 1).isNull()
     user.enter(ROD, "850")
-    assert (field.editor.refused, field.message.isVisible()) == (False, False)
+    assert (field.editor.is_refused, field.message.isVisible()) == (False, False)
     assert follower(user).rod_mm == 850.0
     assert view.tabs.tabIcon(tab).isNull()
 
@@ -228,26 +228,26 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
 def test_what_is_no_number_is_told(user: User) -> None:
     field = user.field(ROD)
     user.enter(ROD, "8,5")
-    assert field.message.text() == "A number is wanted, with a decimal point and no comma, such as 12.5"
+    assert field.message.text() == "Enter a number, with a decimal point and no comma, such as 12.5"
     assert user.number(ROD).text() == "8,5"
     user.press(Qt.Key.Key_Escape)
-    assert (user.number(ROD).text(), field.message.isVisible(), field.editor.refused) == ("845", False, False)
+    assert (user.number(ROD).text(), field.message.isVisible(), field.editor.is_refused) == ("845", False, False)
 
 
 def test_undo_takes_a_refused_text_back(user: User) -> None:
     user.enter(ROD, "850")
     user.enter(X, "1e12")
-    assert user.field(X).editor.refused
+    assert user.field(X).editor.is_refused
     user.choose("Edit", "Undo Change rod L2 to 850 mm")
     field = user.field(X)
-    assert (user.number(X).text(), field.editor.refused, field.trouble) == ("873.746", False, "")
+    assert (user.number(X).text(), field.editor.is_refused, field.trouble) == ("873.746", False, "")
 
 
 def test_a_refused_text_outlives_other_edits(user: User) -> None:
     user.enter(X, "1e12")
     user.enter("follower.pivot_y_mm", "-60")
     assert user.number(X).text() == "1e12"
-    assert user.field(X).editor.refused
+    assert user.field(X).editor.is_refused
     assert follower(user).pivot_y_mm == -60.0
 
 
@@ -256,7 +256,7 @@ def test_a_fault_shows_at_the_other_field_too(user: User) -> None:
     layout = user.field("follower.layout")
     assert "Layout: has the cam left of the pivot" in user.field(X).trouble
     assert layout.trouble.startswith("Has the cam left of the pivot, but pivot x = -900; allowed: ")
-    assert (user.field(X).editor.waits, layout.editor.waits) == (True, False)
+    assert (user.field(X).editor.is_waiting, layout.editor.is_waiting) == (True, False)
     user.enter(X, "870")
     assert layout.trouble == ""
 
@@ -317,10 +317,10 @@ def test_a_word_waits_for_the_values_that_fit_to_it(user: User) -> None:
     box.setCurrentIndex(box.findData("c"))
     box.activated.emit(box.currentIndex())
     settle()
-    assert (box.currentData(), box.waits, follower(user).layout) == ("c", True, "b")
+    assert (box.currentData(), box.is_waiting, follower(user).layout) == ("c", True, "b")
     assert user.session.typed.drive.mechanism.guide_height_mm == 1300.0
     user.choose("Edit", "Undo Change layout to c")
-    assert (box.currentData(), box.waits, field.trouble) == ("b", False, "")
+    assert (box.currentData(), box.is_waiting, field.trouble) == ("b", False, "")
 
 
 def test_the_message_below_the_last_field_comes_into_sight(user: User) -> None:

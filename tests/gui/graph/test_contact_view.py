@@ -48,8 +48,8 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     settle()
     rested(view)
     flights = Study(user.design).flights()
-    assert f"Off at {math.degrees(flights.flights[0].lift):.2f}°" in view.text.text()
-    assert f"{len(flights.flights)} flights a turn" in view.text.text()
+    assert f"Lift-off at {math.degrees(flights.flights[0].lift):.2f}°" in view.text.text()
+    assert f"{len(flights.flights)} flights per turn" in view.text.text()
     (x, y), way = view.plot.lines[0], view.plot.lines[1]
     assert way[0][0] == pytest.approx(math.degrees(flights.flights[0].lift))
     above = np.rad2deg(flights.flights[0].y) - np.interp(way[0], x, y)

@@ -23,7 +23,7 @@ from core.output.export import csv
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.graph_choice import FIRST, ChannelTree, Choice, tip_of
+from kindyna_gui.graph.graph_choice import FIRST, ChannelTree, PlotSelection, tip_of
 from kindyna_gui.graph.graph_view import EMPTY, GraphView
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures.paper.sheets import columns_for, polar_file
@@ -59,18 +59,18 @@ def ticked(tree: ChannelTree) -> set[str]:
 
 
 def test_what_has_the_unit_of_the_active_plot_joins_it() -> None:
-    choice = Choice([["displacement"]])
+    choice = PlotSelection([["displacement"]])
     choice.tick("slider_position", UNITS)
     assert choice.plots == [["displacement", "slider_position"]]
     choice.tick("velocity", UNITS)
     assert choice.plots == [["displacement", "slider_position"], ["velocity"]]
     assert choice.active == 1
     choice.tick("velocity", UNITS)
-    assert choice.chosen == ["displacement", "slider_position", "velocity"], "twice is once"
+    assert choice.quantities == ["displacement", "slider_position", "velocity"], "twice is once"
 
 
 def test_an_empty_plot_takes_anything() -> None:
-    choice = Choice([["displacement"]])
+    choice = PlotSelection([["displacement"]])
     choice.add()
     choice.add()
     assert choice.plots == [["displacement"], []], "one empty plot is enough"
@@ -79,7 +79,7 @@ def test_an_empty_plot_takes_anything() -> None:
 
 
 def test_plots_go_with_their_last_channel() -> None:
-    choice = Choice([["displacement", "slider_position"], ["velocity"], ["jerk"]], active=2)
+    choice = PlotSelection([["displacement", "slider_position"], ["velocity"], ["jerk"]], active=2)
     choice.untick("displacement")
     choice.untick("velocity")
     assert choice.plots == [["slider_position"], ["jerk"]]
@@ -91,7 +91,7 @@ def test_plots_go_with_their_last_channel() -> None:
 
 
 def test_another_kind_keeps_what_it_has() -> None:
-    choice = Choice([["phi"], ["displacement", "beta"]])
+    choice = PlotSelection([["phi"], ["displacement", "beta"]])
     choice.restrict_to({row.name for row in channels(PUSHER)})
     assert choice.plots == [["displacement"]]
 
@@ -128,10 +128,10 @@ def test_dots_that_fonts_lose_are_written_out(symbol: str, shown: str) -> None:
 
 def test_channels_are_ticked_with_the_mouse(graph: GraphView) -> None:
     tick(graph, "contact_force", "guide_force", "radius")
-    assert graph.choice.plots == [*map(list, FIRST), ["contact_force", "guide_force"], ["radius"]]
+    assert graph.selection.plots == [*map(list, FIRST), ["contact_force", "guide_force"], ["radius"]]
     assert [len(panel.plot.readings()) for panel in graph.panels] == [1, 1, 1, 2, 1]
     tick(graph, "contact_force", "velocity")
-    assert graph.choice.plots == [["displacement"], ["acceleration"], ["guide_force"], ["radius"]]
+    assert graph.selection.plots == [["displacement"], ["acceleration"], ["guide_force"], ["radius"]]
     assert ticked(graph.tree) == {"displacement", "acceleration", "guide_force", "radius"}
 
 
@@ -139,7 +139,7 @@ def test_a_click_beside_the_box_counts_too(graph: GraphView) -> None:
     box = graph.tree.visualItemRect(graph.tree.item_of("jerk"))
     unit = QPoint(graph.tree.header().sectionViewportPosition(2) + 5, box.center().y())
     QTest.mouseClick(graph.tree.viewport(), Qt.MouseButton.LeftButton, pos=unit)
-    assert "jerk" in graph.choice.chosen
+    assert "jerk" in graph.selection.quantities
 
 
 def test_what_the_design_lacks_is_told_in_place_of_its_curve(graph: GraphView) -> None:
@@ -155,7 +155,7 @@ def test_what_the_design_lacks_is_told_in_place_of_its_curve(graph: GraphView) -
     assert "jam" in graph.tree.item_of("motor_torque").toolTip(0)
     assert "motor_torque" not in [row.name for row in graph.drawn]
     tick(graph, "motor_torque")
-    assert "motor_torque" not in graph.choice.chosen
+    assert "motor_torque" not in graph.selection.quantities
     graph.session.put(PUSHER, "b")
     assert "jam" not in graph.tree.item_of("motor_torque").toolTip(0)
 
@@ -166,7 +166,7 @@ def test_where_every_plot_has_gone_one_says_what_would_fill_it(graph: GraphView)
         tick(graph, name)
     assert [message(panel.plot) for panel in graph.panels] == [EMPTY]
     tick(graph, "phi", "beta")
-    assert graph.choice.plots == [["phi", "beta"]]
+    assert graph.selection.plots == [["phi", "beta"]]
     graph.session.put(PUSHER, "a")
     settle()
     assert [message(panel.plot) for panel in graph.panels] == [EMPTY]
@@ -179,19 +179,19 @@ def test_where_every_plot_has_gone_one_says_what_would_fill_it(graph: GraphView)
 
 def test_plots_are_added_and_taken_away(graph: GraphView) -> None:
     QTest.mouseClick(graph.add_button, Qt.MouseButton.LeftButton)
-    assert [len(names) for names in graph.choice.plots] == [1, 1, 1, 0]
+    assert [len(names) for names in graph.selection.plots] == [1, 1, 1, 0]
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePlot)
     assert message(plot) == EMPTY
     tick(graph, "slider_position")
-    assert graph.choice.plots[-1] == ["slider_position"], "though another plot has its unit"
+    assert graph.selection.plots[-1] == ["slider_position"], "though another plot has its unit"
     for _ in range(3):
         QTest.mouseClick(graph.panels[0].close_button, Qt.MouseButton.LeftButton)
         settle()
-    assert graph.choice.plots == [["slider_position"]]
+    assert graph.selection.plots == [["slider_position"]]
     assert not graph.panels[0].close_button.isVisible(), "the last plot stays"
     tick(graph, "slider_position")
-    assert graph.choice.plots == [[]]
+    assert graph.selection.plots == [[]]
 
 
 def test_a_click_makes_a_plot_the_active_one(graph: GraphView) -> None:

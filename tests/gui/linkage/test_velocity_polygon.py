@@ -19,7 +19,7 @@ from window_user import Open, User, settle, wait_for
 from kindyna_gui.__main__ import main
 from kindyna_gui.linkage import centres_view
 from kindyna_gui.linkage.centres_view import PolygonView
-from kindyna_gui.pictures.drawing.labels import ink
+from kindyna_gui.pictures.drawing.labels import drawing_dots
 from kindyna_gui.pictures.drawing.polygons import NameLayout, PlacedName
 from kindyna_gui.places import example
 
@@ -298,7 +298,7 @@ def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_u
         tags = [m.tag for m in scene.construct.marks.marks if m.tag.isVisible()]
         boxes = [t.pixel_box().translated(t.pos().x() * scale, -t.pos().y() * scale) for t in tags]
         assert not any(a.intersects(b) for i, a in enumerate(boxes) for b in boxes[:i])
-        dots = ink(scene.geometry, np.array([scene.index]), ())  # type: ignore[arg-type]
+        dots = drawing_dots(scene.geometry, np.array([scene.index]), ())  # type: ignore[arg-type]
         for box in boxes:
             seen += 1
             x = np.maximum(np.abs(dots.points[0].real * scale - box.center().x()) - box.width() / 2, 0.0)

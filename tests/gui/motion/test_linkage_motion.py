@@ -176,7 +176,7 @@ def test_a_measured_swing_becomes_the_motion(user: User, tmp_path: Path, monkeyp
     user.choose("File", "Import measured motion...")
     dialog = user.window.findChild(MeasuredDialog)
     assert isinstance(dialog, MeasuredDialog)
-    wait_for(lambda: dialog.answer.fit is not None)
+    wait_for(lambda: dialog.reading.fit is not None)
     QTest.mouseClick(dialog.put_button, Qt.MouseButton.LeftButton)
     settle()
     assert set(laws(user)) == {"simple-harmonic"}
@@ -189,18 +189,18 @@ def test_a_crank_at_speed_says_how_to_get_a_motion(same_window: Open) -> None:
     user = same_window(example("four_bar"))
     motion = user.window.show_view("motion")
     wait_for(lambda: motion.up_to_date)
-    assert "Let a link follow one" in motion.no_picture
+    assert "Drive a link by a motion" in motion.no_picture
     user.choose("Make", "Blend...")
-    assert "Let a link follow one" in user.window.status.currentMessage()
+    assert "Drive a link by a motion" in user.window.status.currentMessage()
     user.window.status.clearMessage()
     user.choose("File", "Import measured motion...")
-    assert "Let a link follow one" in user.window.status.currentMessage()
+    assert "Drive a link by a motion" in user.window.status.currentMessage()
     for entry in ("Insert segment", "Duplicate segment", "Delete segment"):
         user.window.docks["motion"].hide()
         user.session.start(user.design)  # whose motion nobody has looked for yet
         user.window.status.clearMessage()
         user.window.actions_by_key[f"designing.segment:{entry.partition(' ')[0].lower()}"].trigger()
-        assert "Let a link follow one" in user.window.status.currentMessage()
+        assert "Drive a link by a motion" in user.window.status.currentMessage()
     view = user.window.show_view("laws")
     wait_for(lambda: view.up_to_date)
     assert not view.in_trouble

@@ -10,7 +10,7 @@ from core.output.channels import channel, channels
 from core.project import load
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.graph_choice import Choice
+from kindyna_gui.graph.graph_choice import PlotSelection
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.pictures.plots.curves import CurvePlot
@@ -129,7 +129,7 @@ def narrow(alone: Alone) -> GraphView:
 
 def test_names_of_a_polar_plot_leave_the_corner_free(narrow: GraphView) -> None:
     names = [row.name for row in channels(narrow.session.design) if row.name.endswith("_velocity")]
-    narrow.choice = Choice([names, names[:1]])
+    narrow.selection = PlotSelection([names, names[:1]])
     narrow.set_form("polar")
     settle()
     panel = narrow.panels[0]
@@ -154,7 +154,7 @@ def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView
         assert plot.legend.text
         assert told.right() <= panel.close_button.geometry().left()
     names = [row.name for row in channels(narrow.session.design) if row.name.endswith("_velocity")]
-    narrow.choice = Choice([names])
+    narrow.selection = PlotSelection([names])
     narrow.invalidate()
     settle()
     (alone,) = narrow.panels

@@ -208,10 +208,10 @@ def test_a_typed_point_is_reached_exactly_and_its_steady_response_is_drawn(kim: 
     typed(fields.rpm, "3000")
     assert view.picked == (pytest.approx(found.machine.eta_at(3000.0)), 0.1)
     typed(fields.eta, "-1")
-    assert fields.eta.refused
+    assert fields.eta.is_refused
     assert view.picked == (pytest.approx(found.machine.eta_at(3000.0)), 0.1), "the point stays"
     QTest.mouseClick(fields.back, LEFT)
     assert view.picked is None
-    assert not fields.eta.refused
+    assert not fields.eta.is_refused
     assert fields.rpm.value == pytest.approx(1500.0)
     wait_for(lambda: not view.busy)

@@ -139,8 +139,8 @@ def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp
     move(plot, (13.3, height))
     let_go(plot, (13.3, height))
     assert get(user.design, TEETH) == 13
-    assert plot.own is not None
-    assert plot.own[0] == 13.0, "the line goes to what can be made"
+    assert plot.design_point is not None
+    assert plot.design_point[0] == 13.0, "the line goes to what can be made"
     type_into(view.rows.boxes[TEETH, "low"], "10.5")
     assert view.rows.boxes[TEETH, "low"].text() == "10.5", "unfinished input stays"
     assert view.request.spans[TEETH].low == 10
@@ -161,7 +161,7 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     type_into(view.figure_rows.boxes[TORQUE, "most"], "7700")
     rested(user)
     assert {"Pressure angle 30°", "Cam torque 7700 N·m"} <= set(view.map.texts), "limits as lines with their value"
-    assert view.map.own == pivot(user)
+    assert view.map.design_point == pivot(user)
     assert view.surveys.survey.count == 64  # type: ignore[union-attr]
     assert view.surveys.survey.is_refined, "finer where limits run"  # type: ignore[union-attr]
     # all values where the mouse is, or why there is none
@@ -190,10 +190,10 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     assert there == pytest.approx((760.0, 80.0), abs=8.0)
     let_go(view.map, (760.0, 80.0))
     assert user.steps == ["Vary pivot x and pivot y"], "one gesture, one step"
-    assert view.map.own == there
+    assert view.map.design_point == there
     user.choose("Edit", "Undo Vary pivot x and pivot y")
     assert user.design == before
-    assert rested(user).map.own == pivot(user)
+    assert rested(user).map.design_point == pivot(user)
     # a click takes over, Escape takes a drag back
     QTest.mouseClick(view.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.map, (850.0, -150.0)))
     settle()
@@ -370,11 +370,11 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     for end, text, says in (
         ("low", "500", "bounds are reversed; allowed: below 480 mm"),
         ("low", "-3", "outside its range; allowed: above 0 ..."),
-        ("high", "many", "a number is wanted"),
+        ("high", "many", "enter a number"),
     ):
         box = view.rows.boxes[BASE, end]
         type_into(box, text)
-        assert box.refused
+        assert box.is_refused
         assert says in view.rows.message.text()
         QTest.keyClick(box, Qt.Key.Key_Escape)
     assert rested(user).surveys.survey is survey
@@ -407,7 +407,7 @@ def test_the_share_of_machines_within_the_limits_stands_in_the_same_dock(user: U
     assert user.design.tolerances == (Tolerance(X, 0.05), Tolerance(Y, 0.05)), "the design keeps them"
     assert user.steps[:2] == ["Tolerance of pivot x", "Tolerance of pivot y"]
     type_into(view.rows.boxes[X, "width"], "-1")
-    assert view.rows.boxes[X, "width"].refused
+    assert view.rows.boxes[X, "width"].is_refused
 
 
 def get_pressure(view: StudyView) -> float:

@@ -34,7 +34,7 @@ class Hand:
         self.design, self.steps, self.said = UNIT, [], []  # type: tuple[Design, list[str], list[object]]
         self.canvas = TimingCanvas(self.put)
         self.canvas.resize(900, 320)
-        for name in ("drive_chosen", "row_chosen", "row_wanted", "angle_wanted", "let_go"):
+        for name in ("drive_chosen", "row_chosen", "condition_drawn", "angle_chosen", "drag_ended"):
             getattr(self.canvas, name).connect(lambda *what, name=name: self.said.append((name, *what)))
         self.show(UNIT)
         self.canvas.show()
@@ -108,7 +108,7 @@ def test_a_band_turns_its_drive_by_half_degrees_and_stops_at_what_must_be_kept(h
     assert "234.5°  1954 ms" in hand.canvas.label
     QTest.keyClick(hand.canvas, Qt.Key.Key_Escape)
     assert phase(hand.design, CLAMP) == 238.0
-    assert not hand.canvas.holding
+    assert not hand.canvas.is_dragging
     hand.draw(hand.band(CLAMP, 180.0), 20.0)
     assert phase(hand.design, CLAMP) == 240.5, "its rise must end 5° before the lift rises"
 
@@ -159,7 +159,7 @@ def test_a_double_click_asks_for_the_angle_or_the_time(hand: Hand) -> None:
     assert events(hand.design)["Lift.return.1.start"] == 30.0, "what is typed counts, though it breaks a distance"
     assert [row.kept for row in distances(hand.design)].count(False) == 1
     typed(hand.join(LIFT, 1), "100")
-    assert canvas.typed.refused
+    assert canvas.typed.is_refused
     assert "76°" in canvas.typed.toolTip(), "between its neighbours"
     QTest.keyClick(canvas.typed, Qt.Key.Key_Escape)
     assert events(hand.design)["Lift.return.1.start"] == 30.0
@@ -176,7 +176,7 @@ def test_from_event_to_event_with_shift_is_a_row_more(hand: Hand) -> None:
     move(canvas, end, KEYS.ShiftModifier)
     assert canvas.label == "Clamp return 1 start after Feed rise 1 end"
     QTest.mouseRelease(canvas, LEFT, KEYS.ShiftModifier, end)
-    assert ("row_wanted", "Feed.rise.1.end", "Clamp.return.1.start") in hand.said
+    assert ("condition_drawn", "Feed.rise.1.end", "Clamp.return.1.start") in hand.said
     assert hand.design is UNIT
 
 
@@ -190,7 +190,7 @@ def test_clicks_choose_a_drive_a_row_and_an_angle(hand: Hand) -> None:
     QTest.mouseClick(canvas, LEFT, KEYS.NoModifier, arrow)
     assert hand.said[-1] == ("row_chosen", 4)
     QTest.mouseClick(canvas, LEFT, KEYS.NoModifier, QPointF(chart.x(90.0), chart.height - 10.0).toPoint())
-    assert hand.said[-1] == ("angle_wanted", pytest.approx(90.0, abs=0.5))
+    assert hand.said[-1] == ("angle_chosen", pytest.approx(90.0, abs=0.5))
     assert hand.steps == []
 
 

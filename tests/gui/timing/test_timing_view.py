@@ -141,10 +141,10 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     rows.least.selectAll()
     user.type("400")
     user.press(Qt.Key.Key_Return)
-    assert rows.least.refused
+    assert rows.least.is_refused
     assert rows.message.text() == "allowed: -360 ... 360°"
     user.press(Qt.Key.Key_Escape)
-    assert not rows.least.refused
+    assert not rows.least.is_refused
     assert rows.message.text() == ""
     rows.buttons["up"].click()
     assert session.full_design.timing[5].least_deg == 165.0
@@ -154,8 +154,8 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     assert before[-4:] == [
         "Let Torque return 1 start follow Clamp return 1 end by 0°",
         "Let Torque return 1 start follow Clamp return 1 end by 165°",
-        "Move a distance of the timing",
-        "Remove a distance of the timing",
+        "Move a sequence condition",
+        "Remove a sequence condition",
     ]
     for _ in before:
         session.stack.undo()
@@ -165,10 +165,10 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
 def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: Open) -> None:
     user = same_window(example("transfer_unit"))
     view = seen(user)
-    view.canvas.row_wanted.emit("Lift.rise.1.start", "Clamp.rise.1.end")  # against the sixth
+    view.canvas.condition_drawn.emit("Lift.rise.1.start", "Clamp.rise.1.end")  # against the sixth
     settle()
     text = view.rows.message.text()
-    assert "rows 6, 7" in text
+    assert "conditions 6, 7" in text
     assert "5° too much" in text
     user.window.status.count_findings()
     assert user.window.status.findings.text() == "2 errors", (

@@ -199,7 +199,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     hand.from_menu_of(drives.buttons["add"], "Balance cam")
     drives = hand.view("drives", DrivesView)
     assert drives.table.item(4, NAME).text() == "Balance cam"
-    assert session.on_balancer
+    assert session.is_on_balancer
     hand.button(drawing.strip.arrangement_bar, plain(drawing.strip.arrangements[ONE].text()))
     balancer = session.shaft.balancer
     assert balancer is not None

@@ -71,8 +71,8 @@ def type_all(user: User, values: Values) -> list[bool]:
         waiting.append(user.session.incomplete is not None)
         boxes = {each: box(user, each) for each in values}
         assert {each: boxes[each].text() for each in list(values)[:number]} == dict(list(values.items())[:number])
-        assert not any(each.refused for each in boxes.values())
-        assert any(each.waits for each in boxes.values()) == waiting[-1], "what waits is marked"
+        assert not any(each.is_refused for each in boxes.values())
+        assert any(each.is_waiting for each in boxes.values()) == waiting[-1], "what waits is marked"
     return waiting
 
 
@@ -106,7 +106,7 @@ def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values
     assert len(user.steps) == len(values)
     undo_all(user, len(values))
     assert (user.design, user.session.incomplete) == (first, None)
-    assert not user.session.modified
+    assert not user.session.is_modified
 
 
 @pytest.mark.stress
@@ -147,7 +147,7 @@ def test_what_is_impossible_by_itself_is_refused_beside_what_waits(same_window: 
     draft, steps = user.session.incomplete, user.steps
     for text in ("-5", "8,5", "1e12"):
         user.enter("follower.rod_mm", text)
-        assert (user.number("follower.rod_mm").text(), user.number("follower.rod_mm").refused) == (text, True)
+        assert (user.number("follower.rod_mm").text(), user.number("follower.rod_mm").is_refused) == (text, True)
     assert (user.session.incomplete, user.steps) == (draft, steps)
 
 
@@ -379,14 +379,14 @@ def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
     assert asked == ["The typed values do not fit together yet."]
     typed = edited(LIFT, "follower.slider_arm_mm", 130.2)
     assert load(path) == typed
-    assert not user.session.modified
+    assert not user.session.is_modified
     user.session.edit("follower.roller_arm_mm", 65.1, "one value more")
-    assert user.session.modified
+    assert user.session.is_modified
     user.session.stack.undo()
-    assert not user.session.modified
+    assert not user.session.is_modified
     user.clicks("Save the last valid version")
     user.choose("File", "Save")
-    assert (load(path), user.session.modified) == (LIFT, True)
+    assert (load(path), user.session.is_modified) == (LIFT, True)
     assert user.number("follower.slider_arm_mm").text() == "130.2"
     user.clicks("Save as typed")
     user.choose("File", "Save")

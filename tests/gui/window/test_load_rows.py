@@ -133,11 +133,11 @@ def test_a_spring_without_length_and_a_damper_at_rest_are_named_as_they_are_type
     box.setCurrentIndex(box.findText("O4 of frame"))
     box.activated.emit(box.currentIndex())
     settle()
-    assert (box.waits, box.currentText()) == (True, "O4 of frame"), "what was chosen stays, and is marked"
+    assert (box.is_waiting, box.currentText()) == (True, "O4 of frame"), "what was chosen stays, and is marked"
     assert "both ends are on one link" in user.parameters().incomplete_bar.trouble.toolTip()
     user.session.stack.undo()
     settle()
-    assert (box.waits, box.currentText()) == (False, "O2 of link 2")
+    assert (box.is_waiting, box.currentText()) == (False, "O2 of link 2")
 
 
 def test_a_table_that_is_not_closed_stays_as_typed_and_says_what_to_give(same_window: Open, tmp_path: Path) -> None:

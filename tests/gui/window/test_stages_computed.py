@@ -72,7 +72,7 @@ def empty(user: User) -> GraphView:
     graph = user.window.show_view("graph")
     assert isinstance(graph, GraphView)
     settle()
-    for name in list(graph.choice.chosen):
+    for name in list(graph.selection.quantities):
         tick(graph, name, False)
     return graph
 
