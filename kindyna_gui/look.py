@@ -1,10 +1,11 @@
-"""Palette, style sheets."""
+"""Look of the window: palette and style sheet, theme and font size, focus frame, icons, and small labels and buttons."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 
 from PySide6.QtCore import QBuffer, QByteArray, QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt
@@ -47,10 +48,10 @@ from kindyna_gui.places import icon_file
 from kindyna_gui.requirements import suggestions_for
 from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
 
-# -- look ------------------------------------------------------------------------------------------------
-
 ICON_SCALES = (1, 2, 3)  # dots per pixel that icons are made for
-
+DEFAULT_FONT = "default font"  # property of the application: its font at 100 % font size
+FOCUS_FRAMES = "focus frames"  # property of the application: whether its focus frames are connected
+_SCHEMES = {"light": Qt.ColorScheme.Light, "dark": Qt.ColorScheme.Dark, "system": Qt.ColorScheme.Unknown}
 _ROLES = {
     QPalette.ColorRole.Window: "desk",
     QPalette.ColorRole.WindowText: "ink",
@@ -75,108 +76,112 @@ _ROLES = {
     QPalette.ColorRole.Accent: "chosen",
 }
 """Role of Qt -> tone of the theme."""
-_FADED = (
-    QPalette.ColorRole.WindowText,
-    QPalette.ColorRole.Text,
-    QPalette.ColorRole.ButtonText,
+_TEXT_ROLES = (QPalette.ColorRole.WindowText, QPalette.ColorRole.Text, QPalette.ColorRole.ButtonText)
+_SHOWN_BY_QT = (QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QMenu, QMenuBar, QTabBar)
+_BY_KEYS = Qt.WidgetAttribute.WA_KeyboardFocusChange
+_MOVES = (QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Hide, QEvent.Type.Show, QEvent.Type.LayoutRequest)
+_ICON_COLOURS = (
+    ("#3b4249", "ink"),
+    ("#1c2126", "ink"),
+    ("#ffffff", "roller"),
+    ("#fff", "roller"),
+    ("#2f6690", "chosen"),
 )
+"""Colour in the file of an icon -> tone that replaces it in a dark theme."""
+
+# -- theme and font size ---------------------------------------------------------------------------------
 
 
-def _sheet() -> str:
-    """Docks and bars are where they belong at once: one that still moves when it is deleted is laid out once more, and Qt dies."""
-    seen = SCREEN
+def _style_sheet() -> str:
+    """Style sheet of the window, without animated docks: Qt crashes where a dock is deleted while it moves."""
+    theme = SCREEN
     return f"""
-QToolTip {{ color: {seen.ink}; background: {seen.tip}; border: 1px solid {seen.line}; padding: 3px; }}
-QMainWindow::separator {{ background: {seen.desk}; width: 5px; height: 5px; }}
-QMainWindow::separator:hover {{ background: {seen.line}; }}
+QToolTip {{ color: {theme.ink}; background: {theme.tip}; border: 1px solid {theme.line}; padding: 3px; }}
+QMainWindow::separator {{ background: {theme.desk}; width: 5px; height: 5px; }}
+QMainWindow::separator:hover {{ background: {theme.line}; }}
 QDockWidget, QToolBar, QTabBar, QDockWidgetGroupWindow, CentralPages {{ widget-animation-duration: 0; }}
 QDockWidget {{ titlebar-close-icon: url({icon_file("close")}); titlebar-normal-icon: url({icon_file("float")}); }}
-QDockWidget::title {{ background: {seen.title}; padding: 4px 6px; text-align: left; }}
+QDockWidget::title {{ background: {theme.title}; padding: 4px 6px; text-align: left; }}
 QTabBar::close-button {{ image: url({icon_file("close")}); }}
-QTabBar::close-button:hover {{ background: {seen.line}; border-radius: 2px; }}
+QTabBar::close-button:hover {{ background: {theme.line}; border-radius: 2px; }}
 QStatusBar::item {{ border: none; }}
-QHeaderView::section {{ background: {seen.desk}; color: {seen.quiet}; border: none; border-bottom: 1px solid {seen.line};
+QHeaderView::section {{ background: {theme.desk}; color: {theme.quiet}; border: none; border-bottom: 1px solid {theme.line};
                         padding: 3px 4px; }}
 """
 
 
 def palette() -> QPalette:
-    """Colours for every role, so that none is left to the desktop."""
-    made = QPalette()
+    """Palette of the theme with a colour for every role, so that none comes from the desktop."""
+    result = QPalette()
     for role, tone in _ROLES.items():
-        made.setColor(role, QColor(getattr(SCREEN, tone)))
-    for role in _FADED:
-        made.setColor(QPalette.ColorGroup.Disabled, role, QColor(SCREEN.greyed))
-    made.setColor(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Highlight, QColor(SCREEN.line))
-    made.setColor(QPalette.ColorGroup.Inactive, QPalette.ColorRole.Highlight, QColor(SCREEN.idle))
-    made.setColor(QPalette.ColorGroup.Inactive, QPalette.ColorRole.HighlightedText, QColor(SCREEN.ink))
-    return made
+        result.setColor(role, QColor(getattr(SCREEN, tone)))
+    for role in _TEXT_ROLES:
+        result.setColor(QPalette.ColorGroup.Disabled, role, QColor(SCREEN.greyed))
+    result.setColor(QPalette.ColorGroup.Disabled, QPalette.ColorRole.Highlight, QColor(SCREEN.line))
+    result.setColor(QPalette.ColorGroup.Inactive, QPalette.ColorRole.Highlight, QColor(SCREEN.idle))
+    result.setColor(QPalette.ColorGroup.Inactive, QPalette.ColorRole.HighlightedText, QColor(SCREEN.ink))
+    return result
 
 
-def dress(app: QApplication) -> None:
-    """Give the application its look. What it has already stays, for every window there is would be laid out anew."""
-    wanted, sheet, ground = palette(), _sheet(), QPalette.ColorRole.Window
-    if app.styleSheet() == sheet and app.palette().color(ground) == wanted.color(ground):
+def apply_style(app: QApplication) -> None:
+    """Apply palette, style sheet and icon to the application, unless it has them: that would lay out every window again."""
+    colours, sheet, window_role = palette(), _style_sheet(), QPalette.ColorRole.Window
+    if app.styleSheet() == sheet and app.palette().color(window_role) == colours.color(window_role):
         return
     app.setStyle("Fusion")
-    if app.property(RINGS) is None:
-        app.setProperty(RINGS, True)
+    if app.property(FOCUS_FRAMES) is None:
+        app.setProperty(FOCUS_FRAMES, True)
         app.focusChanged.connect(FocusRing.move_on)
-    app.setPalette(wanted)
+    app.setPalette(colours)
     app.setStyleSheet(sheet)
     app.setWindowIcon(icon("kindyna"))
 
 
-USUAL = "usual font"  # property of the application: that before any preference
-RINGS = "focus rings"  # likewise: whether they are shown
-_SCHEMES = {"light": Qt.ColorScheme.Light, "dark": Qt.ColorScheme.Dark, "system": Qt.ColorScheme.Unknown}
-
-
-def wear(wanted: settings.Preferences, app: QApplication, desktop: Qt.ColorScheme | None = None) -> None:
-    """Show everything as it is preferred; desktop: its theme, where another is known than that which Qt tells."""
+def apply_preferences(
+    preferences: settings.Preferences, app: QApplication, desktop: Qt.ColorScheme | None = None
+) -> None:
+    """Apply units, theme and font size; ``desktop`` is the desktop's theme where it differs from Qt's information."""
     hints = app.styleHints()
-    settings.apply(wanted, app)
-    hints.setColorScheme(_SCHEMES[wanted.theme])
-    scheme = hints.colorScheme() if desktop is None or wanted.theme != "system" else desktop
-    dark = wanted.theme == "dark" or (wanted.theme == "system" and scheme == Qt.ColorScheme.Dark)
-    before, theme = replace(SCREEN), DARK if dark else LIGHT
-    larger, recoloured = _letter(app, wanted.font), theme != before
-    if recoloured:
+    settings.apply(preferences, app)
+    hints.setColorScheme(_SCHEMES[preferences.theme])
+    scheme = hints.colorScheme() if desktop is None or preferences.theme != "system" else desktop
+    is_dark = preferences.theme == "dark" or (preferences.theme == "system" and scheme == Qt.ColorScheme.Dark)
+    before, theme = replace(SCREEN), DARK if is_dark else LIGHT
+    has_new_font, has_new_theme = _set_font_size(app, preferences.font), theme != before
+    if has_new_theme:
         draw_in(theme)
-    dress(app)
-    if not (recoloured or larger) or not app.topLevelWidgets():
+    apply_style(app)
+    if not (has_new_theme or has_new_font) or not app.topLevelWidgets():
         return
-    _change(app.allWidgets(), before, theme)
+    _update_widgets(app.allWidgets(), before, theme)
     DISPLAY.changed.emit()
 
 
-def _change(widgets: Iterable[QWidget], before: Theme, theme: Theme) -> None:
-    """Let these change from one theme into another, and be written in the letters of now."""
-    from shiboken6 import isValid
-
-    from kindyna_gui.pictures.recolour import Swap  # only now: a window that opens is made in its theme
+def _update_widgets(widgets: Iterable[QWidget], before: Theme, theme: Theme) -> None:
+    """Replace the colours of one theme by those of another, and update what depends on the font size."""
+    from kindyna_gui.pictures.recolour import Swap  # not needed at the start: a window opens in its theme
 
     swap = Swap(before, theme) if theme != before else None
     for widget in widgets:
-        if not isValid(widget):  # it went with what another one has made anew
+        if not isValid(widget):  # deleted by the update of another widget
             continue
         if swap is not None:
             swap.widget(widget)
-        if callable(again := getattr(widget, "update_style", None)):
-            again()
+        if callable(update_style := getattr(widget, "update_style", None)):
+            update_style()
 
 
 @contextmanager
 def on_paper(widget: QWidget) -> Iterator[None]:
-    """Inside, a widget and all in it is as a file has it: light, in letters and units of files."""
+    """Show a widget within the context as in a file: in the light theme, with font size and units of files."""
     screen, sheet = replace(SCREEN), widget.styleSheet()
     parts = [widget, *widget.findChildren(QWidget)]
     plain = [part for part in parts if not part.testAttribute(Qt.WidgetAttribute.WA_SetPalette)]
     with in_file_units():
         draw_in(LIGHT)
-        _change(parts, screen, LIGHT)
-        widget.setStyleSheet(_sheet())
-        for part in plain:  # a style sheet keeps it from coming to them from what is around
+        _update_widgets(parts, screen, LIGHT)
+        widget.setStyleSheet(_style_sheet())
+        for part in plain:  # with a style sheet they do not inherit the palette
             part.setPalette(palette())
         try:
             yield
@@ -185,44 +190,48 @@ def on_paper(widget: QWidget) -> Iterator[None]:
             widget.setStyleSheet(sheet)
             for part in plain:
                 part.setPalette(QPalette())
-    _change(parts, LIGHT, screen)
+    _update_widgets(parts, LIGHT, screen)
 
 
-def _letter(app: QApplication, percent: int) -> bool:
-    """Give all letters their size; whether that is another than before."""
-    if app.property(USUAL) is None:
-        app.setProperty(USUAL, app.font())
-    usual = app.property(USUAL)
-    wanted = QFont(usual)
-    if usual.pointSizeF() > 0.0:
-        wanted.setPointSizeF(usual.pointSizeF() * percent / 100.0)
+def _set_font_size(app: QApplication, percent: int) -> bool:
+    """Set the font size; returns whether it has changed."""
+    if app.property(DEFAULT_FONT) is None:
+        app.setProperty(DEFAULT_FONT, app.font())
+    default = app.property(DEFAULT_FONT)
+    font = QFont(default)
+    if default.pointSizeF() > 0.0:
+        font.setPointSizeF(default.pointSizeF() * percent / 100.0)
     else:
-        wanted.setPixelSize(round(usual.pixelSize() * percent / 100.0))
+        font.setPixelSize(round(default.pixelSize() * percent / 100.0))
     if not choose_font_scale(percent / 100.0):
         return False
-    app.setStyleSheet("")  # under one, widgets would keep the font they had
-    app.setFont(wanted)
+    app.setStyleSheet("")  # with a style sheet, widgets would not change their font
+    app.setFont(font)
     return True
 
 
+# -- keyboard focus --------------------------------------------------------------------------------------
+
+
 class FocusRing(QWidget):
-    """A frame around what has the keys, where Qt shows none: drawings, plots, charts, pages that are rolled. One in each window; it is
-    seen once the keys have been used to go from one to the other."""
+    """Frame around the widget with the keyboard focus, where Qt shows none: drawings, plots, scrolled pages.
+
+    Each window has one frame. It is visible once the user has moved the focus by keys.
+    """
 
     WIDTH = 2
-    _around: QWidget | None = None  # of the class, too: events come until the very end of a window
+    _around: QWidget | None = None  # class attributes, because events arrive after the instance's are deleted
     _watched: Sequence[QWidget] = ()
 
     @classmethod
-    def move_on(cls, _: QWidget | None, now: QWidget | None) -> None:
-        """The keys have gone somewhere else."""
-        if now is None:
+    def move_on(cls, _: QWidget | None, focused: QWidget | None) -> None:
+        """Move the frame to the widget that has received the focus."""
+        if focused is None:
             return
-        window = now.window()
+        window = focused.window()
         ring = window.findChild(FocusRing, options=Qt.FindChildOption.FindDirectChildrenOnly)
-        shown = isinstance(now, _SHOWN_BY_QT) and not (isinstance(now, QPushButton) and now.isFlat())
-        if not shown:
-            (ring or cls(window)).follow(now)
+        if not isinstance(focused, _SHOWN_BY_QT) or (isinstance(focused, QPushButton) and focused.isFlat()):
+            (ring or cls(window)).follow(focused)
         elif ring is not None:
             ring.follow(None)
 
@@ -232,32 +241,32 @@ class FocusRing(QWidget):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def follow(self, widget: QWidget | None) -> None:
-        """Stand around this, wherever what it lies in moves it; None: around nothing."""
-        for each in self._watched:
-            if isValid(each):
-                each.removeEventFilter(self)
+        """Frame this widget and follow its movements, or frame none."""
+        for parent in self._watched:
+            if isValid(parent):
+                parent.removeEventFilter(self)
         self._around, watched = widget, []
         while widget is not None:
             widget.installEventFilter(self)
             watched.append(widget)
             widget = None if widget.isWindow() else widget.parentWidget()
         self._watched = watched
-        self._place()
+        self._update_frame()
 
-    def _place(self) -> None:
+    def _update_frame(self) -> None:
         window, at = self.window(), self._around
-        seen = QRect()
+        visible = QRect()
         if at is not None and isValid(at) and at.hasFocus() and at.isVisible() and window.testAttribute(_BY_KEYS):
-            seen = window.rect()
-            for each in self._watched:
-                seen &= QRect(each.mapTo(window, QPoint()), each.size())
-        self.setGeometry(seen)
-        self.setVisible(not seen.isEmpty())
+            visible = window.rect()
+            for parent in self._watched:
+                visible &= QRect(parent.mapTo(window, QPoint()), parent.size())
+        self.setGeometry(visible)
+        self.setVisible(not visible.isEmpty())
         self.raise_()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if event.type() in _MOVES:
-            self._place()
+            self._update_frame()
         return False
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -267,42 +276,30 @@ class FocusRing(QWidget):
         painter.end()
 
 
-_SHOWN_BY_QT = (QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QMenu, QMenuBar, QTabBar)
-_BY_KEYS = Qt.WidgetAttribute.WA_KeyboardFocusChange
-_MOVES = (QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Hide, QEvent.Type.Show, QEvent.Type.LayoutRequest)
-
-
-_ICON_COLOURS = (
-    ("#3b4249", "ink"),
-    ("#1c2126", "ink"),
-    ("#ffffff", "roller"),
-    ("#fff", "roller"),
-    ("#2f6690", "chosen"),
-)
-"""Of icons -> the tone of a dark theme that stands for it."""
+# -- icons, buttons and bars -----------------------------------------------------------------------------
 
 
 @cached_by_theme
 def icon(name: str) -> QIcon:
-    """An icon of ``resources/icons``, its ink that of the theme; empty where there is none."""
+    """Icon of ``resources/icons`` in the colours of the theme; empty where there is no such file."""
     file = icon_file(name)
     if not SCREEN.is_dark or not file:
         return QIcon(file)
-    drawn = Path(file).read_text("utf-8")
+    source = Path(file).read_text("utf-8")
     for light, tone in _ICON_COLOURS:
-        drawn = drawn.replace(light, getattr(SCREEN, tone))
-    made = QIcon()
+        source = source.replace(light, getattr(SCREEN, tone))
+    result = QIcon()
     for scale in ICON_SCALES:
         buffer = QBuffer()
-        buffer.setData(QByteArray(drawn.encode()))
+        buffer.setData(QByteArray(source.encode()))
         reader = QImageReader(buffer, QByteArray(b"svg"))
         reader.setScaledSize(reader.size() * scale)
-        made.addPixmap(QPixmap.fromImage(reader.read()))
-    return made
+        result.addPixmap(QPixmap.fromImage(reader.read()))
+    return result
 
 
 def text_button(text: str, *, checks: bool = False, flat: bool = False) -> QToolButton:
-    """A button with a text; checks: it stays down; flat: its frame is seen under the mouse only."""
+    """Button with a text; ``checks`` makes it checkable, ``flat`` shows its frame only under the mouse."""
     button = QToolButton(autoRaise=flat)
     button.setText(text)
     button.setCheckable(checks)
@@ -310,23 +307,23 @@ def text_button(text: str, *, checks: bool = False, flat: bool = False) -> QTool
 
 
 def tool_bar(title: str, parent: QWidget | None = None) -> QToolBar:
-    """A row of buttons that stays where it is; the one that holds what finds no room has a name, too."""
+    """Fixed tool bar, whose extension button has a name for screen readers."""
     bar = QToolBar(title, parent, movable=False)
     bar.setAccessibleName(title)
-    more = bar.findChild(QToolButton, "qt_toolbar_ext_button")
-    if isinstance(more, QToolButton):
-        more.setAccessibleName(f"{title}: more")
+    extension = bar.findChild(QToolButton, "qt_toolbar_ext_button")
+    if isinstance(extension, QToolButton):
+        extension.setAccessibleName(f"{title}: more")
     return bar
 
 
 def coloured(widget: QWidget, colour: str) -> None:
-    """Give a widget's text a colour, without a style sheet."""
-    changed = widget.palette()
-    changed.setColor(QPalette.ColorRole.WindowText, QColor(colour))
-    widget.setPalette(changed)
+    """Set the colour of a widget's text, without a style sheet."""
+    colours = widget.palette()
+    colours.setColor(QPalette.ColorRole.WindowText, QColor(colour))
+    widget.setPalette(colours)
 
 
-# -- signs of severity ------------------------------------------------------------------------------------
+# -- signs of severity -----------------------------------------------------------------------------------
 
 
 def _disc(painter: QPainter, colour: str) -> None:
@@ -355,62 +352,64 @@ _SIGNS = {
     NOTE: (_disc, "#5A7A94", ((8.0, 7.6, 8.0, 11.2), (8.0, 4.9, 8.0, 5.0))),
     "none": (_disc, "good", ((5.0, 8.3, 7.2, 10.5), (7.2, 10.5, 11.2, 5.8))),
 }
-"""Severity (or none) -> shape, tone of the theme or colour, strokes in that of paper; shape and strokes tell them apart without colour."""
+"""Severity, or "none" -> shape, tone of the theme or colour, and strokes in the colour of the paper.
+
+Shape and strokes distinguish the signs without colour.
+"""
 
 
 @cached_by_theme
 def sign(severity: str) -> QIcon:
-    """The icon of a severity, or of ``none``."""
+    """Icon of a severity, or of "none"."""
     shape, colour, strokes = _SIGNS[severity]
-    made = QIcon()
+    result = QIcon()
     for scale in ICON_SCALES:
-        picture = QPixmap(QSize(16, 16) * scale)
-        picture.setDevicePixelRatio(scale)
-        picture.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(picture)
+        pixmap = QPixmap(QSize(16, 16) * scale)
+        pixmap.setDevicePixelRatio(scale)
+        pixmap.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(pixmap)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)
         shape(painter, getattr(SCREEN, colour, colour))
         _bars(painter, strokes)
         painter.end()
-        made.addPixmap(picture)
-    return made
+        result.addPixmap(pixmap)
+    return result
 
 
-# -- note ------------------------------------------------------------------------------------------------
+# -- labels ----------------------------------------------------------------------------------------------
 
 
 def linked(sentence: str) -> str:
-    """A sentence, with what can be done about it as links to entries of the menus."""
-    ways = suggestions_for(sentence)
-    if not ways:
+    """Sentence followed by its remedies, as links to menu entries."""
+    remedies = suggestions_for(sentence)
+    if not remedies:
         return sentence
-    from html import escape
-
-    return " ".join((escape(sentence), *(f'<a href="{way.entry}">{escape(way.text)}</a>' for way in ways)))
+    links = (f'<a href="{remedy.entry}">{escape(remedy.text)}</a>' for remedy in remedies)
+    return " ".join((escape(sentence), *links))
 
 
 class MessageLabel(QLabel):
-    """A text that wraps; an empty one hides the label."""
+    """Label with a text that wraps; it is hidden where the text is empty."""
 
     def __init__(self, colour: str) -> None:
         super().__init__(wordWrap=True)
         coloured(self, colour)
-        self.setForegroundRole(QPalette.ColorRole.WindowText)  # on paper it would be that of texts
+        self.setForegroundRole(QPalette.ColorRole.WindowText)  # else that of texts where the background is paper
         self.setTextInteractionFlags(
             Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.LinksAccessibleByMouse
         )
         self.hide()
 
     def show_message(self, text: str) -> None:
-        """Show this text; the label takes no room where it is empty."""
+        """Show this text, or hide the label where it is empty."""
         if text != self.text() or self.isHidden() == bool(text):
             self.setText(text)
             self.setVisible(bool(text))
 
 
 def bold_label(text: str) -> QLabel:
-    """A heading inside a dialog."""
+    """Label for a heading in a dialog."""
     label = QLabel(text)
     font = label.font()
     font.setBold(True)
@@ -419,7 +418,7 @@ def bold_label(text: str) -> QLabel:
 
 
 class Note(MessageLabel):
-    """The line below a picture that names what it does not show, and why; it never widens its parent."""
+    """Message below a drawing or plot that says what is omitted and why; it does not widen its parent."""
 
     def __init__(self, colour: str = "", margin: int = 6) -> None:
         super().__init__(colour or SCREEN.limit)
@@ -428,7 +427,7 @@ class Note(MessageLabel):
 
 
 class SteadyText(QWidget):
-    """A text that may change in every frame: what is around it is laid out anew only where it needs more lines than ever."""
+    """Text that may change in every frame; the layout changes only when it needs more lines than before."""
 
     def __init__(self, colour: str = "") -> None:
         super().__init__()
@@ -439,10 +438,11 @@ class SteadyText(QWidget):
         self.setMinimumHeight(self._label.fontMetrics().height())
 
     def text(self) -> str:
+        """Text that is shown."""
         return self._label.text()
 
     def show_text(self, text: str) -> None:
-        """Show this text; the height grows with it and does not shrink, so that nothing below jumps."""
+        """Show this text; the height increases with it and never decreases, so that nothing below moves."""
         if text != self.text():
             self._label.setText(text)
             self._grow()
@@ -450,7 +450,7 @@ class SteadyText(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._label.setGeometry(self.rect())
-        if event.size().width() != event.oldSize().width():  # what it needed when it was narrow says nothing now
+        if event.size().width() != event.oldSize().width():  # the height for the previous width no longer applies
             self.setMinimumHeight(max(self._label.heightForWidth(self.width()), self._label.fontMetrics().height()))
 
     def _grow(self) -> None:
@@ -459,8 +459,8 @@ class SteadyText(QWidget):
             self.setMinimumHeight(needed)
 
 
-def beside(box: QWidget, text: QLabel) -> QHBoxLayout:
-    """What is chosen in a view, and beside it a text of two lines, which keeps its height so that nothing below it moves."""
+def row_with_text(box: QWidget, text: QLabel) -> QHBoxLayout:
+    """Row of a selection box and a text with a fixed height of two lines, so that nothing below it moves."""
     row = QHBoxLayout()
     row.setContentsMargins(6, 4, 6, 2)
     row.setSpacing(8)

@@ -15,7 +15,7 @@ from core.design import Design, only
 from core.study import Study, extremes_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
-from kindyna_gui.look import dress
+from kindyna_gui.look import apply_style
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.parts import TWIST, available_layers
 from kindyna_gui.pictures.painter import png_bytes
@@ -53,7 +53,7 @@ class _EmptyStore:
 def hidden_window(design: Design, size: tuple[int, int]) -> MainWindow:
     """Return a window with a design that is laid out and drawn, but not shown."""
     app = ensure_app(offscreen=True)
-    dress(app)
+    apply_style(app)
     window = MainWindow(Session(design), Player(), NoSettings())
     window.resize(*size)
     window.show()

@@ -30,7 +30,7 @@ from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, step_text
-from kindyna_gui.look import beside
+from kindyna_gui.look import row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short, with_unit
@@ -232,7 +232,7 @@ class ContactView(BackgroundView):
         self.plot.setMinimumSize(220, 100)
         self._work.result.connect(self._show_result)
         self.page.activated.connect(self._choose)
-        row = beside(self.page, self.text)
+        row = row_with_text(self.page, self.text)
         self.set_column(row, self.plot, grows=self.plot)
 
     def refresh(self, study: Study) -> None:
@@ -341,7 +341,7 @@ class VibrationView(BackgroundView):
         self._work.result.connect(self._show_result)
         self.page.activated.connect(self._choose)
         self.plot.read.connect(self._show_values)
-        row = beside(self.page, self.text)
+        row = row_with_text(self.page, self.text)
         splitter = QSplitter(Qt.Orientation.Vertical)
         splitter.addWidget(self.plot)
         splitter.addWidget(self.table)

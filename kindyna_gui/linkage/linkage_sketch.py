@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import field
 
@@ -11,7 +12,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
 
 from core.design import Design
-from core.design.linkage import FRAME_LINK, Link
+from core.design.linkage import FRAME_LINK, Link, Linkage
 from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
 from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin, link_pose, slider_line
@@ -65,16 +66,22 @@ class LinkageSketch:
     scale: float
     lengths: dict[tuple[int, str, str], QRectF] = field(default_factory=dict)
 
+    @property
+    def linkage(self) -> Linkage:
+        """The linkage of the design."""
+        linkage: Linkage = self.design.drive.linkage
+        return linkage
+
     # -- parts by position --------------------------------------------------------------------------------------
 
     def block(self, link: Link) -> QPainterPath:
         """Outline of the block of a sliding link, in pixels; empty if the link does not slide."""
         path = QPainterPath()
-        slider = next((s for s in self.design.drive.linkage.sliders if s.link == link.number), None)
+        slider = next((s for s in self.linkage.sliders if s.link == link.number), None)
         at = next((self.positions[name] for name in link.places if name in self.positions), None)
-        if slider is None or at is None or slider.on not in self.design.drive.linkage.by_number:
+        if slider is None or at is None or slider.on not in self.linkage.by_number:
             return path
-        _, along = slider_line(self.design.drive.linkage, slider, self.positions)
+        _, along = slider_line(self.linkage, slider, self.positions)
         across = 1j * along
         corners = [
             (a * BLOCK[0] * along + b * BLOCK[1] * across) / self.scale for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -85,10 +92,10 @@ class LinkageSketch:
     def load_positions(self) -> Mapping[str, complex]:
         """Row of the loads, or of second inputs -> position of its symbol [mm]."""
         positions: dict[str, complex] = {}
-        linkage, loads = self.design.drive.linkage, self.design.drive.loads
+        loads = self.design.drive.loads
         for i, mass in enumerate(loads.masses):
-            if mass.link in linkage.by_number:
-                origin, axis = link_pose(linkage, mass.link, self.positions)
+            if mass.link in self.linkage.by_number:
+                origin, axis = link_pose(self.linkage, mass.link, self.positions)
                 positions[f"loads.masses[{i}]"] = origin + complex(mass.centre_x_mm, mass.centre_y_mm) * axis
         for i, force in enumerate(loads.forces):
             if force.point in self.positions:
@@ -100,8 +107,8 @@ class LinkageSketch:
             first, second = (self._end(end) for end in (spring.from_, spring.to))
             if first is not None and second is not None:
                 positions[f"loads.springs[{i}]"] = 0.5 * (first + second)
-        for i, driver in enumerate(linkage.drivers):
-            if (pin := input_pin(linkage, driver)) in self.positions:
+        for i, driver in enumerate(self.linkage.drivers):
+            if (pin := input_pin(self.linkage, driver)) in self.positions:
                 positions[f"linkage.drivers[{i}]"] = self.positions[pin] + (-24.0 + 20.0j) / self.scale
         return positions
 
@@ -109,18 +116,17 @@ class LinkageSketch:
         point, link = getattr(end, "point", None), getattr(end, "link", 0)
         if point is not None:
             return self.positions.get(point)
-        if link not in self.design.drive.linkage.by_number:
+        if link not in self.linkage.by_number:
             return None
-        origin, axis = link_pose(self.design.drive.linkage, link, self.positions)
+        origin, axis = link_pose(self.linkage, link, self.positions)
         return origin + complex(getattr(end, "x_mm", 0.0) or 0.0, getattr(end, "y_mm", 0.0) or 0.0) * axis
 
     def link_at(self, pixel: QPointF) -> int | None:
         """Return the uppermost link under a pixel, or None."""
-        linkage = self.design.drive.linkage
-        for link in reversed(linkage.links):
+        for link in reversed(self.linkage.links):
             if link.number != FRAME_LINK and self.block(link).contains(pixel):
                 return link.number
-        return next(iter(faces_at(linkage, self.positions, self.from_pixel(pixel), self.scale)), None)
+        return next(iter(faces_at(self.linkage, self.positions, self.from_pixel(pixel), self.scale)), None)
 
     def from_pixel(self, pixel: QPointF) -> complex:
         """Position [mm] at a pixel."""
@@ -157,37 +163,22 @@ class LinkageSketch:
         self, painter: QPainter, highlights: Highlights, dimensions: bool = True, grey: Collection[int] = frozenset()
     ) -> None:
         """Paint the drawing; the links in ``grey`` do not move."""
-        linkage = self.design.drive.linkage
         self._paint_lines(painter)
-        for i, link in enumerate(linkage.links):
+        for i, link in enumerate(self.linkage.links):
             if link.number == FRAME_LINK:
                 continue
             fill = QColor(SCREEN.faint if link.number in grey else SCREEN.links[i % len(SCREEN.links)])
-            chosen, wrong = link.number in highlights.links, link.number in highlights.wrong_links
-            colour, width = (
-                QColor(SCREEN.chosen if chosen else SCREEN.limit if wrong else SCREEN.ink),
-                2.4 if chosen or wrong else 1.4,
-            )
-            self._paint_face(painter, link, fill, colour, width)
-            painter.setPen(QPen(colour, width))
+            pen = _outline_pen(link.number in highlights.links, link.number in highlights.wrong_links)
+            self._paint_face(painter, link, fill, pen)
+            painter.setPen(pen)
             painter.setBrush(QBrush(fill))
             painter.drawPath(self.block(link))
-        fixed = frame_link(linkage).places
-        for name in fixed:
+        for name in frame_link(self.linkage).places:
             self._paint_pedestal(painter, self.to(self.positions[name]))
-        on: dict[str, int] = {}
-        for link in linkage.links:
-            for name in link.places:
-                on[name] = on.get(name, 0) + 1
+        link_counts = Counter(name for link in self.linkage.links for name in link.places)
         for name, at in self.positions.items():
-            chosen, wrong = name in highlights.points, name in highlights.wrong_points
-            painter.setPen(
-                QPen(
-                    QColor(SCREEN.chosen if chosen else SCREEN.limit if wrong else SCREEN.ink),
-                    2.4 if chosen or wrong else 1.4,
-                )
-            )
-            painter.setBrush(QBrush(QColor(SCREEN.paper if on.get(name, 0) > 1 else SCREEN.cam)))
+            painter.setPen(_outline_pen(name in highlights.points, name in highlights.wrong_points))
+            painter.setBrush(QBrush(QColor(SCREEN.paper if link_counts[name] > 1 else SCREEN.cam)))
             painter.drawEllipse(self.to(at), PIN, PIN)
             if name in highlights.locked:
                 painter.drawText(self.to(at) + QPointF(-14.0, 4.0), "⚿")
@@ -198,10 +189,10 @@ class LinkageSketch:
         if dimensions:
             self._paint_lengths(painter, highlights)
 
-    def _paint_face(self, painter: QPainter, link: Link, fill: QColor, colour: QColor, width: float) -> None:
+    def _paint_face(self, painter: QPainter, link: Link, fill: QColor, pen: QPen) -> None:
         """Paint the bars between the corners and the area inside them, the outline before the fill."""
         corners = outline(link, self.positions)
-        for shade, wide in ((colour, 2.0 * (BAR + width)), (fill, 2.0 * BAR)):
+        for shade, wide in ((pen.color(), 2.0 * (BAR + pen.widthF())), (fill, 2.0 * BAR)):
             painter.setPen(QPen(shade, wide, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             for first, second in edges(corners):
                 painter.drawLine(self.to(first), self.to(second))
@@ -212,19 +203,16 @@ class LinkageSketch:
 
     def _paint_lines(self, painter: QPainter) -> None:
         """Paint the guides of blocks dash-dotted, hatched on the frame."""
-        linkage = self.design.drive.linkage
-        for slider in linkage.sliders:
-            if slider.on not in linkage.by_number or slider.link not in linkage.by_number:
+        for slider in self.linkage.sliders:
+            if slider.on not in self.linkage.by_number or slider.link not in self.linkage.by_number:
                 continue
-            through, along = slider_line(linkage, slider, self.positions)
+            through, along = slider_line(self.linkage, slider, self.positions)
             block = next(
-                (self.positions[n] for n in linkage.by_number[slider.link].places if n in self.positions), through
+                (self.positions[n] for n in self.linkage.by_number[slider.link].places if n in self.positions), through
             )
             reach = (abs(block - through) + 60.0 / self.scale) if slider.on == FRAME_LINK else 60.0 / self.scale
             middle = 0.5 * (block + through) if slider.on == FRAME_LINK else block
-            pen = QPen(QColor(SCREEN.quiet), 1.0)
-            pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
-            painter.setPen(pen)
+            painter.setPen(_dash_dotted_pen(1.0))
             painter.drawLine(self.to(middle - along * reach), self.to(middle + along * reach))
             if slider.on == FRAME_LINK:
                 painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
@@ -249,17 +237,16 @@ class LinkageSketch:
 
     def _paint_driver(self, painter: QPainter) -> None:
         """Paint an arrow around the pivot of the driving link, or along its guide."""
-        linkage = self.design.drive.linkage
-        link = linkage.by_number.get(linkage.driver.link)
-        if link is None or link.number == FRAME_LINK or linkage.drawn is None:
+        link = self.linkage.by_number.get(self.linkage.driver.link)
+        if link is None or link.number == FRAME_LINK or self.linkage.drawn is None:
             return
         painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 2.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        pivot = next((name for name in link.places if name in frame_link(linkage).places), None)
-        rotation_sign = -1.0 if linkage.driver.speed_rpm < 0.0 else 1.0
-        if pivot is not None and linkage.drawn.driver_deg is not None:
+        pivot = next((name for name in link.places if name in frame_link(self.linkage).places), None)
+        rotation_sign = -1.0 if self.linkage.driver.speed_rpm < 0.0 else 1.0
+        if pivot is not None and self.linkage.drawn.driver_deg is not None:
             centre = self.to(self.positions[pivot])
-            angle = linkage.drawn.driver_deg
+            angle = self.linkage.drawn.driver_deg
             painter.drawArc(QRectF(centre.x() - 17, centre.y() - 17, 34, 34), round(16 * (angle - 35)), 16 * 70)
             end = math.radians(angle + 35.0 * rotation_sign)
             self._arrow_tip(
@@ -267,11 +254,11 @@ class LinkageSketch:
                 centre + QPointF(17.0 * math.cos(end), -17.0 * math.sin(end)),
                 cmath.exp(1j * end) * 1j * rotation_sign,
             )
-        elif linkage.drawn.driver_mm is not None:
-            slider = next((s for s in linkage.sliders if s.link == link.number), None)
+        elif self.linkage.drawn.driver_mm is not None:
+            slider = next((s for s in self.linkage.sliders if s.link == link.number), None)
             at = next((self.positions[name] for name in link.places if name in self.positions), None)
             if slider is not None and at is not None:
-                _, along = slider_line(linkage, slider, self.positions)
+                _, along = slider_line(self.linkage, slider, self.positions)
                 tip = self.to(at + along * 34.0 / self.scale)
                 painter.drawLine(self.to(at), tip)
                 self._arrow_tip(painter, tip, along)
@@ -315,28 +302,24 @@ class LinkageSketch:
 
     def _paint_input(self, painter: QPainter, pixel: QPointF, index: int, chosen: bool) -> None:
         """Paint the ratio of a second input next to its pin, with an arc around the pin."""
-        linkage = self.design.drive.linkage
-        second = linkage.drivers[index]
-        pin = self.to(self.positions[input_pin(linkage, second)])
+        second = self.linkage.drivers[index]
+        pin = self.to(self.positions[input_pin(self.linkage, second)])
         painter.setPen(QPen(QColor(SCREEN.chosen if chosen else SCREEN.seen(BLUE)), 2.4 if chosen else 1.6))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
-        ratio = linkage.ratios.get(second.link)
-        unit = PER.get((input_slides(linkage, second), not driver_turns(linkage)), ": 1")
+        ratio = self.linkage.ratios.get(second.link)
+        unit = PER.get((input_slides(self.linkage, second), not driver_turns(self.linkage)), ": 1")
         text = second.motion or ("ratio?" if ratio is None else f"{ratio:.4g} {unit}")
         rect = QRectF(pixel.x() - 92.0, pixel.y() - 9.0, 100.0, 18.0)
         painter.drawText(rect, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
 
     def _paint_wheels(self, painter: QPainter) -> None:
         """Paint the pitch circles of second inputs with wheels, dash-dotted."""
-        linkage = self.design.drive.linkage
-        pen = QPen(QColor(SCREEN.quiet), 1.2)
-        pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
-        painter.setPen(pen)
+        painter.setPen(_dash_dotted_pen(1.2))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        for pair in wheel_pairs(linkage) if linkage.drivers else ():
+        for pair in wheel_pairs(self.linkage) if self.linkage.drivers else ():
             if pair.along and pair.first.point in self.positions:
-                along = pair.along * link_pose(linkage, pair.carrier, self.positions)[1]
+                along = pair.along * link_pose(self.linkage, pair.carrier, self.positions)[1]
                 at = self.positions[pair.first.point] - 1j * along * pair.first.radius
                 painter.drawLine(*(self.to(at + s * along * pair.first.radius) for s in (-1.5, 1.5)))
             for wheel in pair.circles:
@@ -357,11 +340,11 @@ class LinkageSketch:
 
     def _paint_names(self, painter: QPainter) -> None:
         painter.setPen(QColor(SCREEN.ink))
-        fixed = frame_link(self.design.drive.linkage).places
+        fixed = frame_link(self.linkage).places
         for name, at in self.positions.items():
             neighbours = [
                 self.positions[n]
-                for link in self.design.drive.linkage.links
+                for link in self.linkage.links
                 if link.number != FRAME_LINK and name in link.places
                 for n in link.places
                 if n != name and n in self.positions
@@ -378,7 +361,7 @@ class LinkageSketch:
         font = QFont(painter.font())
         font.setPointSizeF(max(7.0, font.pointSizeF() - 1.0))
         painter.setFont(font)
-        for link in self.design.drive.linkage.links:
+        for link in self.linkage.links:
             if link.number == FRAME_LINK or (len(link.points) > 2 and link.number not in highlights.links):
                 continue
             for first, second in edges_of(link):
@@ -433,3 +416,14 @@ class LinkageSketch:
             parts.append(f"{snap.at.real:g}, {snap.at.imag:g}")
         if parts:
             painter.drawText(QPointF(x + 12.0, y - 10.0), "  ".join(parts))
+
+
+def _outline_pen(is_selected: bool, is_wrong: bool) -> QPen:
+    colour = SCREEN.chosen if is_selected else SCREEN.limit if is_wrong else SCREEN.ink
+    return QPen(QColor(colour), 2.4 if is_selected or is_wrong else 1.4)
+
+
+def _dash_dotted_pen(width: float) -> QPen:
+    pen = QPen(QColor(SCREEN.quiet), width)
+    pen.setDashPattern([10.0, 4.0, 2.0, 4.0])
+    return pen

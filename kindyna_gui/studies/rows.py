@@ -45,10 +45,11 @@ _TIPS: Mapping[str, str] = {
 class _Rows(QWidget):
     """A heading, rows, a message about invalid input, and a button that adds a row.
 
-    Signal ``add_requested`` (str): key of the row to add.
+    Signals: ``add_requested`` (str), key of the row to add; ``removed`` (str), key of the row to remove.
     """
 
     add_requested = Signal(str)
+    removed = Signal(str)
 
     def __init__(self, title: str, add: str) -> None:
         super().__init__()
@@ -73,11 +74,8 @@ class _Rows(QWidget):
         for group, rows in groups.items():
             submenu = self.menu.addMenu(group)
             for key, name in rows.items():
-                submenu.addAction(name).triggered.connect(partial(self._request_row, key))
+                submenu.addAction(name).triggered.connect(lambda _, key=key: self.add_requested.emit(key))
         self.add.setEnabled(bool(groups))
-
-    def _request_row(self, key: str, _: bool = False) -> None:
-        self.add_requested.emit(key)
 
     def _grid(self, rows: Sequence[Any]) -> QGridLayout | None:
         """Return an empty layout for these rows; None if they are on display already."""
@@ -102,6 +100,7 @@ class _Rows(QWidget):
         button.setIcon(icon("close"))
         button.setToolTip(f"Remove {name}")
         button.setAccessibleName(button.toolTip())
+        button.clicked.connect(lambda: self.removed.emit(key))
         self.removers[key] = button
         return button
 
@@ -117,6 +116,10 @@ class _Rows(QWidget):
         self.boxes[key, end] = box
         return box
 
+    def _accept(self, box: NumberBox, value: float | None) -> None:
+        self.message.show_message("")
+        box.show_value(value)
+
     def _refuse(self, box: NumberBox, text: str) -> None:
         box.set_refused(True)
         self.message.show_message(text)
@@ -125,12 +128,11 @@ class _Rows(QWidget):
 class SpanRows(_Rows):
     """Varied numbers with their bounds and tolerance, and varied words.
 
-    Signals: ``changed`` (Span), new bounds; ``removed`` (path); ``tolerance_changed`` (path, float or None), the
+    Signals: ``changed`` (Span), new bounds; ``tolerance_changed`` (path, float or None), the
     tolerance ± of a number; ``words_changed`` (path, words), the words to try.
     """
 
     changed = Signal(object)
-    removed = Signal(str)
     tolerance_changed = Signal(str, object)
     words_changed = Signal(str, tuple)
 
@@ -184,7 +186,6 @@ class SpanRows(_Rows):
             action.setCheckable(True)
             action.triggered.connect(partial(self._choose_word, path))
         button.setMenu(menu)
-        remover.clicked.connect(partial(self._remove, path))
         self.words[path] = button
         grid.addWidget(QLabel(name), row, 0, 1, 6)
         grid.addWidget(remover, row, 6, Qt.AlignmentFlag.AlignRight)
@@ -198,7 +199,6 @@ class SpanRows(_Rows):
         name, (info, unit) = name_of(design, path), info_of(design, path)
         label, symbol, remover = QLabel(name), QLabel(unit.symbol), self._remover(path, name)
         coloured(symbol, SCREEN.quiet)
-        remover.clicked.connect(partial(self._remove, path))
         low, high = (
             self._box(path, end, f"{name}: {title}", info, partial(self._enter, design, path, end))
             for end, title in (("low", "lowest"), ("high", "highest"))
@@ -222,12 +222,8 @@ class SpanRows(_Rows):
         if not info.admits(value):
             self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
             return
-        self.message.show_message("")
-        box.show_value(value)
+        self._accept(box, value)
         self.tolerance_changed.emit(path, value)
-
-    def _remove(self, path: str, _: bool = False) -> None:
-        self.removed.emit(path)
 
     def _enter(self, design: Design, path: str, end: str, value: float) -> None:
         info, unit = info_of(design, path)
@@ -243,20 +239,18 @@ class SpanRows(_Rows):
             )
             self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {allowed}")
         else:
-            self.message.show_message("")
-            box.show_value(value)
+            self._accept(box, value)
             self.changed.emit(changed)
 
 
 class FigureRows(_Rows):
     """Figures with their statistic, limits and current value.
 
-    Signals: ``changed`` (key before, key, limits); ``shown`` (key), colour the plots by this figure; ``removed`` (key).
+    Signals: ``changed`` (key before, key, limits); ``shown`` (key), colour the plots by this figure.
     """
 
     changed = Signal(str, str, object)
     shown = Signal(str)
-    removed = Signal(str)
 
     def __init__(self) -> None:
         super().__init__("Computed for each design", "Add a quantity …")
@@ -286,8 +280,7 @@ class FigureRows(_Rows):
         name = label_of(design, slug)
         button, current, remover = QRadioButton(name), QLabel(), self._remover(key, name)
         button.setToolTip("Colour the plots by this quantity")
-        button.clicked.connect(partial(self._show, key))
-        remover.clicked.connect(partial(self._remove, key))
+        button.clicked.connect(lambda: self.shown.emit(key))
         self.buttons[key], self.values[key] = button, current
         grid.addWidget(button, row, 0, 1, 4)
         grid.addWidget(current, row, 4, 1, 2, Qt.AlignmentFlag.AlignRight)
@@ -320,12 +313,6 @@ class FigureRows(_Rows):
             label.setText(f"<b style='color:{SCREEN.limit}'>{text}</b>" if is_beyond else text)
             label.setToolTip(f"Value of the current design{', beyond its limit' if is_beyond else ''}")
 
-    def _show(self, key: str, _: bool = False) -> None:
-        self.shown.emit(key)
-
-    def _remove(self, key: str, _: bool = False) -> None:
-        self.removed.emit(key)
-
     def _choose(self, key: str, _: int) -> None:
         slug = key.partition(":")[0]
         self.changed.emit(key, f"{slug}:{self.words[key].currentData()}", self._limits[key])
@@ -338,16 +325,14 @@ class FigureRows(_Rows):
             allowed = "at most the upper limit" if end == "least" else "at least the lower limit"
             self._refuse(box, f"{box.accessibleName()}: limits are reversed; allowed: {allowed}")
             return
-        self.message.show_message("")
-        box.show_value(value)
+        self._accept(box, value)
         self.changed.emit(key, key, (least, most))
 
 
 class ToleranceRows(_Rows):
-    """Tolerances of the design. Signals: ``changed`` (Tolerance); ``removed`` (path)."""
+    """Tolerances of the design. Signal ``changed`` (Tolerance)."""
 
     changed = Signal(object)
-    removed = Signal(str)
     ENDS = (("plus", "+"), ("minus", "−"), ("cost", "cost"))
 
     def __init__(self) -> None:
@@ -375,7 +360,6 @@ class ToleranceRows(_Rows):
         name, (_, unit) = name_of(design, path), info_of(design, path)
         remover, word, symbol = self._remover(path, f"the tolerance of {name}"), WordBox(), QLabel(unit.symbol)
         coloured(symbol, SCREEN.quiet)
-        remover.clicked.connect(partial(self._remove, path))
         fill_choices(word, DISTRIBUTIONS)
         word.setAccessibleName(f"{name}: distribution")
         word.activated.connect(partial(self._choose_distribution, path))
@@ -392,9 +376,6 @@ class ToleranceRows(_Rows):
         grid.addWidget(symbol, row + 1, 4)
         grid.addWidget(word, row + 2, 0, 1, 2)
 
-    def _remove(self, path: str, _: bool = False) -> None:
-        self.removed.emit(path)
-
     def _choose_distribution(self, path: str, _: int) -> None:
         self.changed.emit(replace(self._rows[path], distribution=self.words[path].currentData()))
 
@@ -403,8 +384,7 @@ class ToleranceRows(_Rows):
         if not info.admits(value):
             self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
             return
-        self.message.show_message("")
-        box.show_value(value)
+        self._accept(box, value)
         self.changed.emit(replace(self._rows[path], **{end: value}))  # type: ignore[arg-type]
 
 
@@ -464,6 +444,5 @@ class WaveRow(_Rows):
                 allowed = f"from {changed.lobes_from}" if end == "lobes_to" else f"up to {changed.lobes_to}"
                 self._refuse(box, f"{info.label}: bounds are reversed; allowed: {allowed}")
                 return
-        self.message.show_message("")
-        box.show_value(value)
+        self._accept(box, value)
         self.changed.emit(changed)

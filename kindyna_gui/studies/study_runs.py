@@ -57,7 +57,58 @@ MARGIN = 4
 # -- background runs -------------------------------------------------------------------------------------
 
 
-class SurveyRun(QObject):
+class _BackgroundRun(QObject):
+    """Background work on a request of a view, which starts after a pause, and only while the view is visible."""
+
+    def __init__(self, view: View, pause_ms: int) -> None:
+        super().__init__(view)
+        self._view = view
+        self._request: tuple[Any, ...] = ()
+        self._work = Background(self)
+        self._work.result.connect(self._receive)
+        self._timer = QTimer(self, singleShot=True, interval=pause_ms)
+        self._timer.timeout.connect(self._start_if_visible)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a request is being computed, or about to be."""
+        return self._work.busy or self._timer.isActive()
+
+    def stop(self) -> None:
+        """Stop the computation; the next request starts it again."""
+        self._request = ()
+        self._timer.stop()
+        self._work.stop()
+
+    def close(self) -> None:
+        """Stop for good."""
+        self.stop()
+        self._work.close()
+
+    def _replace(self, request: tuple[Any, ...]) -> bool:
+        """Replace the request by a new one; return whether it is new."""
+        if request == self._request:
+            return False
+        self.stop()
+        self._request = request
+        self._timer.start()
+        return True
+
+    def _start_if_visible(self) -> None:
+        if self._view.on_screen():
+            self._start()
+        else:
+            self._request = ()
+            self._view.invalidate()
+
+    def _start(self) -> None:
+        raise NotImplementedError
+
+    def _receive(self, key: tuple[Any, ...], result: Any) -> None:
+        raise NotImplementedError
+
+
+class SurveyRun(_BackgroundRun):
     """Surveys of a design in the background: coarse, then fine, then with finer cells along the limits.
 
     A new survey is started only if something else than the varied numbers changes.
@@ -72,28 +123,17 @@ class SurveyRun(QObject):
     """The KindynaError of a survey that failed, None after a successful one."""
 
     def __init__(self, view: View) -> None:
-        super().__init__(view)
+        super().__init__(view, 0)
         self.survey: Survey | None = None
-        self._view = view
         self._design = view.session.full_design
         self._figures: Mapping[str, Limits] = {}
-        self._request: tuple[Any, ...] = ()
         self._unrefined: Survey | None = None
         self._refined_limits: Mapping[str, Limits] = {}
-        self._work = Background(self)
-        self._work.result.connect(self._receive)
-        self._timer = QTimer(self, singleShot=True, interval=0)
-        self._timer.timeout.connect(self._start)
 
     @property
     def is_computing(self) -> bool:
         """Whether a survey is being computed."""
         return self._work.busy
-
-    @property
-    def busy(self) -> bool:
-        """Whether a survey is being computed, or about to start."""
-        return self._work.busy or self._timer.isActive()
 
     def request(self, design: Design, spans: tuple[Span, ...], figures: Mapping[str, Limits], seed: int) -> bool:
         """Start a survey of a design if none was started yet; return whether a survey of this request is available."""
@@ -101,12 +141,9 @@ class SurveyRun(QObject):
             fixed = with_values(design, {span.path: span.low for span in spans})
         except KindynaError:
             fixed = design
-        request = replace(fixed, tolerances=(), waviness=None), spans, tuple(figures), seed
         self._design, self._figures = design, dict(figures)
-        if request != self._request:
-            self.stop()
-            self._request, self._unrefined = request, None
-            self._timer.start()
+        if self._replace((replace(fixed, tolerances=(), waviness=None), spans, tuple(figures), seed)):
+            self._unrefined = None
             return False
         if self._unrefined is not None and self._refined_limits != self._figures:
             self.survey = self._unrefined
@@ -118,35 +155,20 @@ class SurveyRun(QObject):
         self.stop()
         self.survey = None
 
-    def stop(self) -> None:
-        """Stop the computation; the next request starts it again."""
-        self._request = ()
-        self._timer.stop()
-        self._work.stop()
-
     def settle(self) -> None:
         """Wait for the results of what was requested."""
         if self._timer.isActive():
             self._timer.stop()
-            self._start()
+            self._start_if_visible()
         self._work.wait(SURVEY_WAIT_S)
 
-    def close(self) -> None:
-        """Stop for good."""
-        self.stop()
-        self._work.close()
-
     def _start(self) -> None:
-        if not self._view.on_screen():
-            self._request = ()
-            self._view.invalidate()
-            return
         _, spans, keys, seed = self._request
         finest = {1: FINE_CURVE, 2: FINE}.get(len(spans), FINE_LINES)
         job = partial(survey, self._design, spans, keys)
         self._work.start([((self._request, count), partial(job, count, seed)) for count in (COARSE, finest)])
 
-    def _receive(self, key: tuple[object, int], result: Survey | KindynaError) -> None:
+    def _receive(self, key: tuple[Any, ...], result: Survey | KindynaError) -> None:
         request, count = key
         if request != self._request:
             return
@@ -166,76 +188,41 @@ class SurveyRun(QObject):
         self._work.start([((self._request, REFINED), job)])
 
 
-class ToleranceRun(QObject):
+class ToleranceRun(_BackgroundRun):
     """Simulation in the background of machines built to the tolerances of a design, once the design rests."""
 
     finished = Signal(object, bool)
     """The ToleranceResult or the KindynaError, and whether the tolerances to tighten are computed."""
 
     def __init__(self, view: View) -> None:
-        super().__init__(view)
-        self._view = view
-        self._request: tuple[object, ...] = ()
-        self._simulate: Callable[..., ToleranceResult] = tolerance_result
-        self._work = Background(self)
-        self._work.result.connect(self._receive)
-        self._tightening = Background(self)
-        self._tightening.result.connect(self._receive_tighter)
-        self._timer = QTimer(self, singleShot=True, interval=REST_MS)
-        self._timer.timeout.connect(self._start)
-
-    @property
-    def busy(self) -> bool:
-        """Whether machines are being simulated, or about to be."""
-        return self._timer.isActive() or self._work.busy or self._tightening.busy
+        super().__init__(view, REST_MS)
 
     def request(self, design: Design, figures: Mapping[str, Limits], seed: int, tighter: bool) -> bool:
         """Simulate machines of a design if that was not requested yet; return whether it was not.
 
         tighter: also compute which tolerances to tighten if too few machines keep the limits.
         """
-        request = design, tuple(figures.items()), seed, tighter
-        if request == self._request:
-            return False
-        self.stop()
-        self._request = request
-        self._simulate = partial(tolerance_result, design, dict(figures), seed=seed)
-        self._timer.start()
-        return True
-
-    def stop(self) -> None:
-        """Stop the computation; the next request starts it again."""
-        self._request = ()
-        self._work.stop()
-        self._tightening.stop()
-        self._timer.stop()
-
-    def close(self) -> None:
-        """Stop for good."""
-        self._timer.stop()
-        self._work.close()
-        self._tightening.close()
+        return self._replace((design, tuple(figures.items()), seed, tighter))
 
     def _start(self) -> None:
-        if not self._view.on_screen():
-            self._request = ()
-            self._view.invalidate()
-        elif self._view.session.drag_source is self._view:  # while the mouse drags the design
+        if self._view.session.drag_source is self._view:  # the mouse still changes the design
             self._timer.start()
         else:
-            self._work.start([(self._request, partial(self._simulate, tighten=False))])
+            self._simulate(tighten=False)
 
-    def _receive(self, request: tuple[object, ...], result: ToleranceResult | KindynaError) -> None:
-        if request != self._request:
+    def _simulate(self, tighten: bool) -> None:
+        design, figures, seed, _ = self._request
+        job = partial(tolerance_result, design, dict(figures), tighten, seed=seed)
+        self._work.start([((self._request, tighten), job)])
+
+    def _receive(self, key: tuple[Any, ...], result: ToleranceResult | KindynaError) -> None:
+        request, has_tighter = key
+        if request != self._request or (has_tighter and isinstance(result, KindynaError)):
             return
         share = result.share if isinstance(result, ToleranceResult) else None
-        if share is not None and share.value < SHARE and request[-1]:
-            self._tightening.start([(request, self._simulate)])
-        self.finished.emit(result, False)
-
-    def _receive_tighter(self, request: tuple[object, ...], result: ToleranceResult | KindynaError) -> None:
-        if request == self._request and isinstance(result, ToleranceResult):
-            self.finished.emit(result, True)
+        self.finished.emit(result, has_tighter)
+        if share is not None and share.value < SHARE and request[-1] and not has_tighter:
+            self._simulate(tighten=True)
 
 
 # -- designs of a search ---------------------------------------------------------------------------------

@@ -28,7 +28,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.export import Exports
 from kindyna_gui.files.file_actions import DiskButton, Documents, FileWatch, dropped_design
 from kindyna_gui.files.recovery import Recovery, write_before_the_end
-from kindyna_gui.look import wear
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
@@ -503,13 +503,13 @@ class MainWindow(Window):
             preferences.write(chosen)
             app = QApplication.instance()
             assert isinstance(app, QApplication)
-            wear(chosen, app)
+            apply_preferences(chosen, app)
 
     def _desktop_changed(self, scheme: Qt.ColorScheme) -> None:
         """Follow the desktop, which has changed to light or dark."""
         chosen, app = preferences.read(), QApplication.instance()
         if chosen.theme == "system" and isinstance(app, QApplication):
-            wear(chosen, app, scheme)
+            apply_preferences(chosen, app, scheme)
 
     def help_here(self) -> None:
         """Show the page of the help on the field, or the view, with the focus."""
@@ -656,7 +656,7 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     keep_freed_memory()
     file = None if path is None or path == default_design() else path
     session = Session(load_drawing(file or default_design()), file)
-    wear(preferences.read(), app)
+    apply_preferences(preferences.read(), app)
     app.setApplicationName("KINDYNA")
     app.setDesktopFileName("kindyna")
     settings = Settings()

@@ -27,7 +27,7 @@ from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.background import Worker
 from kindyna_gui.dialogs import SaveAnswer
-from kindyna_gui.look import dress
+from kindyna_gui.look import apply_style
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.window.layouts import first_task
@@ -47,7 +47,7 @@ HARMLESS = (
 @pytest.fixture(scope="session")
 def app() -> Iterator[QApplication]:
     made = ensure_app()
-    dress(made)
+    apply_style(made)
     yield made
     made.clipboard().clear()  # what Python put there, the offscreen platform takes away after Python has ended, and crashes
 

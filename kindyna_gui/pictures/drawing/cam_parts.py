@@ -317,12 +317,9 @@ def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
     except KindynaError:
         return None
     allowable = limit_of(study, "contact_pressure_mpa")
-    top = (
-        float(f"{highest:.{DIGITS}g}") or 1.0 if allowable is None else allowable.value
-    )  # 1 MPa where all pressures are 0
-    ticks = tuple(
-        (part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0)
-    )
+    # 1 MPa where all pressures are 0
+    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowable is None else allowable.value
+    ticks = (0.0, short(0.0, 4)), (0.5 * top, short(0.5 * top, 4)), (top, f"{short(top, 4)} MPa")
     stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
     title = "Contact pressure" if allowable is None else "Contact pressure up to the allowable value"
     return ColourScale(title, 0.0, top, stops, ticks, "" if allowable is None else theme.limit)

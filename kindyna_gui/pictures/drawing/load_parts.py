@@ -138,12 +138,11 @@ def closing_spring(element: OutputForce, geometry: Geometry, theme: Theme) -> It
     offset = float(np.mean(((joint.track - geometry.middle) * joint.line.conjugate()).real))
     sign = joint.outward_sign if stem or not offset else float(np.sign(offset))
     line = joint.line * sign
-    near = behind_face(geometry, line) if stem else 0.5 * BLOCK_LENGTH * unit
-    far = (
-        bush_start(joint, geometry)
-        if stem
-        else max(sign * joint.low, sign * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
-    )
+    if stem:
+        near, far = behind_face(geometry, line), bush_start(joint, geometry)
+    else:
+        near = 0.5 * BLOCK_LENGTH * unit
+        far = max(sign * joint.low, sign * joint.high) / unit + 0.5 * BLOCK_LENGTH + BEYOND
     end = joint.root + line * far * unit
     path = spring_symbol(True, False, unit, STEM_WIDTH if stem else 1.0, STEM_COILS if stem else COILS)
     yield _stretched(f"spring.{element.name}", path, joint.track + line * near, np.full(geometry.samples, end), theme)

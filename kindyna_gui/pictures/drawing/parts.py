@@ -133,14 +133,14 @@ def has_advance(study: Study) -> bool:
 
 def available_layers(study: Study) -> tuple[str, ...]:
     """Layers that apply to a design."""
-    without = () if "cam" in study.stages else _CAM_LAYERS
-    without = (
-        *without,
+    shaft = study.design.shaft
+    omitted = {
+        *(() if "cam" in study.stages else _CAM_LAYERS),
         *(() if has_advance(study) else (MODULO,)),
-        *(() if study.design.shaft is not None and study.design.shaft.elastic is not None else (TWIST,)),
-    )
+        *(() if shaft is not None and shaft.elastic is not None else (TWIST,)),
+    }
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS
-    return tuple(name for name in rows if name not in without)
+    return tuple(name for name in rows if name not in omitted)
 
 
 # -- links and pairs -----------------------------------------------------------------------------------
@@ -263,9 +263,7 @@ def bush_length(joint: Joint, geometry: Geometry) -> float:
 
 def behind_face(geometry: Geometry, line: complex) -> float:
     """Distance from the follower's reference point to the back of its face, along an outward direction [mm]."""
-    return (
-        geometry.face_radius if geometry.face_radius else max(0.0, (geometry.face_attachment * line.conjugate()).real)
-    )
+    return geometry.face_radius or max(0.0, (geometry.face_attachment * line.conjugate()).real)
 
 
 def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -308,13 +306,11 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]
     low = (joint.low if sign > 0 else -joint.high) / unit
     eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.has_rolling_face else 0.0
     half = STEM * (eye or EYE)
-    inner = (
-        max(0.0, (geometry.face_attachment * body_line.conjugate()).real) / unit
-    )  # a face that is not round is held on its back
-    shapes = stem(start + length - low + 1.8 - inner, half, eye)
-    pieces = [
-        scaled(path, unit, body.points[joint.pair.point] + inner * unit * body_line, body_line) for path in shapes
-    ]
+    # a face that is not round is held on its back
+    back = max(0.0, (geometry.face_attachment * body_line.conjugate()).real) / unit
+    shapes = stem(start + length - low + 1.8 - back, half, eye)
+    end = body.points[joint.pair.point] + back * unit * body_line
+    pieces = [scaled(path, unit, end, body_line) for path in shapes]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
     yield DrawnPart(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()

@@ -72,10 +72,7 @@ CLEAR = 0.09  # distance of the dots from their symbol, by the font size
 WITH_ACCENT = re.compile("(.[\u0300-\u036f\u20d0-\u20ff])")
 # index of a single letter; field paths have none
 INDEX = re.compile(r"(?<![\w.])(\w[\u0300-\u036f′]*)_(\w{1,3})(?![\w.\[])")
-INDEX_SIZE, INDEX_DROP = (
-    0.72,
-    0.2,
-)  # font size of an index, and its depth below the line, by the font size of the symbol
+INDEX_SIZE, INDEX_DROP = 0.72, 0.2  # size of an index and its depth below the line, by the size of the symbol
 RULE, THIN, HAIR = 0.3, 0.15, 0.1  # line widths
 LEAST = 0.6  # least height of a picture that shrinks to fit the current page, by its full height
 SHORT = 75.0  # greatest height of a table that is not divided between pages

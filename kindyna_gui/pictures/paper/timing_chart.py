@@ -456,15 +456,11 @@ class TimingChart:
         x = self.join_position(*shown.joins[0]).x()
         painter.setFont(font(SMALL, bold=True))
         width = QFontMetricsF(painter.font()).horizontalAdvance(shown.label) + 10.0
-        band = self.box(
-            shown.joins[0][0]
-        )  # the label is below the band, or above the last one, clear of the dragged point
+        drive = shown.joins[0][0]
+        band = self.box(drive)
         left = x + 10.0 if x + 10.0 + width <= self.right else self.right - width
-        top = (
-            band.bottom() + 2.0
-            if len(self.bands) == 1 or shown.joins[0][0] < len(self.bands) - 1
-            else band.top() - 19.0
-        )
+        is_above = drive == len(self.bands) - 1 > 0  # the label is clear of the dragged point
+        top = band.top() - 19.0 if is_above else band.bottom() + 2.0
         box = QRectF(max(left, 2.0), top, width, 17.0)
         painter.fillRect(box, brush(self.theme.paper, 0.94))
         painter.setPen(self._pen(self.theme.faint))
@@ -500,12 +496,7 @@ def event_text(event: str) -> str:
 # -- file ----------------------------------------------------------------------------------------------
 
 PIXEL = 0.26  # mm of paper per pixel of the chart
-WIDTH, BAND, AXIS, MARGIN = (
-    1060.0,
-    92.0,
-    48.0,
-    28.0,
-)  # width of the page, heights of a band and the axis, margin, pixels
+WIDTH, BAND, AXIS, MARGIN = 1060.0, 92.0, 48.0, 28.0  # page width, heights of band and axis, margin, pixels
 TITLE, FILE_LINE = 46.0, 15.0  # heights of the title and of a line of the list
 DOTS = 2.0  # dots of a PNG per pixel
 

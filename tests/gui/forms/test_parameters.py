@@ -228,7 +228,7 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
 def test_what_is_no_number_is_told(user: User) -> None:
     field = user.field(ROD)
     user.enter(ROD, "8,5")
-    assert field.message.text() == "A number is wanted, with a decimal point and no comma, such as 12.5"
+    assert field.message.text() == "Enter a number, with a decimal point and no comma, such as 12.5"
     assert user.number(ROD).text() == "8,5"
     user.press(Qt.Key.Key_Escape)
     assert (user.number(ROD).text(), field.message.isVisible(), field.editor.is_refused) == ("845", False, False)

@@ -229,7 +229,7 @@ def test_a_span_its_neighbour_cannot_give_stays_until_it_is_mended(user: User) -
 def test_what_is_no_number_is_refused(user: User) -> None:
     user.enter_cell(1, RISE, "much")
     assert user.cell(1, RISE) == "much"
-    assert user.motion().message.text() == "A number is wanted, such as 12.5"
+    assert user.motion().message.text() == "Enter a number, such as 12.5"
 
 
 def test_a_decimal_comma_is_told_apart_and_the_number_in_place_takes_it_back(user: User) -> None:

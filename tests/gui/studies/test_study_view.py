@@ -370,7 +370,7 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     for end, text, says in (
         ("low", "500", "bounds are reversed; allowed: below 480 mm"),
         ("low", "-3", "outside its range; allowed: above 0 ..."),
-        ("high", "many", "a number is wanted"),
+        ("high", "many", "enter a number"),
     ):
         box = view.rows.boxes[BASE, end]
         type_into(box, text)

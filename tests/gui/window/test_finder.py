@@ -102,7 +102,7 @@ def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: U
                 "420 kg is not a valid value; its units are mm, µm, cm, m, in",
             ),
             ("speed 3 mm", "shaft.speed_rpm", "3 mm is not a valid value; its units are °/s, rad/s, rpm, Hz"),
-            ("base radius 412,5", "cam.base_radius_mm", "a number is wanted, with a decimal point and no comma"),
+            ("base radius 412,5", "cam.base_radius_mm", "enter a number, with a decimal point and no comma"),
             ("rod centre 3 furlongs", "loads.rod_centre", "3 furlongs is not a valid value; it has no unit"),
         ],
         1,

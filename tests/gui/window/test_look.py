@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from window_user import Open, User, answering, settle
 
 from kindyna_gui import settings
-from kindyna_gui.look import wear
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.plots.plot import FixedPlot
 from kindyna_gui.places import example
 from kindyna_gui.saving import copy_picture
@@ -38,7 +38,7 @@ SEEN = 24  # of 255: what differs by less nobody sees
 @pytest.fixture(autouse=True)
 def usual_again(app: QApplication) -> Iterator[None]:
     yield
-    wear(settings.Preferences(), app)
+    apply_preferences(settings.Preferences(), app)
     settle()
 
 
@@ -113,7 +113,7 @@ def test_what_is_zoomed_and_half_typed_outlives_a_change_of_theme(app: QApplicat
     box.selectAll()
     user.type("41")
     before = canvas.scale_now
-    wear(DARK, app)
+    apply_preferences(DARK, app)
     settle()
     assert (box.text(), canvas.scale_now) == ("41", before)
     user.type("0")
@@ -147,7 +147,7 @@ def test_as_the_desktop_follows_the_desktop(app: QApplication, user: User) -> No
 )
 def test_pictures_stay_light(app: QApplication, same_window: Open, name: str, views: tuple[str, ...]) -> None:
     user = same_window(example(name))
-    wear(settings.Preferences(theme="dark", font=125), app)
+    apply_preferences(settings.Preferences(theme="dark", font=125), app)
     for each in views:
         view = user.window.show_view(each)
         rest(user.window)
@@ -165,7 +165,7 @@ def test_letters_grow_everywhere_and_files_do_not_see_it(app: QApplication, user
     before = texts_of_file(view)
     usual = app.font().pixelSize()
     room = {plot: plot.getAxis("left").width() for plot in user.window.findChildren(FixedPlot)}
-    wear(settings.Preferences(font=125), app)
+    apply_preferences(settings.Preferences(font=125), app)
     rest(user.window)
     grown = round(1.25 * usual)
     kinds = (QLabel, QLineEdit, QComboBox, QPushButton, QToolButton)
@@ -178,6 +178,6 @@ def test_letters_grow_everywhere_and_files_do_not_see_it(app: QApplication, user
     assert (app.font().pixelSize(), small) == (grown, {})
     assert all(plot.getAxis("left").width() == pytest.approx(1.25 * width) for plot, width in room.items() if width)
     assert texts_of_file(view) == before
-    wear(settings.Preferences(), app)
+    apply_preferences(settings.Preferences(), app)
     rest(user.window)
     assert {plot: plot.getAxis("left").width() for plot in room} == room

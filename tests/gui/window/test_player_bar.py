@@ -12,7 +12,7 @@ from window_user import User, settle, wait_for
 from core.project import load
 from core.study import evaluations
 from kindyna_gui.documents.session import Session
-from kindyna_gui.look import wear
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.places import example
 from kindyna_gui.player import Player, initial_speed, speeds, step_of
 from kindyna_gui.settings import Preferences
@@ -45,7 +45,7 @@ def angle(bar: PlayerBar) -> float:
 
 
 def test_large_letters_are_not_cut_in_a_narrow_bar(bar: PlayerBar, app: QApplication) -> None:
-    wear(Preferences(font=125), app)
+    apply_preferences(Preferences(font=125), app)
     bar.resize(INSPECTOR, bar.height())
     settle()
     box = QRect(bar.speed.mapTo(bar, QPoint()), bar.speed.size())
@@ -54,7 +54,7 @@ def test_large_letters_are_not_cut_in_a_narrow_bar(bar: PlayerBar, app: QApplica
         assert box.width() >= bar.speed.sizeHint().width()
         assert bar.slider.width() >= 70, "the angle can be dragged"
     finally:
-        wear(Preferences(), app)
+        apply_preferences(Preferences(), app)
 
 
 # -- buttons ----------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ from kindyna_gui.export import tables_of
 from kindyna_gui.export_dialogs import HandoverDialog, ReportDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import value_text
-from kindyna_gui.look import wear
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.places import example
 from kindyna_gui.profile_dialogs import DrawingDialog
@@ -40,7 +40,7 @@ ROOT = Path(__file__).parents[3]
 @pytest.fixture(autouse=True)
 def usual_again(app: QApplication) -> Iterator[None]:
     yield
-    wear(settings.Preferences(), app)
+    apply_preferences(settings.Preferences(), app)
     settle()
 
 

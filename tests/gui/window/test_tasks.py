@@ -11,7 +11,7 @@ from window_user import Open, User, answering, settle, wait_for
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
-from kindyna_gui.look import wear
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.motion.segments_table import SPAN
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
@@ -262,13 +262,13 @@ def shows_half(user: User, name: str, size: tuple[int, int]) -> None:
 @pytest.mark.stress
 def test_a_small_window_with_large_letters_keeps_its_size(open_user: Open, app: QApplication) -> None:
     user = open_user(size=SMALL, whole=True)
-    wear(Preferences(font=125), app)
+    apply_preferences(Preferences(font=125), app)
     try:
         for name in 2 * ("study", "kine"):
             press(user, name)
             assert user.window.size().toTuple() == SMALL, name
     finally:
-        wear(Preferences(), app)
+        apply_preferences(Preferences(), app)
 
 
 @pytest.mark.stress

@@ -8,7 +8,7 @@ from sampled import stressed
 from window_user import Open
 
 from kindyna_gui import settings
-from kindyna_gui.look import wear
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.places import example, examples
 from kindyna_gui.screenshots import rest
 from kindyna_gui.window.tasks import TASKS
@@ -21,7 +21,7 @@ EVERY = [stressed(path.stem, font) for _, path in examples() for font in (100, 1
 @pytest.fixture(autouse=True)
 def usual_again(app: QApplication) -> Iterator[None]:
     yield
-    wear(settings.Preferences(), app)
+    apply_preferences(settings.Preferences(), app)
 
 
 def cut(root: QWidget) -> list[str]:
@@ -52,7 +52,7 @@ def _shows_its_text(button: QAbstractButton) -> bool:
 
 @pytest.mark.parametrize(("name", "font"), [("lecture_six_bar", 125), *EVERY])
 def test_no_text_is_cut_in_any_task(app: QApplication, open_user: Open, name: str, font: int) -> None:
-    wear(settings.Preferences(font=font), app)
+    apply_preferences(settings.Preferences(font=font), app)
     window = open_user(example(name), size=SMALL, whole=True).window
     wrong = {}
     for task in TASKS:
