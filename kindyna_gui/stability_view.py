@@ -244,10 +244,7 @@ class StabilityView(View):
         for index, share in enumerate(SHARES):
             splitter.setStretchFactor(index, share)
         splitter.setSizes([1000 * share for share in SHARES])
-        layout = QVBoxLayout()
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(splitter)
-        self.set_content_layout(layout)
+        self.set_column(splitter, grows=splitter)
 
     @staticmethod
     def _choice(rows: Any) -> QComboBox:
