@@ -23,24 +23,21 @@ from core.blend import (
 from core.blend.best import with_blend
 from core.blend.request import KINDS
 from core.blend.sequences import sequence_error
-from core.design import UNITS, Design, Unit, faults, require_motion
+from core.design import UNITS, Unit, require_motion
 from core.design.fields import Info
-from core.errors import DesignError, KindynaError
+from core.errors import KindynaError
 from core.find import blend_candidates
 from core.requests import command_words
-from kindyna_gui.background import Background, Job
+from kindyna_gui.background import Job
 from kindyna_gui.blend.kind import curve_icon
 from kindyna_gui.blend.questions import GOAL_TEXTS
-from kindyna_gui.blend.request import Setting, effect, reason
+from kindyna_gui.blend.request import Setting, reason
 from kindyna_gui.blend.settings import LiveBox, SettingRow, quiet
-from kindyna_gui.blend.wizard import FORM_WIDTH, LAST, LEAST_SIZE, SEARCHING, TYPICAL_SIZE, BlendPanel
+from kindyna_gui.blend.wizard import FORM_WIDTH, LAST, LEAST_SIZE, SEARCHING, TYPICAL_SIZE, BlendPutDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.number_box import NameBox, WordBox
-from kindyna_gui.forms.request_form import PutDialog
-from kindyna_gui.labels import reason as why
 from kindyna_gui.look import coloured, text_button
-from kindyna_gui.motion.laws_plot import RankingPanel
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea
 
@@ -60,31 +57,20 @@ LABELS = {
 ADD = "Add a curve …"
 
 
-class SequenceDialog(PutDialog):
-    """Dialog that blends any sequence of curves and puts the motion into the design as one step.
-
-    Attributes
-    ----------
-    blended : motion that follows from the form; None while there is none
-    design : the design with that motion; None if the motion cannot be put into it
-    rows : row of each setting
-    """
+class SequenceDialog(BlendPutDialog):
+    """Dialog that blends any sequence of curves; ``rows`` has the row of each setting."""
 
     help_page = "blending#Any number of curves"
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a sequence of curves", parent)
-        self.blended: BlendResult | None = None
-        self.design: Design | None = None
         self.rows: dict[str, SettingRow] = {}
         self._unit = require_motion(session.design).unit
         self._ticked: dict[str, float] = {}  # ticked settings, also while the curves are typed again
         self._shown: tuple[str, ...] = ()
         self._range_jobs: list[Job] = []
-        self.solver, self.ranges = Background(self), Background(self)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._later = QTimer(self, singleShot=True, interval=RANGES_MS)
-        self.panel, self.ranking = BlendPanel(self._unit), RankingPanel()
         self._lay_out()
         add_copy_of_line(self.buttons, self._as_command)
         for signal in (self.curves.textEdited, self.start.changed, self.end.changed, self.goal.activated):
@@ -240,8 +226,8 @@ class SequenceDialog(PutDialog):
 
     def solve(self) -> None:
         """Begin to compute the motion that follows from the form."""
-        for calculation in (self._soon, self._later, self.solver, self.ranges, self.ranking):
-            calculation.stop()
+        self.stop()
+        self.ranking.stop()
         self.blended = self.design = None
         self.put_button.setEnabled(False)
         self._list_followers()
@@ -273,6 +259,11 @@ class SequenceDialog(PutDialog):
         self._range_jobs = [(name, partial(sequence_ranges, request, name)) for name in names]
         self._later.start()
 
+    def stop(self) -> None:
+        """Cancel all running calculations."""
+        for calculation in (self._soon, self._later, self.solver, self.ranges):
+            calculation.stop()
+
     def _start_ranges(self) -> None:
         self.ranges.start(self._range_jobs)
 
@@ -295,27 +286,16 @@ class SequenceDialog(PutDialog):
             self._show_error(result)
             return
         self.blended = result
-        before = self._session.design
-        replace_motion = partial(with_blend, before)
-        try:
-            design = replace_motion(result)
-        except KindynaError as error:
-            self.show_message(why(before, error), wrong=True)
-            self.panel.show_blend(result, None, self._session.study)
-            return
-        wrong = why(design, DesignError(faults(design)))
-        self.show_message(wrong or effect(require_motion(before), require_motion(design), result), bool(wrong))
-        self.panel.show_blend(result, design, self._session.study)
-        self.design = None if wrong else design
-        candidates = blend_candidates(result, replace_motion, self.goal.currentData() or "")
-        self.ranking.offer(before, candidates, request.sequence, "this blend")
+        current = self._session.design
+        replace_motion = partial(with_blend, current)
+        if self.show_in_design(result, replace_motion):
+            candidates = blend_candidates(result, replace_motion, self.goal.currentData() or "")
+            self.ranking.offer(current, candidates, request.sequence, "this blend")
         self.put_button.setEnabled(self.design is not None)
 
     def _show_range(self, name: str, result: list[SettingRange] | KindynaError) -> None:
         if name in self.rows:
             self.rows[name].show_ranges(result if isinstance(result, list) else ())
-
-    # -- command, and closing ----------------------------------------------------------------------------
 
     def _as_command(self) -> str:
         from core.commands.motions import BlendArguments
@@ -329,19 +309,6 @@ class SequenceDialog(PutDialog):
             "unit": self._unit,
         }
         return command_text("blend", command_words(BlendArguments, {**options, **session_options(self._session)}))
-
-    def accept(self) -> None:
-        """Put the motion into the design, if there is one."""
-        if self.design is not None and self.blended is not None:
-            self.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
-
-    def done(self, result: int) -> None:
-        self._soon.stop()
-        self._later.stop()
-        for calculation in (self.solver, self.ranges):
-            calculation.close()
-        self.ranking.close_work()
-        super().done(result)
 
 
 def _curves_of(request: SequenceRequest, name: str) -> str:

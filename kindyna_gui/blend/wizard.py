@@ -141,6 +141,7 @@ class BlendPanel(QFrame):
         column.addWidget(self.figures)
         column.addWidget(self.table)
         for plot in self.plots:
+            plot.reference_name = "current design"
             plot.setMinimumHeight(84)
             plot.show_cursor(False)
             column.addWidget(plot, 1)
@@ -185,13 +186,14 @@ class BlendPanel(QFrame):
         self.table.setFixedHeight(self.table.horizontalHeader().sizeHint().height() + rows + 2)
 
 
-# -- wizard ----------------------------------------------------------------------------------------------
+# -- dialogs ---------------------------------------------------------------------------------------------
 
 
-class BlendDialog(PutDialog):
-    """Dialog that blends a motion and puts it into the design as one step.
+class BlendPutDialog(PutDialog):
+    """Dialog that shows a blended motion in the design and puts it there as one step.
 
-    The motion follows every keystroke; while there is none, the last one stays visible under a cover.
+    The motion follows every keystroke; while there is none, the last one stays visible under a cover. Subclasses implement
+    ``stop``.
 
     Attributes
     ----------
@@ -199,18 +201,55 @@ class BlendDialog(PutDialog):
     design : the design with that motion; None if the motion cannot be put into it
     """
 
+    def __init__(self, session: Session, title: str, parent: QWidget | None) -> None:
+        super().__init__(session, title, parent)
+        self.blended: BlendResult | None = None
+        self.design: Design | None = None
+        self.panel, self.ranking = BlendPanel(require_motion(session.design).unit), RankingPanel()
+        self.solver, self.ranges = Background(self), Background(self)
+
+    def show_in_design(self, blended: BlendResult, replace_motion: Callable[[BlendResult], Design]) -> bool:
+        """Show the design with a blend, without changing the current design; False where the blend cannot be put into it."""
+        session = self._session
+        self.design = None
+        try:
+            design = replace_motion(blended)
+        except KindynaError as error:
+            self.show_message(reason(session.design, error), wrong=True)
+            self.panel.show_blend(blended, None, session.study)
+            return False
+        fault = reason(design, DesignError(faults(design)))
+        self.show_message(fault or effect(require_motion(session.design), require_motion(design), blended), bool(fault))
+        self.panel.show_blend(blended, design, session.study)
+        self.design = None if fault else design
+        return True
+
+    def stop(self) -> None:
+        """Cancel all running calculations."""
+        raise NotImplementedError
+
+    def accept(self) -> None:
+        """Put the motion into the design, if there is one."""
+        if self.design is not None and self.blended is not None:
+            self.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
+
+    def done(self, result: int) -> None:
+        self.stop()
+        for calculation in (self.solver, self.ranges):
+            calculation.close()
+        self.ranking.close_work()
+        super().done(result)
+
+
+class BlendDialog(BlendPutDialog):
+    """Dialog that blends a motion from its type, its settings and a goal."""
+
     help_page = "blending#What you may set"
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a motion", parent)
         motion = require_motion(session.design)
-        self.blended: BlendResult | None = None
-        self.design: Design | None = None
-        self.questions = Questions(motion.unit)
-        self.panel = BlendPanel(motion.unit)
-        self.succession = SuccessionPage()
-        self.ranking = RankingPanel()
-        self.solver, self.ranges = Background(self), Background(self)
+        self.questions, self.succession = Questions(motion.unit), SuccessionPage()
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
@@ -369,27 +408,13 @@ class BlendDialog(PutDialog):
         self.panel.cover.show_text(text)
 
     def _put_into_design(self, *_: object) -> None:
-        """Show the design with the blended motion; the current design does not change yet."""
-        self.design = None
+        """Show the design with the blended motion, and rank the alternatives."""
         if self.blended is not None:
             replace_motion = partial(REPLACEMENTS[self._replaced_part], self._session.design)
-            try:
-                design = replace_motion(self.blended)
-            except KindynaError as error:
-                self.show_message(reason(self._session.design, error), wrong=True)
-                self.panel.show_blend(self.blended, None, self._session.study)
-            else:
-                self._show(design, self.blended)
+            self.show_in_design(self.blended, replace_motion)
             compared = blend_candidates(self.blended, replace_motion, self.questions.request().goal)
             self.ranking.offer(self._session.design, compared, "-".join(self.blended.curves), "this blend")
         self.put_button.setEnabled(self.design is not None)
-
-    def _show(self, design: Design, blended: BlendResult) -> None:
-        before = require_motion(self._session.design)
-        wrong = reason(design, DesignError(faults(design)))
-        self.show_message(wrong or effect(before, require_motion(design), blended), bool(wrong))
-        self.panel.show_blend(blended, design, self._session.study)
-        self.design = None if wrong else design
 
     @property
     def _replaced_part(self) -> str:
@@ -402,8 +427,6 @@ class BlendDialog(PutDialog):
         if not self.replaced["turn"].isEnabled():
             self.replaced["range"].setChecked(True)
 
-    # -- command, and closing ----------------------------------------------------------------------------
-
     def _as_command(self) -> str:
         from core.commands.motions import BlendArguments
 
@@ -413,18 +436,6 @@ class BlendDialog(PutDialog):
                 BlendArguments, {**command_options(self.questions.request()), **session_options(self._session)}
             ),
         )
-
-    def accept(self) -> None:
-        """Put the motion into the design, if there is one."""
-        if self.design is not None and self.blended is not None:
-            self.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
-
-    def done(self, result: int) -> None:
-        self.stop()
-        for calculation in (self.solver, self.ranges):
-            calculation.close()
-        self.ranking.close_work()
-        super().done(result)
 
 
 def open_blend(session: Session, parent: QWidget) -> BlendDialog:

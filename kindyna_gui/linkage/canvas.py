@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -214,16 +214,14 @@ class Canvas(QGraphicsView):
             return ""
         position = self.position_at(pixel)
         joints = draggable_joints(self._scene)
-        distances = {name: abs(joint - position) * self._scale for name, joint in joints.items()}
-        nearest_joint = min(distances, key=lambda name: distances[name], default="")
-        if nearest_joint and distances[nearest_joint] <= REACH:
-            return nearest_joint
+        distances = {name: abs(at - position) * self._scale for name, at in joints.items()}
+        if joint := _nearest_key(distances, REACH):
+            return joint
         distances = {
             path: abs(abs(position - centre) - radius) * self._scale
             for path, (centre, radius) in (draggable_circles(self._scene) if rims else {}).items()
         }
-        rim = min(distances, key=lambda path: distances[path], default="")
-        return rim if rim and distances[rim] <= RIM else ""
+        return _nearest_key(distances, RIM)
 
     @property
     def _rest_cursor(self) -> Qt.CursorShape:
@@ -231,11 +229,7 @@ class Canvas(QGraphicsView):
 
     def paint_under(self, painter: QPainter) -> None:
         """Paint what is under the scene."""
-        if self.under is not None:
-            painter.save()
-            painter.resetTransform()
-            self.under(painter)
-            painter.restore()
+        _paint_in_pixels(painter, self.under)
 
     def drawBackground(self, painter: QPainter, rect: QRectF | QRect) -> None:
         super().drawBackground(painter, rect)
@@ -243,11 +237,7 @@ class Canvas(QGraphicsView):
 
     def drawForeground(self, painter: QPainter, rect: QRectF | QRect) -> None:
         super().drawForeground(painter, rect)
-        if self.over is not None:
-            painter.save()
-            painter.resetTransform()
-            self.over(painter)
-            painter.restore()
+        _paint_in_pixels(painter, self.over)
 
     # -- mouse events -------------------------------------------------------------------------------------
 
@@ -340,6 +330,20 @@ class Canvas(QGraphicsView):
             self.fit(keep_labels=True)
         else:
             self.show_region(self._centre, self._scale, keep_labels=True)
+
+
+def _nearest_key(distances: Mapping[str, float], reach: float) -> str:
+    """Key of the smallest distance; empty if none is within reach."""
+    key = min(distances, key=lambda name: distances[name], default="")
+    return key if key and distances[key] <= reach else ""
+
+
+def _paint_in_pixels(painter: QPainter, paint: Callable[[QPainter], object] | None) -> None:
+    if paint is not None:
+        painter.save()
+        painter.resetTransform()
+        paint(painter)
+        painter.restore()
 
 
 # -- pinned variant --------------------------------------------------------------------------------------

@@ -76,11 +76,13 @@ class CurvePlot(FixedPlot):
     ----------
     unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
     text_room : room left free above and below the curves, for the texts of extremes [pixels]
+    reference_name : name of the dashed reference in the legend
     rung : unit that the values are shown in
     """
 
     unseen = 0.0
     text_room = 0.0
+    reference_name = "pinned variant"
 
     def __init__(
         self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = SCREEN
@@ -357,7 +359,7 @@ class CurvePlot(FixedPlot):
         rows: list[Entry] = []
         if len(self._curves) > 1 or has_reference or has_bands:
             rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.approximates else "—") for c in self._curves]
-            rows += [Entry(self._theme.quiet, "pinned variant", "– –")] if has_reference else []
+            rows += [Entry(self._theme.quiet, self.reference_name, "– –")] if has_reference else []
             rows += [band_entry(self._theme)] if has_bands else []
         self._name(rows)
 
