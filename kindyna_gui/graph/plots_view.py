@@ -75,12 +75,17 @@ def drive_curves(shaft: Camshaft[Study], names: Sequence[str], bands: Bands) -> 
         sum_band = bands.of_shaft().get("")
         shade = None if sum_band is None else (np.deg2rad(turn_degrees(sum_band.shape[1])), sum_band)
         curves.append((shaft.theta, shaft.torque, SCREEN.ink, "Shaft", shade))
-    rung = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, *_ in curves))
+    display_unit = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, *_ in curves))
     lines = [
-        Line(*_closed(x, values / rung.size), colour, name, band=shade and _closed(shade[0], shade[1] / rung.size))
+        Line(
+            *_closed(x, values / display_unit.size),
+            colour,
+            name,
+            band=shade and _closed(shade[0], shade[1] / display_unit.size),
+        )
         for x, values, colour, name, shade in curves
     ]
-    return lines, f"{first.label}, {rung.symbol}", missing
+    return lines, f"{first.label}, {display_unit.symbol}", missing
 
 
 def _closed(machine_angle: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -408,7 +408,7 @@ def place_readouts(
     readouts: Sequence[Readout],
     at: float,
     values: Sequence[float],
-    rung: DisplayUnit,
+    display_unit: DisplayUnit,
     frame: Frame,
     others: Sequence[QRectF] = (),
 ) -> list[QRectF]:
@@ -424,7 +424,7 @@ def place_readouts(
         Position of the cursor on the x axis.
     values : sequence of float
         Value of each curve, in the unit of the axis; may be infinite.
-    rung : DisplayUnit
+    display_unit : DisplayUnit
         Unit that the values are written in.
     frame : Frame
     others : sequence of QRectF
@@ -438,7 +438,7 @@ def place_readouts(
     rows = []
     for reading, value in zip(readouts, values, strict=True):
         is_finite = abs(value) < float("inf")
-        reading.tag.set_text(measure(value, rung.symbol))
+        reading.tag.set_text(measure(value, display_unit.symbol))
         reading.dot.setVisible(is_finite)
         reading.tag.setVisible(True)
         if is_finite:

@@ -36,7 +36,7 @@ from kindyna_gui.requirements import LED_BY_NO_CAM, why_no_pressure
 SAMPLES = 49  # angles on each piece of a law
 SPAN = 90.0  # of the segment that an icon shows, degrees
 NO_TURN = 1e-9  # [rad] a link with less rotation is at rest
-MOST = 4  # curves in one plot that can still be told apart
+MOST = 4  # curves in one plot that can be distinguished
 Pick = Callable[[tuple[str, ...]], list[str]]
 """Function that selects quantities by name."""
 
@@ -458,7 +458,7 @@ def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[
     available = existing(study, rows)
     drawn = without_equal_curves(study, available)
     reasons = [why_missing(study, row) for row in rows if row not in available and not row.approximates]
-    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.approximates]
+    reasons += [f"{row.label} equals a curve that is shown" for row in available if row not in drawn and not row.approximates]
     return drawn, reasons
 
 

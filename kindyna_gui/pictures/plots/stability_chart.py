@@ -62,7 +62,7 @@ ACROSS: Mapping[str, AxisQuantity] = MappingProxyType(
 UPWARDS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
         "q": AxisQuantity("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
-        "mass": AxisQuantity("masses", "Moved masses, × present", lambda q, m: q / m.q, lambda y, m: y * m.q),
+        "mass": AxisQuantity("masses", "Moving masses, × current", lambda q, m: q / m.q, lambda y, m: y * m.q),
     }
 )
 

@@ -234,7 +234,7 @@ class XYPlot(FixedPlot):
 
     Attributes
     ----------
-    rung : unit of the values at the cursor
+    display_unit : unit of the values at the cursor
     shown : curves that were drawn last
     """
 
@@ -250,7 +250,7 @@ class XYPlot(FixedPlot):
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
         self._dots: tuple[Dots, ...] = ()
         self._numbered = True
-        self.rung = NO_UNIT
+        self.display_unit = NO_UNIT
         self._valued: list[Line] = []
         self._readouts: list[Readout] = []
         self._cursor: Cursor | None = None
@@ -297,7 +297,7 @@ class XYPlot(FixedPlot):
         quiet: bool = False,
         rules: Sequence[Rule] = (),
         dots: Sequence[Dots] = (),
-        rung: DisplayUnit = NO_UNIT,
+        display_unit: DisplayUnit = NO_UNIT,
         shaded: str = MACHINES,
     ) -> None:
         """Draw these curves and no others.
@@ -318,7 +318,7 @@ class XYPlot(FixedPlot):
         quiet : bool
             The marks are positions, not warnings, and have the quiet colour.
         rules, dots : sequence of Rule, of Dots
-        rung : DisplayUnit
+        display_unit : DisplayUnit
             Unit of the values at the cursor.
         shaded : str
             Name of the bands in the legend.
@@ -340,7 +340,7 @@ class XYPlot(FixedPlot):
                 self._add(area, area.zValue())
         names = [Entry(line.colour, line.label) for line in lines if line.label]
         self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
-        self._read_lines([line for line in lines if line.read], rung)
+        self._read_lines([line for line in lines if line.read], display_unit)
         x, y = (np.concatenate([getattr(row, axis) for row in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
         y = np.concatenate([y, *(percentiles[i] for *_, percentiles in banded for i in (0, -1))])
@@ -416,9 +416,9 @@ class XYPlot(FixedPlot):
                 self._cursor.setPos(at, 0.0)
         self._read_out()
 
-    def _read_lines(self, lines: list[Line], rung: DisplayUnit) -> None:
+    def _read_lines(self, lines: list[Line], display_unit: DisplayUnit) -> None:
         """Set the curves whose values are shown at the cursor."""
-        self._valued, self.rung = lines, rung
+        self._valued, self.display_unit = lines, display_unit
         self._readouts = self._resized(self._readouts, len(lines), lambda: Readout(self._view, self._theme))
         for readout, line in zip(self._readouts, lines, strict=True):
             readout.set_colour(line.colour)
@@ -431,7 +431,7 @@ class XYPlot(FixedPlot):
                 readout.hide()
         elif self._valued:
             values = [float(line.y[np.argmin(np.abs(line.x - at))]) for line in self._valued]
-            place_readouts(self._readouts, at, values, self.rung, self.frame())
+            place_readouts(self._readouts, at, values, self.display_unit, self.frame())
 
     def readings(self) -> list[str]:
         """Texts at the cursor, in the order of the curves that are read."""
