@@ -140,7 +140,7 @@ JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
 
 class CurveDialog(PutDialog):
-    """Dialog that shows a curve and the motion of the follower on it, and puts the motion into the design as one step."""
+    """Dialog that shows a curve and the motion of the follower on it, and puts the motion into the design."""
 
     help_page = "making#A cam that is drawn"
 

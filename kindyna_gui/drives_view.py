@@ -295,7 +295,7 @@ class DrivesView(View):
         drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
 
     def focus_field(self, path: str) -> bool:
-        """Show and focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
+        """Focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
         name, number, inside = row_at(path, "drives")
         if name and not (inside and self.session.choose_drive(number)):
             return False

@@ -235,10 +235,6 @@ class PlotView(MarkedView):
     def selected_number(self) -> ExplainableNumber | None:
         return ExplainableNumber(self.rows[0].slug) if self.rows else None
 
-    def _turn(self, theta: float) -> None:
-        self.player.play(False)
-        self.player.set_theta(theta)
-
     @property
     def no_picture(self) -> str:
         return super().no_picture or self.message
@@ -317,10 +313,6 @@ class StackView(MarkedView):
         name = next((name for name, plot in self.plots.items() if plot.underMouse()), "pressure_angle")
         rows = self._drawn.get(name)
         return ExplainableNumber(rows[0].slug) if rows else None
-
-    def _turn(self, theta: float) -> None:
-        self.player.play(False)
-        self.player.set_theta(theta)
 
     def picture(self, ending: str) -> bytes:
         """Return the plots without the cursor, as the content of a file."""

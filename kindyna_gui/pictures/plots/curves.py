@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import degrees
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -355,15 +354,6 @@ class CurvePlot(FixedPlot):
             values = np.where(finite, np.clip(values, low - room, high + room), np.nan)
         item.show_points(along.angles, values, pen, z)
 
-    def _resized(self, pool: list[Any], count: int, make: Callable[[], Any]) -> list[Any]:
-        """A pool of ``count`` items: existing ones are reused, surplus ones removed, missing ones made."""
-        for item in pool[count:]:
-            if isinstance(item, CurveLine):
-                self._view.removeItem(item)
-            else:
-                item.remove(self._view)
-        return pool[:count] + [make() for _ in range(count - len(pool))]
-
     def _name_curves(self, has_reference: bool, has_bands: bool = False) -> None:
         """Name the curves above the plot where there is more than one."""
         rows: list[Entry] = []
@@ -415,10 +405,8 @@ class CurvePlot(FixedPlot):
         elif self._readings:
             at = nearest(self._theta, self._angle)
             exact_or_sampled = self._exact_values or [float(curve.values[at]) for curve in self._curves]
-            values = [
-                0.0 if abs(value) <= curve.floor else value / self.rung.size
-                for value, curve in zip(exact_or_sampled, self._curves, strict=True)
-            ]
+            rows = zip(self._curves, exact_or_sampled, strict=True)
+            values = [curve.shown(value, self.rung.size) for curve, value in rows]
             written = place_readouts(self._readings, degrees(self._angle), values, self.rung, frame, self._boxes)
         for mark in self._extreme_marks:  # in a low plot the values at the cursor may need the room of these texts
             mark.give_way(written)
@@ -446,7 +434,7 @@ class CurvePlot(FixedPlot):
             self._background_state = state
             values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
             self.draw_axes(frame, angle_ticks(frame.width), values, self._spans)
-            self._cursor.span(frame.low, frame.high)
+            self._cursor.span(frame)
             self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
 

@@ -28,7 +28,7 @@ from kindyna_gui.pictures.plots.graph_ranges import (
     ticks_of,
     with_one_scale,
 )
-from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, band_entry, band_items
+from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, add_item, band_entry, band_items
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -330,11 +330,8 @@ class GraphPlot(FixedPlot):
     def show_angle(self, angle: float | None) -> None:
         """Draw a line at this x [deg], or none."""
         self._angle = angle
-        path, frame = QPainterPath(), self.frame()
-        if angle is not None and not self.graph.x.log:
-            path.moveTo(angle, frame.low)
-            path.lineTo(angle, frame.high)
-        self._angle_line.redraw(path)
+        has_line = angle is not None and not self.graph.x.log
+        self._angle_line.redraw(self.frame().vertical(angle or 0.0) if has_line else QPainterPath())
 
     # -- marked points --------------------------------------------------------------------------------------
 
@@ -354,8 +351,7 @@ class GraphPlot(FixedPlot):
             if number < len(self.points):
                 point = self.points[number]
                 at = self.position(point)
-                path.moveTo(at.x(), frame.low)
-                path.lineTo(at.x(), frame.high)
+                path = frame.vertical(at.x())
                 self._point_items.append(self._dot(point, at, POINT_NAMES[number]))
             line.redraw(path)
 
@@ -368,9 +364,8 @@ class GraphPlot(FixedPlot):
         tag.shift(5.0, -4.0)
         tag.setPos(at)
         view = self.view_of(self.axis_of(point.series))
-        for item, z in ((dot, Z_CURSOR + 2.0), (tag, Z_CURSOR + 3.0)):
-            item.setZValue(z)
-            view.addItem(item, ignoreBounds=True)
+        add_item(view, dot, Z_CURSOR + 2.0)
+        add_item(view, tag, Z_CURSOR + 3.0)
         return [dot, tag] if isfinite(at.y()) else [dot]
 
     def position(self, point: GraphPoint) -> QPointF:

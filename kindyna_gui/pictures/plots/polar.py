@@ -190,13 +190,11 @@ class PolarPlot(QWidget):
         if not self._rows:
             return
         at = nearest(self._theta, self._angle)
-        exact_or_sampled = [
-            float(values[at]) if at_angle is None else float(row.values(at_angle)[0]) / self.rung.size
-            for row, values, _ in self._rows
-        ]
         self._values = [
-            0.0 if abs(value) * self.rung.size <= curve.floor else value
-            for value, curve in zip(exact_or_sampled, self._curves, strict=True)
+            curve.shown(
+                float(curve.values[at] if at_angle is None else curve.channel.values(at_angle)[0]), self.rung.size
+            )
+            for curve in self._curves
         ]
 
     # -- geometry -----------------------------------------------------------------------------------------

@@ -141,6 +141,10 @@ class Curve:
     floor: float = 0.0
     gain: float = 0.0
 
+    def shown(self, value: float, size: float) -> float:
+        """Value on an axis whose unit is ``size`` of the channel's; zero below the floor."""
+        return 0.0 if abs(value) <= self.floor else value / size
+
     def ends(self, extremes: Extremes) -> list[tuple[float, float]]:
         """Lowest and highest value, (cam angle [deg], value in the channel's unit), of extremes in SI."""
         return [
