@@ -182,7 +182,7 @@ class MainWindow(Window):
     # -- views --------------------------------------------------------------------------------------------
 
     def view(self, name: str) -> View | None:
-        """Return a view by its name in ``VIEWS``; None while it has not been made."""
+        """Return a view by its name in ``VIEWS``; None while it has not been created."""
         dock = self.docks.get(name)
         return dock.view if dock is not None else self.centre.page(name)
 
@@ -608,7 +608,7 @@ class MainWindow(Window):
         return False
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the mechanism first; the docks are made after that."""
+        """Paint the mechanism first; the docks are created after that."""
         super().paintEvent(event)
         if not self._painted:
             self._painted = True
