@@ -458,7 +458,9 @@ def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[
     available = existing(study, rows)
     drawn = without_equal_curves(study, available)
     reasons = [why_missing(study, row) for row in rows if row not in available and not row.approximates]
-    reasons += [f"{row.label} equals a curve that is shown" for row in available if row not in drawn and not row.approximates]
+    reasons += [
+        f"{row.label} equals a curve that is shown" for row in available if row not in drawn and not row.approximates
+    ]
     return drawn, reasons
 
 
