@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QDialogButtonBox, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
 from core.bounds import BYTES
 from core.errors import KindynaError
@@ -79,7 +79,7 @@ class OnShaft(Enum):
     CANCEL = "cancel"
 
 
-# -- help ------------------------------------------------------------------------------------------------
+# -- help and buttons of dialogs -------------------------------------------------------------------------
 
 
 def help_on(widget: QWidget) -> tuple[str, str]:
@@ -109,6 +109,16 @@ def give_help(dialog: QWidget, page: str) -> None:
 
     dialog.setProperty(HELP, page)
     QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), dialog).activated.connect(open)
+
+
+def accept_buttons(dialog: QDialog, text: str) -> tuple[QDialogButtonBox, QPushButton]:
+    """Return the buttons that accept and cancel a dialog, and the accepting one, with its text."""
+    buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+    buttons.accepted.connect(dialog.accept)
+    buttons.rejected.connect(dialog.reject)
+    accept = buttons.button(QDialogButtonBox.StandardButton.Ok)
+    accept.setText(text)
+    return buttons, accept
 
 
 # -- files to save ---------------------------------------------------------------------------------------

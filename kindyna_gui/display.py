@@ -19,7 +19,7 @@ def obstacle(environment: Mapping[str, str] | None = None, platform: str = sys.p
     env = os.environ if environment is None else environment
     if env.get("QT_QPA_PLATFORM") or not platform.startswith("linux"):
         return ""
-    if env.get("WAYLAND_DISPLAY") and _is_wayland_display(env["WAYLAND_DISPLAY"], env.get("XDG_RUNTIME_DIR", "")):
+    if env.get("WAYLAND_DISPLAY") and _is_socket(str(Path(env.get("XDG_RUNTIME_DIR", ""), env["WAYLAND_DISPLAY"]))):
         return ""
     display = env.get("DISPLAY", "")
     if display:
@@ -45,10 +45,6 @@ def missing_library(environment: Mapping[str, str] | None = None) -> str:
         return ""
     text = loader.errorString()
     return (text.partition(f"{plugin.name}: ")[2] or text).strip("()")
-
-
-def _is_wayland_display(name: str, folder: str) -> bool:
-    return _is_socket(str(Path(folder) / name))
 
 
 def _is_x_display(display: str) -> bool:

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QTableWidget,
     QTableWidgetItem,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -134,13 +133,7 @@ class DrivesView(View):
         self._section = ""
         self._torque_timer = QTimer(self, singleShot=True, interval=TORQUE_MS)
         self._torque_timer.timeout.connect(self._show_torques)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.table, 1)
-        column.addLayout(bar)
-        column.addWidget(self._form_holder)
-        self.set_content_layout(column)
+        self.set_column(self.table, bar, self._form_holder, grows=self.table)
         self.table.currentCellChanged.connect(self._choose)
         self.table.itemChanged.connect(self._rename)
         self.table.moved.connect(lambda by: drives.move(self.session, by))
@@ -237,8 +230,8 @@ class DrivesView(View):
                 peak = shaft.balancer_peak.value
         except NoSolution as error:
             return "not calculated", reason(self.session.full_design, error)
-        rung = readable("N·m", abs(peak))
-        return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
+        display_unit = readable("N·m", abs(peak))
+        return f"{digits(peak / display_unit.size, 4)} {display_unit.symbol}", ""
 
     def _show_form(self) -> None:
         section = BALANCER if self.session.is_on_balancer else f"drives[{self.session.chosen}]"
@@ -302,7 +295,7 @@ class DrivesView(View):
         drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
 
     def focus_field(self, path: str) -> bool:
-        """Show and focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
+        """Focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
         name, number, inside = row_at(path, "drives")
         if name and not (inside and self.session.choose_drive(number)):
             return False

@@ -58,7 +58,7 @@ def is_default() -> bool:
 
 @contextmanager
 def in_file_units() -> Iterator[None]:
-    """Write texts with the units of files inside the context, for what leaves the window."""
+    """Use the units of files inside the context, for texts and images that leave the window."""
     before = _in_files.set(True)
     try:
         yield

@@ -1,4 +1,4 @@
-"""View of the timing of several drives: the chart, the list of sequence conditions, and the form of the selected one."""
+"""View of the timing of several drives: chart, list of sequence conditions, and form of the selected condition."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from core.design import (
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import UnitLabel
-from kindyna_gui.forms.load_rows import list_button, taken_by_list
+from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, no_number
@@ -115,12 +115,6 @@ class TimingRows(QWidget):
             "up": list_button("Up", "up", "Move up (Alt+Up)", lambda: self._move(-1)),
             "down": list_button("Down", "down", "Move down (Alt+Down)", lambda: self._move(1)),
         }
-        bar = QHBoxLayout()
-        bar.setContentsMargins(2, 1, 2, 1)
-        bar.setSpacing(0)
-        for button in self.buttons.values():
-            bar.addWidget(button)
-        bar.addStretch(1)
         self._form = QWidget()
         self._grid = QGridLayout(self._form)
         self._grid.setContentsMargins(6, 2, 6, 4)
@@ -135,7 +129,7 @@ class TimingRows(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.list, 1)
-        column.addLayout(bar)
+        column.addLayout(row_of_buttons(self.buttons.values(), above=1))
         column.addWidget(self._form)
         column.addWidget(self.message)
         self.list.selectionModel().currentRowChanged.connect(lambda index, *_: self._choose(index.row()))
@@ -373,7 +367,7 @@ class TimingView(View):
         self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
 
     def _contradiction(self) -> str:
-        """Conditions that no phases satisfy together in the present order of events; empty where there is no contradiction."""
+        """Message where no phases satisfy all conditions in the present order of events; else empty."""
         rows = contradiction(self._design)
         if not rows:
             return ""

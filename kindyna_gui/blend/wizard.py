@@ -141,6 +141,7 @@ class BlendPanel(QFrame):
         column.addWidget(self.figures)
         column.addWidget(self.table)
         for plot in self.plots:
+            plot.reference_name = "current design"
             plot.setMinimumHeight(84)
             plot.show_cursor(False)
             column.addWidget(plot, 1)

@@ -1,1 +1,1 @@
-"""The design being worked on: session, undo, files, drafts, recovery, export."""
+"""The current design: session, undo, incomplete designs, pinned variants, texts about designs."""

@@ -1,4 +1,4 @@
-"""State of the session: the current design, its undo stack, the selection, and what is computed of it.
+"""State of the session: the current design, its undo stack, the selection, and what is computed from it.
 
 The session owns these alone, and views read them. A step of the undo stack changes a ``Work``: the full design, the
 incomplete design and the selected drive, so that undo shows the drive that it changes.
@@ -52,7 +52,7 @@ BALANCE_CAM = "Balance cam"
 
 
 class SessionState(QObject):
-    """The current design with its undo stack, the selection, and what is computed of it.
+    """The current design with its undo stack, the selection, and what is computed from it.
 
     Attributes
     ----------
@@ -388,7 +388,7 @@ class SessionState(QObject):
         is_drive_new = begun or chosen != self.chosen or full_design.listed != self.full_design.listed
         is_count_new = len(full_design.drives) != len(self.full_design.drives)
         if not is_drive_new and design == self.design:
-            design = self.design  # keep what is computed of this drive
+            design = self.design  # keep what is computed from this drive
         is_design_new = is_drive_new or design is not self.design
         if is_drive_new and not begun:
             self.choose_step(None)
@@ -454,5 +454,5 @@ def _segments(design: Design) -> list[int]:
 
 
 def _shared(design: Design) -> tuple[object, ...]:
-    """Return what can contradict in more than one drive of a design."""
+    """Return the parts of a design that can cause contradictions between drives."""
     return design.shaft, design.timing, design.balancer, [(drive.name, drive.motion) for drive in design.drives]

@@ -1,1 +1,1 @@
-"""Files of designs: opened, saved, watched on the disk, brought back after a crash."""
+"""Files of designs: new, opened, saved, watched on the disk, recovered after a crash."""

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
     QDialog,
-    QDialogButtonBox,
     QFormLayout,
     QLabel,
     QListWidget,
@@ -190,12 +189,8 @@ class LinkageDialog(QDialog):
         form.addRow("Lengths in", self.units)
         form.addRow("Inputs", self.inputs)
         form.addRow(self.mirror)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.ok.setText("Begin")
+        self.buttons, self.ok = dialogs.accept_buttons(self, "Begin")
         add_copy_of_line(self.buttons, self._as_command)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addWidget(bold_label("Linkage from Pyslvs, PMKS+ or Linkage"))
         column.addWidget(self.text, 1)

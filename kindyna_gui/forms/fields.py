@@ -34,7 +34,7 @@ from core.units import Unit
 from kindyna_gui.dialogs import FIELD
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
+from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox, leaves_undo, request_menu
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.style import SCREEN
@@ -101,9 +101,7 @@ class NameLabel(QLabel):
             self.setCursor(Qt.CursorShape.SizeHorCursor)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        menu = QMenu(self)
-        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.menu_requested.emit(event.globalPos(), menu)
+        request_menu(self, event)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
@@ -472,12 +470,7 @@ class NameField(NameBox):
         self.refresh(self._session.typed)
 
     def event(self, event: QEvent) -> bool:
-        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
-            is_undo = any(event.matches(key) for key in UNDO_KEYS)
-            if is_undo and not self.is_typing:
-                event.ignore()
-                return False
-        return super().event(event)
+        return not leaves_undo(self, event) and super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and self.is_typing:

@@ -58,9 +58,9 @@ class IncompleteBar(QWidget):
         grid.setSpacing(2)
         grid.setColumnStretch(0, 1)
         grid.addWidget(self.trouble, 0, 0, 1, 3)
-        grid.addWidget(self.remedy, 1, 0)
+        grid.addWidget(self.remedy, 1, 0, 1, 3)
         for column, button in enumerate((self.close_button, self.drop_button), 1):
-            grid.addWidget(button, 1, column, Qt.AlignmentFlag.AlignTop)
+            grid.addWidget(button, 2, column)
         self.hide()
 
     def show_reasons(self, reasons: Sequence[str], closing: str = "", tip: Sequence[str] = ()) -> None:

@@ -367,7 +367,7 @@ class LoadsPage(QWidget):
                 self._in_order(order, index + by, "Move")
 
     def _in_order(self, order: list[int], chosen: int, verb: str) -> None:
-        """Put the loads of the selected one's list into another order, as one undo step."""
+        """Reorder the list of the selected load, as one undo step."""
         path = self._session.load
         name, _ = parts_of(path)
         design = self._session.typed

@@ -55,6 +55,7 @@ from kindyna_gui.settings import DIGITS, DISPLAY, number_text, point, size_of, s
 # -- keys of text fields and shortcuts -------------------------------------------------------------------
 
 Keys = QKeySequence.StandardKey
+UNDO_KEYS = (Keys.Undo, Keys.Redo)
 EDITING = (Keys.SelectAll, Keys.Copy, Keys.Cut, Keys.Paste, Keys.Undo, Keys.Redo)
 _CTRL = Qt.KeyboardModifier.ControlModifier
 _VIEW = Qt.ShortcutContext.WidgetWithChildrenShortcut
@@ -83,6 +84,16 @@ def is_view_shortcut(field: QWidget, event: QKeyEvent) -> bool:
             return True
         at = None if at.isWindow() else at.parentWidget()
     return False
+
+
+def leaves_undo(field: Any, event: QEvent) -> bool:
+    """Ignore an undo key of a field that is not being typed into, so that the window gets it; return whether it is one."""
+    if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.ShortcutOverride:
+        return False
+    if not any(event.matches(key) for key in UNDO_KEYS) or field.is_typing:
+        return False
+    event.ignore()
+    return True
 
 
 def is_window_shortcut(event: QKeyEvent) -> bool:
@@ -165,7 +176,6 @@ def _value(node: ast.AST, text: str) -> Fraction:
 
 # -- sizes, steps and keys -------------------------------------------------------------------------------
 
-UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
 _ELSEWHERE = (
     Qt.FocusReason.PopupFocusReason,
     Qt.FocusReason.MenuBarFocusReason,
@@ -194,6 +204,15 @@ def row_height(widget: QWidget) -> int:
 
 
 # -- boxes -----------------------------------------------------------------------------------------------
+
+
+def request_menu(part: Any, event: QContextMenuEvent) -> None:
+    """Emit ``menu_requested`` of a part of a form with an empty menu; the menu is deleted when closed or not shown."""
+    menu = QMenu(part)
+    menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    part.menu_requested.emit(event.globalPos(), menu)
+    if not menu.isVisible():
+        menu.deleteLater()
 
 
 class RedFrame:
@@ -261,11 +280,7 @@ class WordBox(RedFrame, QComboBox):
             event.ignore()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        menu = QMenu(self)
-        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.menu_requested.emit(event.globalPos(), menu)
-        if not menu.isVisible():
-            menu.deleteLater()
+        request_menu(self, event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and self.is_refused:
@@ -536,9 +551,4 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             full = value_text(self._value or 0.0, self._unit)
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
             return True
-        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
-            is_undo = any(event.matches(key) for key in UNDO_KEYS)
-            if is_undo and not self.is_typing:
-                event.ignore()
-                return False
-        return super().event(event)
+        return not leaves_undo(self, event) and super().event(event)

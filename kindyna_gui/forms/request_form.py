@@ -16,12 +16,10 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
     QDialog,
-    QDialogButtonBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
     QLayout,
-    QPushButton,
     QVBoxLayout,
     QWidget,
 )
@@ -33,7 +31,7 @@ from core.design.fields import Info, info_of, unit_of
 from core.errors import KindynaError
 from core.requests import build_request, command_words, field_info, option_info, request_fields
 from kindyna_gui.background import Background
-from kindyna_gui.dialogs import give_help
+from kindyna_gui.dialogs import accept_buttons, give_help
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy
@@ -58,6 +56,13 @@ WIDTH = 380  # of the text of the scale dialog, pixels
 # -- dialogs that put a design in place ------------------------------------------------------------------
 
 
+def _add_stretched(row: QHBoxLayout, part: QWidget | QLayout) -> None:
+    if isinstance(part, QLayout):
+        row.addLayout(part, 1)
+    else:
+        row.addWidget(part, 1)
+
+
 class PutDialog(QDialog):
     """Two columns above a message and the buttons.
 
@@ -74,11 +79,7 @@ class PutDialog(QDialog):
         self.setWindowTitle(title)
         self._session = session
         self.message = MessageLabel(SCREEN.quiet)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.put_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.put_button.setText("&Put into the design")
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
+        self.buttons, self.put_button = accept_buttons(self, "&Put into the design")
 
     def frame(self, questions: QLayout, width: int, shown: QWidget | QLayout, default: QSize, least: QSize) -> None:
         """Lay out the dialog: ``questions`` in the left column, ``width`` pixels wide, ``shown`` in the right one."""
@@ -90,10 +91,7 @@ class PutDialog(QDialog):
         middle = QHBoxLayout()
         middle.setSpacing(12)
         middle.addWidget(left)
-        if isinstance(shown, QLayout):
-            middle.addLayout(shown, 1)
-        else:
-            middle.addWidget(shown, 1)
+        _add_stretched(middle, shown)
         footer = QHBoxLayout()
         footer.addWidget(self.message, 1)
         footer.addWidget(self.buttons)
@@ -306,12 +304,8 @@ class ComputedDialog(QDialog):
         self.form, self.result = form, QLabel()
         self.result.setWordWrap(True)
         self.result.setMinimumHeight(RESULT_LINES * self.fontMetrics().lineSpacing())
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.export: QPushButton = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.export.setText(f"Save {file}...")
+        self.buttons, self.export = accept_buttons(self, f"Save {file}...")
         add_copy(self.buttons, parent, self.command, self.command_options, of_drive=True)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
         left = QVBoxLayout()
         width = max(FORM_WIDTH, self.form.sizeHint().width())
         for widget in (self.form, self.result):
@@ -320,10 +314,7 @@ class ComputedDialog(QDialog):
         left.addStretch(1)
         sides = QHBoxLayout()
         sides.addLayout(left)
-        if isinstance(shown, QLayout):
-            sides.addLayout(shown, 1)
-        else:
-            sides.addWidget(shown, 1)
+        _add_stretched(sides, shown)
         column = QVBoxLayout(self)
         column.addLayout(sides)
         column.addWidget(self.buttons)
@@ -403,12 +394,8 @@ class RequestDialog(QDialog):
         self.setWindowTitle(title)
         self.form, self.summary = form, QLabel(wordWrap=True)
         coloured(self.summary, SCREEN.quiet)
-        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.accept_button = buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.accept_button.setText(accept)
+        buttons, self.accept_button = accept_buttons(self, accept)
         add_copy(buttons, parent, self.command, self.command_options, reads=self.reads)
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         for widget in (form, self.summary, buttons):
             column.addWidget(widget)
@@ -443,9 +430,7 @@ class ScaleDialog(QDialog):
         self.masses.setChecked(True)
         self.text = MessageLabel(SCREEN.quiet)
         self.text.setFixedWidth(WIDTH)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.scale_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.scale_button.setText("Scale")
+        self.buttons, self.scale_button = accept_buttons(self, "Scale")
         add_copy(
             self.buttons,
             parent,
@@ -456,8 +441,6 @@ class ScaleDialog(QDialog):
             ),
         )
         give_help(self, "tour#Scale the design")
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
         form = QFormLayout()
         form.addRow(FACTOR.label, self.factor)
         form.addRow(self.masses)

@@ -105,7 +105,7 @@ COLUMNS = (
 
 
 def difference(to: float, start: float) -> float:
-    """To - start in decimals, so that 76.5 - 35 is exactly 41.5."""
+    """Difference of two numbers in decimals: 76.5 - 35 is exactly 41.5."""
     return float(Decimal(shortest(to)) - Decimal(shortest(start)))
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from PySide6.QtCore import QObject, Signal
+
 from core.design import Design, get
 from core.study import TOTALS, Study
 from core.varying import (
@@ -23,7 +25,7 @@ from core.varying.bands import QUIET_LAWS
 from core.varying.surveys import SEED
 
 
-class StudyRequest:
+class StudyRequest(QObject):
     """Numbers and words to vary, figures to compute, and goals, as edited in the dock.
 
     Attributes
@@ -44,7 +46,11 @@ class StudyRequest:
         Seed of Sobol's points and of random machines.
     """
 
-    def __init__(self) -> None:
+    changed = Signal()
+    """An edit has changed the request; ``load``, ``clear`` and ``restrict_to`` do not emit it."""
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
         self.clear()
 
     def clear(self) -> None:
@@ -85,13 +91,13 @@ class StudyRequest:
 
     # -- varied numbers and words -------------------------------------------------------------------------
 
-    def vary(self, design: Design, study: Study, path: str) -> bool:
-        """Vary a number or a word of a design, whose study suggests figures; return whether it is new.
+    def vary(self, design: Design, study: Study, path: str) -> None:
+        """Vary a number or a word of a design, whose study suggests figures.
 
         Raises ValueError where the number has no default bounds.
         """
         if path in self.spans or path in self.words:
-            return False
+            return
         info = field_info(design, path)
         if info is not None and info.choices:
             current = get(design, path)
@@ -105,12 +111,23 @@ class StudyRequest:
         if not self.figures:
             self.figures = dict(suggested_figures(study, path))
             self.shown = next(iter(self.figures), "")
-        return True
+        self.changed.emit()
+
+    def set_span(self, span: Span) -> None:
+        """Set the bounds of a varied number."""
+        self.spans[span.path] = span
+        self.changed.emit()
+
+    def set_words(self, path: str, words: tuple[str, ...]) -> None:
+        """Set the words to try; an empty selection is ignored."""
+        self.words[path] = words or self.words[path]
+        self.changed.emit()
 
     def keep_fixed(self, path: str) -> None:
         """Vary this number or word no longer."""
         self.spans.pop(path, None)
         self.words.pop(path, None)
+        self.changed.emit()
 
     def valid_words(self, design: Design, path: str) -> tuple[str, ...]:
         """Return the words that are valid at a path of the design, none where it has no word there."""
@@ -133,6 +150,7 @@ class StudyRequest:
         key = slug if slug in TOTALS else f"{slug}:abs"
         self.figures.setdefault(key, (None, None))
         self.shown = key
+        self.changed.emit()
 
     def change_figure(self, before: str, key: str, limits: Limits) -> None:
         """Replace the key and the limits of a figure, at the same position."""
@@ -142,6 +160,7 @@ class StudyRequest:
         self.goals = {key if name == before else name: minimised for name, minimised in self.goals.items()}
         if self.shown == before:
             self.shown = key
+        self.changed.emit()
 
     def remove_figure(self, key: str) -> None:
         """Compute a figure no longer."""
@@ -149,3 +168,15 @@ class StudyRequest:
         self.goals.pop(key, None)
         if self.shown == key:
             self.shown = next(iter(self.figures), "")
+        self.changed.emit()
+
+    # -- goals --------------------------------------------------------------------------------------------
+
+    def set_goals(self, goals: dict[str, bool]) -> None:
+        """Replace the goals: key of a figure, and True if it is minimised."""
+        self.goals = goals
+        self.changed.emit()
+
+    def set_robust(self, share: float | None) -> None:
+        """Set the share of machines that must keep the limits, None for no such goal."""
+        self.robust = share

@@ -29,8 +29,6 @@ from core.design.limits import Waviness
 from core.errors import DesignError, KindynaError
 from core.study import Study
 from core.varying import (
-    Limits,
-    Span,
     StudyFile,
     Survey,
     ToleranceResult,
@@ -106,7 +104,7 @@ class StudyView(BackgroundView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.request = StudyRequest()
+        self.request = StudyRequest(self)
         self.surveys, self._machines = SurveyRun(self), ToleranceRun(self)
         self._drawn: tuple[object, ...] = ()
         self._before: Design | None = None  # at the start of a drag
@@ -184,17 +182,18 @@ class StudyView(BackgroundView):
         self.setFocusProxy(self.open)
 
     def _connect(self) -> None:
+        self.request.changed.connect(self._update)
         self.surveys.finished.connect(self._show_survey)
         self._machines.finished.connect(self._show_machines)
         self.rows.add_requested.connect(self.vary)
-        self.rows.changed.connect(self._change_span)
-        self.rows.removed.connect(self._keep_fixed)
+        self.rows.changed.connect(self.request.set_span)
+        self.rows.removed.connect(self.request.keep_fixed)
         self.rows.tolerance_changed.connect(self._set_width)
-        self.rows.words_changed.connect(self._set_words)
-        self.figure_rows.add_requested.connect(self._add_figure)
-        self.figure_rows.changed.connect(self._change_figure)
+        self.rows.words_changed.connect(self.request.set_words)
+        self.figure_rows.add_requested.connect(self.request.add_figure)
+        self.figure_rows.changed.connect(self.request.change_figure)
         self.figure_rows.shown.connect(self._show_figure)
-        self.figure_rows.removed.connect(self._remove_figure)
+        self.figure_rows.removed.connect(self.request.remove_figure)
         self.tolerances.rows.add_requested.connect(
             lambda path: self._set_tolerance(Tolerance(path, default_tolerance(self._design, path)))
         )
@@ -202,8 +201,8 @@ class StudyView(BackgroundView):
         self.tolerances.rows.removed.connect(self._remove_tolerance)
         self.tolerances.waves.changed.connect(self._set_waves)
         self.tolerances.bands.toggled.connect(self.bands.set_shown)
-        self.best.goals_changed.connect(self._set_goals)
-        self.best.robust_changed.connect(self._set_robust)
+        self.best.goals_changed.connect(self.request.set_goals)
+        self.best.robust_changed.connect(self.request.set_robust)
         self.best.search_requested.connect(self._search)
         self.best.stepped.connect(self._show_path)
         self.best.finished.connect(self._show_optimum)
@@ -237,8 +236,7 @@ class StudyView(BackgroundView):
     def vary(self, path: str) -> None:
         """Vary a number or a word."""
         try:
-            if self.request.vary(self._design, self.session.full_study, path):
-                self._update()
+            self.request.vary(self._design, self.session.full_study, path)
         except ValueError as error:
             self.status_message.emit(str(error))
 
@@ -250,41 +248,9 @@ class StudyView(BackgroundView):
             self.tabs.setCurrentIndex(BEST_TAB)
         self._update()
 
-    def _change_span(self, span: Span) -> None:
-        self.request.spans[span.path] = span
-        self._update()
-
-    def _set_words(self, path: str, words: tuple[str, ...]) -> None:
-        if words:
-            self.request.words[path] = words
-        self._update()
-
-    def _keep_fixed(self, path: str) -> None:
-        self.request.keep_fixed(path)
-        self._update()
-
-    def _add_figure(self, slug: str) -> None:
-        self.request.add_figure(slug)
-        self._update()
-
-    def _change_figure(self, before: str, key: str, limits: Limits) -> None:
-        self.request.change_figure(before, key, limits)
-        self._update()
-
-    def _remove_figure(self, key: str) -> None:
-        self.request.remove_figure(key)
-        self._update()
-
     def _show_figure(self, key: str) -> None:
         self.request.shown = key
         self._draw()
-
-    def _set_goals(self, goals: dict[str, bool]) -> None:
-        self.request.goals = goals
-        self._update()
-
-    def _set_robust(self, share: float | None) -> None:
-        self.request.robust = share
 
     def _clear(self) -> None:
         self.request.clear()

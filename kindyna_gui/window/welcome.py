@@ -108,7 +108,7 @@ class Welcome(QWidget):
         self.recent = ContentArea()
         self.at_start = QCheckBox("&Show at start")
         self.at_start.setToolTip(
-            "Show this page when KINDYNA starts without a file; Help > Welcome opens it at any time"
+            "Show this page when KINDYNA starts without a file; the Help menu opens it at any time"
         )
         self.at_start.setChecked(window.settings.welcome)
         self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))

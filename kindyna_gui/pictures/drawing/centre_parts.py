@@ -380,7 +380,7 @@ class RatioDimensions:
 # -- layers of a general linkage -----------------------------------------------------------------------
 
 
-class Construct:
+class LinkageLayers:
     """Layers of one linkage, each drawn when it is first shown.
 
     Call ``begin`` before each move, and ``show_step`` for a step of the circle diagram. ``texts`` returns the boxes of
@@ -471,14 +471,14 @@ class Construct:
         yield from ghost_poses(self._geometry, self._theme, layer)
 
 
-_LAYERS: Mapping[str, Callable[[Construct, str], Iterator[DrawnPart]]] = MappingProxyType(
+_LAYERS: Mapping[str, Callable[[LinkageLayers, str], Iterator[DrawnPart]]] = MappingProxyType(
     {
-        "centres": Construct._centres,
-        "kennedy": Construct._kennedy,
-        "ratios": Construct._ratios,
-        "chain": Construct._ratios,
-        "coupler": Construct._coupler,
-        **dict.fromkeys(GHOST_POSES, Construct._poses),
+        "centres": LinkageLayers._centres,
+        "kennedy": LinkageLayers._kennedy,
+        "ratios": LinkageLayers._ratios,
+        "chain": LinkageLayers._ratios,
+        "coupler": LinkageLayers._coupler,
+        **dict.fromkeys(GHOST_POSES, LinkageLayers._poses),
     }
 )
 

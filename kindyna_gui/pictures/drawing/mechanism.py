@@ -48,7 +48,7 @@ from kindyna_gui.pictures.style import OUTLINE, SCREEN, Theme, brush
 from kindyna_gui.settings import sized
 
 if TYPE_CHECKING:
-    from kindyna_gui.pictures.drawing.centre_parts import Construct
+    from kindyna_gui.pictures.drawing.centre_parts import LinkageLayers
 
 
 # -- view ----------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ class MechanismScene(QGraphicsScene):
         self._labels: Labels | None = None
         self._fields: dict[str, overlay.Field] = {}
         self.viewport = Viewport()
-        self.construct: Construct | None = None
+        self.linkage_layers: LinkageLayers | None = None
         self._step: int | None = None
         self.overlay: Overlay | None = None
         self._drawn_layers: set[str] = set()
@@ -232,9 +232,9 @@ class MechanismScene(QGraphicsScene):
         elif before is not None and not load_parts.has_same_loads(geometry, before, self._shown["masses"]):
             self._renew_loads()
         if geometry.has_numbered_links:
-            from kindyna_gui.pictures.drawing.centre_parts import Construct
+            from kindyna_gui.pictures.drawing.centre_parts import LinkageLayers
 
-            self.construct = Construct(geometry, self.theme, self.viewport, self._texts, self._step)
+            self.linkage_layers = LinkageLayers(geometry, self.theme, self.viewport, self._texts, self._step)
         for layer in FIELDS:
             self._draw_vectors(layer)
         for layer in LINKAGE_LAYERS:
@@ -299,7 +299,7 @@ class MechanismScene(QGraphicsScene):
         self._fields = {}
         for key in [key for key in self.parts if key.partition(".")[0] in LINKAGE_LAYERS]:
             self.removeItem(self.parts.pop(key).item)
-        self.construct = None
+        self.linkage_layers = None
 
     def _add_part(self, part: DrawnPart) -> None:
         part.item.setZValue(part.z)
@@ -332,8 +332,8 @@ class MechanismScene(QGraphicsScene):
 
     def _draw_construction(self, layer: str) -> None:
         """Draw a layer of a general linkage when it is first shown."""
-        if self.construct is not None and self.layer_shown(layer):
-            for part in self.construct.parts(layer):
+        if self.linkage_layers is not None and self.layer_shown(layer):
+            for part in self.linkage_layers.parts(layer):
                 self._add_part(part)
 
     def _texts(self) -> list[QRectF]:
@@ -351,8 +351,8 @@ class MechanismScene(QGraphicsScene):
             return
         for layer in STEP_LAYERS:
             self._draw_construction(layer)
-        if self.construct is not None:
-            self.construct.show_step(step)
+        if self.linkage_layers is not None:
+            self.linkage_layers.show_step(step)
         self._show()
         self._move(self.index, self._angle)
 
@@ -362,7 +362,7 @@ class MechanismScene(QGraphicsScene):
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
             values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
             values += load_parts.load_strokes(self.geometry, self._shown.__getitem__)
-            curves = () if self.construct is None or not self._shown["coupler"] else self.construct.paths()
+            curves = () if self.linkage_layers is None or not self._shown["coupler"] else self.linkage_layers.paths()
             drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
             self._labels.avoid([*drawn, *values], curves)
 
@@ -436,8 +436,8 @@ class MechanismScene(QGraphicsScene):
         if self.geometry is None or self.overlay is None:
             return
         self.index, self._angle = index % self.geometry.samples, angle
-        if self.construct is not None:
-            self.construct.begin(self.index)
+        if self.linkage_layers is not None:
+            self.linkage_layers.begin(self.index)
         for part in self.parts.values():
             if part.move is not None and part.item.isVisible():
                 part.move(self.index)
@@ -495,19 +495,24 @@ class MechanismScene(QGraphicsScene):
         half = 0.5 * MARGIN_UNITS * self.geometry.unit if self.geometry is not None else 0.0
         return self._extent.adjusted(half, half, -half, -half)
 
+    @property
+    def _list_height(self) -> float:
+        """Height of the lists at the top of the view [pixels]."""
+        return self.linkage_layers.strip if self.linkage_layers is not None else 0.0
+
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
         """Visible rectangle [mm] and scale [pixels per mm] at which the mechanism fits a view of this size [pixels]."""
-        return fitted(self._extent, width, height, self.construct.strip if self.construct is not None else 0.0)
+        return fitted(self._extent, width, height, self._list_height)
 
     def fit_centres(self, width: float, height: float) -> tuple[QRectF, float]:
         """Visible rectangle [mm] and scale [pixels per mm] with the instant centres shown at the current angle."""
-        rect, strip = self._extent, self.construct.strip if self.construct is not None else 0.0
+        rect = self._extent
         if self.geometry is not None:
-            marks = self.construct.marks if self.construct is not None else None
+            marks = self.linkage_layers.marks if self.linkage_layers is not None else None
             rect = with_centres(
                 rect, self.geometry.study.centres, self.index, marks.only if marks is not None else None
             )
-        return fitted(rect, width, height, strip)
+        return fitted(rect, width, height, self._list_height)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
         """Visible rectangle [mm] and scale [pixels per mm] that fit the mechanism to a view without strips of text."""

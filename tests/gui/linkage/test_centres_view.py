@@ -89,7 +89,7 @@ def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: 
     view = user.drawing()
     user.action("View", "Layers of the drawing", "Instant centres of all links").trigger()
     user.turn(40.0)
-    marks: CentreMarks = view.scene.construct.marks  # type: ignore[assignment]
+    marks: CentreMarks = view.scene.linkage_layers.marks  # type: ignore[assignment]
     assert len(marks.marks) == count
     table = user.session.study.centres
     for mark in marks.marks:
@@ -108,9 +108,9 @@ def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
     view = user.drawing()
     view.show_layer("centres", True)
     user.turn(40.0)
-    assert view.scene.construct is not None
-    assert view.scene.construct.marks is not None
-    mark = next(m for m in view.scene.construct.marks.marks if m.name == "14")
+    assert view.scene.linkage_layers is not None
+    assert view.scene.linkage_layers.marks is not None
+    mark = next(m for m in view.scene.linkage_layers.marks.marks if m.name == "14")
     assert mark.arrow.isVisible()
     assert mark.arrow.rotation() == pytest.approx(-90.0)  # across the guide
     edge = view.canvas.visible.bottom() - mark.arrow.pos().y()
@@ -121,7 +121,7 @@ def test_kennedys_lines_run_through_the_three_centres(six_bar: User) -> None:
     view = six_bar.drawing()
     six_bar.action("View", "Layers of the drawing", "Kennedy's construction").trigger()
     settle()
-    lines: KennedyLines = view.scene.construct.kennedy  # type: ignore[assignment]
+    lines: KennedyLines = view.scene.linkage_layers.kennedy  # type: ignore[assignment]
     table, i = six_bar.session.study.centres, view.scene.index
     tried = 0
     for step, _, item in lines.rows:
@@ -165,9 +165,9 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(open_user: Open) ->
             assert triangle.first in view.diagram.solid
             assert triangle.second in view.diagram.solid
         scene = six_bar.drawing().scene
-        assert scene.construct is not None
-        assert scene.construct.kennedy is not None
-        assert {row[0].key for row in scene.construct.kennedy.rows if row[2].isVisible()} <= {wanted.key}
+        assert scene.linkage_layers is not None
+        assert scene.linkage_layers.kennedy is not None
+        assert {row[0].key for row in scene.linkage_layers.kennedy.rows if row[2].isVisible()} <= {wanted.key}
         assert view.count.text() == f"{step} of 8"
     assert not view.next.isEnabled()
     view.back.click()

@@ -189,8 +189,8 @@ def test_ratios_are_read_off_the_drawing_link_by_link(six_bar: User) -> None:
     """As the lecture goes through its six-bar: ω3 by I23, ω4 by I34, ω5 by I45, the slider by I56."""
     view = six_bar.drawing()
     six_bar.choose("View", "Layers of the drawing", "Velocity ratios from link to link")
-    assert view.scene.construct is not None
-    drawn = view.scene.construct.ratios["chain"]
+    assert view.scene.linkage_layers is not None
+    drawn = view.scene.linkage_layers.ratios["chain"]
     assert drawn.texts == [
         "ω3/ω2 = I12I23 / I13I23 = 20.00 / −180.8 mm = −0.1106",
         "ω4/ω3 = I13I34 / I14I34 = 123.9 / −40.00 mm = −3.098",
@@ -213,8 +213,8 @@ def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None
     tried = 0
     for degrees in (35.0, 215.0):
         study = user.turn(degrees)
-        assert view.scene.construct is not None
-        drawn = view.scene.construct.ratios["ratios"]
+        assert view.scene.linkage_layers is not None
+        drawn = view.scene.linkage_layers.ratios["ratios"]
         for arms, lines, _ in drawn.rows:
             if np.isfinite(study.angular_velocities()[int(arms.body[-1])][0]) and math.isfinite(
                 arms.body_arm[view.scene.index]
@@ -240,9 +240,9 @@ def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None
 
 def test_ratios_are_read_when_they_are_first_shown(six_bar: User) -> None:
     scene = six_bar.drawing().scene
-    assert scene.construct is not None
-    assert scene.construct.ratios == {}
-    assert scene.construct.marks is None
+    assert scene.linkage_layers is not None
+    assert scene.linkage_layers.ratios == {}
+    assert scene.linkage_layers.marks is None
 
 
 def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
@@ -251,8 +251,8 @@ def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
     scale = view.canvas.scale_now
     six_bar.choose("View", "Layers of the drawing", "Velocity ratios to the driver")
     scene = view.scene
-    assert scene.construct is not None
-    (drawn,) = scene.construct.ratios.values()
+    assert scene.linkage_layers is not None
+    (drawn,) = scene.linkage_layers.ratios.values()
     assert view.canvas.scale_now <= scale
     lowest = min(tag.pos().y() - tag.size[1] / view.canvas.scale_now for _, _, tag in drawn.rows)
     highest = max(float(track.imag.max()) for track in scene.geometry.tracks())  # type: ignore[union-attr]
@@ -267,7 +267,7 @@ def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
     arrows = 0
     for degrees in (80.0, 100.0, 120.0):
         user.turn(degrees)
-        scale, made = view.canvas.scale_now, view.scene.construct
+        scale, made = view.canvas.scale_now, view.scene.linkage_layers
         assert made is not None
         assert made.marks is not None
         tags = [tag for _, _, tag in made.ratios["chain"].rows]
@@ -293,9 +293,9 @@ def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_u
     for degrees in (15.0, 75.0, 160.0, 290.0):
         user.turn(degrees)
         scene, scale = view.scene, view.canvas.scale_now
-        assert scene.construct is not None
-        assert scene.construct.marks is not None
-        tags = [m.tag for m in scene.construct.marks.marks if m.tag.isVisible()]
+        assert scene.linkage_layers is not None
+        assert scene.linkage_layers.marks is not None
+        tags = [m.tag for m in scene.linkage_layers.marks.marks if m.tag.isVisible()]
         boxes = [t.pixel_box().translated(t.pos().x() * scale, -t.pos().y() * scale) for t in tags]
         assert not any(a.intersects(b) for i, a in enumerate(boxes) for b in boxes[:i])
         dots = drawing_dots(scene.geometry, np.array([scene.index]), ())  # type: ignore[arg-type]

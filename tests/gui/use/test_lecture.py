@@ -197,10 +197,10 @@ def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Op
     user.press(Qt.Key.Key_Space)
     assert not user.window.player.playing
     settle()
-    assert view.scene.construct is not None
-    assert view.scene.construct.marks is not None
+    assert view.scene.linkage_layers is not None
+    assert view.scene.linkage_layers.marks is not None
     there = places(user)
-    for mark in view.scene.construct.marks.marks:
+    for mark in view.scene.linkage_layers.marks.marks:
         if mark.dot.isVisible():
             drawn = complex(mark.dot.pos().x(), mark.dot.pos().y())
             told = there[f"I{mark.name}"]
@@ -235,5 +235,5 @@ def test_the_circle_diagram_is_played_to_its_end(name: str, steps: int, open_use
         assert len(lines) == 2
         assert {name for line in lines for name in line} <= solid
     scene = user.window.view("mechanism").scene  # type: ignore[union-attr]
-    shown = [m for m in scene.construct.marks.marks if m.dot.isVisible() or m.arrow.isVisible()]
+    shown = [m for m in scene.linkage_layers.marks.marks if m.dot.isVisible() or m.arrow.isVisible()]
     assert len(shown) == n * (n - 1) // 2
