@@ -31,7 +31,7 @@ from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import ALONE, NO_SERVO, NO_WHEEL, Unavailable, require_list, turned_shaft
+from kindyna_gui.requirements import NO_SERVO, NO_WHEEL, ONE_DRIVE_TORQUE, Unavailable, require_list, turned_shaft
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
 
@@ -263,7 +263,7 @@ class _TurnView(View):
         self.set_column(splitter, self.note, grows=splitter)
 
     def refresh(self, study: Study) -> None:
-        require_list(self.session.full_design, ALONE)
+        require_list(self.session.full_design, ONE_DRIVE_TORQUE)
         self.draw(self.session.shaft)
         self._read_timer.start()
 

@@ -33,7 +33,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon
-from kindyna_gui.requirements import STRANGE
+from kindyna_gui.requirements import UNKNOWN_PREFERENCES
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import ExplainableNumber, View, is_in_sight, scroll_to
@@ -619,7 +619,7 @@ class MainWindow(Window):
             dock.pause(False)
         self.layouts.furnish()
         if strange := preferences.not_understood():
-            self.status.show_message(f"{STRANGE}{', '.join(strange)}")
+            self.status.show_message(f"{UNKNOWN_PREFERENCES}{', '.join(strange)}")
         self.furnished.emit()
 
     def closeEvent(self, event: QCloseEvent) -> None:

@@ -31,7 +31,7 @@ from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.labels import grouped, reason
 from kindyna_gui.pictures.style import THIN, Theme, floor_of, shade, without_noise
-from kindyna_gui.requirements import LED_BY_NO_CAM, why_no_pressure
+from kindyna_gui.requirements import LINKAGE_WITHOUT_CAM, why_no_pressure
 
 SAMPLES = 49  # angles on each piece of a law
 SPAN = 90.0  # of the segment that an icon shows, degrees
@@ -425,7 +425,7 @@ def why_empty(study: Study, default: Sequence[str]) -> str:
     """Sentence that says why a plot is empty."""
     names = " nor ".join(name.replace("_", " ") for name in default)
     if default[0] in ("pressure_angle", "pitch_curvature"):
-        return f"{LED_BY_NO_CAM}there is no {default[0].replace('_', ' ')}."
+        return f"{LINKAGE_WITHOUT_CAM}there is no {default[0].replace('_', ' ')}."
     if default[0] == "contact_pressure":
         return why_no_pressure(study)
     if default[0] == "jerk":
