@@ -1,4 +1,4 @@
-"""Views What changed, which compares the design with the pinned variant, and Explain, which shows how a number is calculated."""
+"""Views What changed, with the differences from the pinned variant, and Explain, with the calculation of a number."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def _brief(value: object, text: str) -> str:
 
 
 def _quantity_text(quantity: str, labels: Mapping[str, str]) -> str:
-    """Label of a column, ``Contact force, N`` or ``feed: Contact force, N``; the column itself where it has no label."""
+    """Label of a column, ``Contact force, N`` or ``feed: Contact force, N``; the column where it has no label."""
     drive, dot, column = quantity.rpartition(".")
     label, unit = labels.get(column), split_unit(column)[1].symbol
     return quantity if label is None else f"{drive}{': ' if dot else ''}{label}{', ' if unit else ''}{unit}"

@@ -121,12 +121,12 @@ def show_motion(plot: XYPlot, traced: TracedMotion) -> None:
     compiled = program(motion)
     angles = np.array([jump.angle for jump in traced.jumps], dtype=float)
     heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (PLOT_ANGLES, angles)]
-    rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
+    display_unit = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
     colour = SCREEN.family("displacement")
-    plot.name_axes("Cam angle, °", f"Displacement, {rung.symbol}", colour)
+    plot.name_axes("Cam angle, °", f"Displacement, {display_unit.symbol}", colour)
     colours = [SCREEN.limit if jump.order == 1 else SCREEN.family("acceleration") for jump in traced.jumps]
-    curve = Line(PLOT_ANGLES, heights[0] / rung.size, colour)
-    plot.show_lines([curve], dots=[Dots(angles, heights[1] / rung.size, colours, MARK)])
+    curve = Line(PLOT_ANGLES, heights[0] / display_unit.size, colour)
+    plot.show_lines([curve], dots=[Dots(angles, heights[1] / display_unit.size, colours, MARK)])
     plot.point_out(None)
     plot.show_range(WHOLE_TURN, shown_range([curve.y], {"displacement"}, ()))
 
@@ -140,7 +140,7 @@ JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
 
 
 class CurveDialog(PutDialog):
-    """Dialog that shows a curve and the motion of the follower on it, and puts the motion into the design as one step."""
+    """Dialog that shows a curve and the motion of the follower on it, and puts the motion into the design."""
 
     help_page = "making#A cam that is drawn"
 

@@ -230,8 +230,8 @@ class DrivesView(View):
                 peak = shaft.balancer_peak.value
         except NoSolution as error:
             return "not calculated", reason(self.session.full_design, error)
-        rung = readable("N·m", abs(peak))
-        return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
+        display_unit = readable("N·m", abs(peak))
+        return f"{digits(peak / display_unit.size, 4)} {display_unit.symbol}", ""
 
     def _show_form(self) -> None:
         section = BALANCER if self.session.is_on_balancer else f"drives[{self.session.chosen}]"
@@ -295,7 +295,7 @@ class DrivesView(View):
         drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
 
     def focus_field(self, path: str) -> bool:
-        """Show and focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
+        """Focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""
         name, number, inside = row_at(path, "drives")
         if name and not (inside and self.session.choose_drive(number)):
             return False

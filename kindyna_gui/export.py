@@ -1,7 +1,7 @@
 """The menu File > Export: tables, profiles, drawings, report, pictures, animation.
 
-Each entry opens a dialog, writes all its files or none, and reports the files or the reason. Modules that write are imported
-when a file is written, so that the window starts sooner.
+Each entry opens a dialog, writes all its files or none, and reports the files or the reason. Modules that write are
+imported when a file is written, so that the window starts sooner.
 """
 
 from __future__ import annotations
@@ -34,14 +34,17 @@ from kindyna_gui.settings import Settings, in_file_units
 
 
 def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
-    """Return tables and summary by file name, as text or in parts; a shaft adds those of its drives. Raises NoSolution."""
+    """Return tables and summary by file name, as text or in parts, with those of all drives. Raises NoSolution."""
     from core.output.export import file_parts
 
     return file_parts(Study(design, samples))
 
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
-    """Write tables and summary into a folder and return their names. Raises NoSolution or FileError, and then writes nothing."""
+    """Write tables and summary into a folder and return their names.
+
+    Raises NoSolution or FileError, and then writes nothing.
+    """
     files = tables_of(design, samples)
     checkpoint()  # the last one at which the user can cancel
     write_into(folder, files)
@@ -197,7 +200,7 @@ class Exports(QObject):
         self._report(f"Wrote {', '.join(names)} into {request.folder}")
 
     def report(self) -> None:
-        """Write the report as PDF or HTML: its numbers are calculated in the background, then its pictures are painted."""
+        """Write the report as PDF or HTML; its numbers are calculated in the background."""
         from core.output.report.document import document
         from kindyna_gui import export_dialogs
         from kindyna_gui.pictures.paper.report import report_file
@@ -371,7 +374,7 @@ class Exports(QObject):
             save_picture(view, "mechanism")
 
     def timing(self) -> None:
-        """Write the timing chart, or the table of its events, with the axis and shaded drives of an open timing view."""
+        """Write the timing chart, or the table of its events, with the axis and overlap of an open timing view."""
         from kindyna_gui.pictures.paper.timing_chart import timing_file
 
         view = self.view("timing")

@@ -74,8 +74,8 @@ SIDE_MARGIN = 0.03  # left free on both sides, as a share of the width
 def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
     """Draw the result of a search.
 
-    The curve shows a limited quantity over the dimension. The limit is a horizontal line, the result a vertical line and a
-    dot, the present value a ring.
+    The curve shows a limited quantity over the dimension. The limit is a horizontal line, the result a vertical line
+    and a dot, the present value a ring.
     """
     path, key = next(iter(solution.answer)), solution.curve_of
     low, high = solution.near

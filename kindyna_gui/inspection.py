@@ -1,4 +1,4 @@
-"""Inspection of a cam: the dialog that exports the lift table of a probe, and the dialog that compares a measured cam."""
+"""Inspection of a cam: dialogs to export the lift table of a probe, and to compare a measured cam with the design."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ WIDE_GAP = 10.0  # a gap between rows across which no line is drawn, degrees
 
 @frozen(eq=False)
 class ShownComparison:
-    """A comparison with the profile: complex points (n,) [mm] of the profile and its outward normals (n,), dimensionless."""
+    """A comparison with the points (n,) [mm] of the profile and its outward unit normals (n,), both complex."""
 
     comparison: ProfileComparison
     profile: np.ndarray
@@ -342,7 +342,7 @@ HEADINGS = (
 
 
 class MeasuredCamDialog(QDialog):
-    """Dialog that compares a measured cam with the design; ``comparison``: the last result, None while there is none."""
+    """Dialog that compares a measured cam with the design; ``comparison``: the last result, or None."""
 
     def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
         super().__init__(parent)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from html import escape
 from pathlib import Path
 
 from PySide6.QtCore import QBuffer, QByteArray, QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt
@@ -385,6 +384,8 @@ def linked(sentence: str) -> str:
     remedies = suggestions_for(sentence)
     if not remedies:
         return sentence
+    from html import escape  # imported here to save start-up time
+
     links = (f'<a href="{remedy.entry}">{escape(remedy.text)}</a>' for remedy in remedies)
     return " ".join((escape(sentence), *links))
 

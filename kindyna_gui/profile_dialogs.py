@@ -47,9 +47,9 @@ CROSS = 5.0  # half the size of the mark of the cam centre, pixels
 
 @frozen(eq=False)
 class Preview:
-    """Curve (n,) and points (m,) of a profile file, the point of largest deviation, and other profiles (k,), all complex [mm].
+    """Curves of a profile file, complex [mm]: its curve (n,), its points (m,), and the point of largest deviation.
 
-    ``profiles``: the profile of a cutter's path, or the other flanks of a drawing.
+    ``profiles``: other profiles (k,): the profile of a cutter's path, or the other flanks of a drawing.
     """
 
     job: ProfileDrawing

@@ -26,17 +26,17 @@ RIGID_SHAFT = "The camshaft is rigid: it has no wind-up, and nothing can become 
 RIGID_FOLLOWER = "The follower is rigid and does not vibrate. Give it a stiffness and a damping ratio."
 NO_ELASTIC = "An elastic follower is driven by a cam; this design has none."
 NO_FLIGHT = "Only a follower on a cam can lift off; this design has no cam."
-LED_BY_NO_CAM = "This linkage has no cam: "
-LACKS_SIZES, NOTHING_PRESSES = "Contact pressure: give ", "Contact pressure: no masses and no forces are given"
+LINKAGE_WITHOUT_CAM = "This linkage has no cam: "
+MISSING_SIZES, NO_CONTACT_FORCE = "Contact pressure: give ", "Contact pressure: no masses and no forces are given"
 NO_SIZES = "Find calculates a cam and its follower within limits; this design has no cam."
 NO_FORCES = "No forces: no masses and no forces are given."
 NO_RANKING = "No quantity to rank by: torque and forces need a cam and loads."
 NOT_PINNED = "Nothing is pinned. Pin the current design, then change it: this table shows what the change does."
 NO_SERVO = "No servo makes this motion. Add one next to the cam."
-ALONE = "One drive only: see the Torque plot. With several drives this shows their total."
+ONE_DRIVE_TORQUE = "One drive only: see the Torque plot. With several drives this shows their total."
 ONE_DRIVE = "One drive only. It can be the first of several on one shaft."
 ONLY_LINKAGES = "Only the links of a linkage can be drawn; the links of this follower are given by its lengths."
-STRANGE = "Preferences not understood: "
+UNKNOWN_PREFERENCES = "Preferences not understood: "
 
 
 @frozen
@@ -69,7 +69,7 @@ SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
         NO_RANKING: (OPEN_LOADS,),
         NOT_PINNED: (Suggestion("Pin this variant", "pin"),),
         NO_SERVO: (Suggestion("Add a servo", "designing.give_servo"),),
-        ALONE: (TO_SHAFT,),
+        ONE_DRIVE_TORQUE: (TO_SHAFT,),
         ONE_DRIVE: (TO_SHAFT,),
         ONLY_LINKAGES: (Suggestion("New design...", "new"),),
     }
@@ -78,10 +78,10 @@ SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
 
 SUGGESTIONS_BY_START: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
     {
-        LED_BY_NO_CAM: (ROLLER, DRIVER),
-        LACKS_SIZES: (Suggestion("Type what the cam lacks", "focus_field:cam"),),
-        NOTHING_PRESSES: (OPEN_LOADS,),
-        STRANGE: (Suggestion("Preferences...", "prefer"),),
+        LINKAGE_WITHOUT_CAM: (ROLLER, DRIVER),
+        MISSING_SIZES: (Suggestion("Give the missing sizes", "focus_field:cam"),),
+        NO_CONTACT_FORCE: (OPEN_LOADS,),
+        UNKNOWN_PREFERENCES: (Suggestion("Preferences...", "prefer"),),
     }
 )
 """Start of a sentence about what is missing -> what the user can do."""
@@ -102,29 +102,29 @@ def lists_links(design: Design) -> bool:
     return bool(design.drive.links)
 
 
-def require_links(design: Design, instead: str) -> None:
+def require_links(design: Design, reason: str) -> None:
     """Raise Unavailable with the sentence where the links have no numbers."""
     if not lists_links(design):
-        raise Unavailable(instead)
+        raise Unavailable(reason)
 
 
-def require_centres(study: Study, instead: str) -> None:
+def require_centres(study: Study, reason: str) -> None:
     """Raise Unavailable with the sentence where there are neither links with numbers nor a cam."""
     if "cam" not in study.stages:
-        require_links(study.design, instead)
+        require_links(study.design, reason)
 
 
-def turned_shaft(study: Study, instead: str) -> Shaft:
+def turned_shaft(study: Study, reason: str) -> Shaft:
     """Return the shaft of cams or cranks; raises Unavailable with the sentence where there is none."""
     if study.design.shaft is not None and study.camshaft.loading_drives:
         return study.design.shaft
-    raise Unavailable(instead)
+    raise Unavailable(reason)
 
 
-def require_list(design: Design, instead: str) -> None:
+def require_list(design: Design, reason: str) -> None:
     """Raise Unavailable with the sentence where the design is not a list of drives."""
     if not design.listed:
-        raise Unavailable(instead)
+        raise Unavailable(reason)
 
 
 def require_motion(design: Design) -> Motion:
@@ -147,13 +147,13 @@ def why_no_pressure(study: Study) -> str:
     """Return why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
     drive = study.design.drive
     if drive.cam is None:
-        return f"{LED_BY_NO_CAM}there is no contact pressure."
+        return f"{LINKAGE_WITHOUT_CAM}there is no contact pressure."
     if not is_line_contact(drive.face):
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
     if lacking := missing_inputs(drive.face, drive.cam):
-        return f"{LACKS_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
+        return f"{MISSING_SIZES}{', and '.join(lacking.values())}, in the form of the cam."
     if study.loading.is_empty:
-        return f"{NOTHING_PRESSES}, so there is no contact force."
+        return f"{NO_CONTACT_FORCE}, so there is no contact force."
     if study.jam is not None:
         return "No contact pressure: friction jams, the forces are infinite."
     return (

@@ -31,7 +31,7 @@ from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
-from kindyna_gui.requirements import ALONE, NO_SERVO, NO_WHEEL, Unavailable, require_list, turned_shaft
+from kindyna_gui.requirements import NO_SERVO, NO_WHEEL, ONE_DRIVE_TORQUE, Unavailable, require_list, turned_shaft
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
 
@@ -170,12 +170,14 @@ class AgainstSpeedView(BackgroundView):
 
     def _draw(self, curves: AgainstSpeed) -> None:
         present = ((self.session.full_design.camshaft.speed_rpm, "now"),)
-        rung = readable("N·m", float(np.abs(curves.peak).max()))
-        self.torque.name_axes(SPEED, f"Torque, {rung.symbol}")
+        display_unit = readable("N·m", float(np.abs(curves.peak).max()))
+        self.torque.name_axes(SPEED, f"Torque, {display_unit.symbol}")
         has_motor_curve = bool(np.any(curves.motor_peak != curves.peak))
         rows = [("Peak", curves.peak, VERMILION), ("RMS", curves.rms, BLUE), ("Mean", curves.mean, GREEN)]
         rows += [("Motor peak", curves.motor_peak, SCREEN.ink)] if has_motor_curve else []
-        self.torque.show_lines([Line(curves.rpm, y / rung.size, colour, name) for name, y, colour in rows], present)
+        self.torque.show_lines(
+            [Line(curves.rpm, y / display_unit.size, colour, name) for name, y, colour in rows], present
+        )
         if np.isfinite(curves.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
             allowed = 100.0 * self.session.full_design.camshaft.speed_fluctuation
@@ -209,18 +211,18 @@ def show_turn(plot: CursorPlot, title: str, unit: str, lines: Sequence[Line], fi
 
     ``lines``: x [deg] without the end of the turn, y and band in ``unit``. ``fit``: the axis need not include zero.
     """
-    rung = readable(unit, max((float(np.abs(line.y).max(initial=0.0)) for line in lines), default=0.0))
-    plot.name_axes(MACHINE_ANGLE, f"{title}, {rung.symbol}")
+    display_unit = readable(unit, max((float(np.abs(line.y).max(initial=0.0)) for line in lines), default=0.0))
+    plot.name_axes(MACHINE_ANGLE, f"{title}, {display_unit.symbol}")
     closed = [
         replace(
             line,
             x=np.append(line.x, 360.0),
-            y=np.append(line.y, line.y[0]) / rung.size,
-            band=None if line.band is None else (line.band[0], line.band[1] / rung.size),
+            y=np.append(line.y, line.y[0]) / display_unit.size,
+            band=None if line.band is None else (line.band[0], line.band[1] / display_unit.size),
         )
         for line in lines
     ]
-    plot.show_lines(closed, fit=fit, rung=rung)
+    plot.show_lines(closed, fit=fit, display_unit=display_unit)
 
 
 def band_in(bands: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray] | None:
@@ -261,7 +263,7 @@ class _TurnView(View):
         self.set_column(splitter, self.note, grows=splitter)
 
     def refresh(self, study: Study) -> None:
-        require_list(self.session.full_design, ALONE)
+        require_list(self.session.full_design, ONE_DRIVE_TORQUE)
         self.draw(self.session.shaft)
         self._read_timer.start()
 
@@ -442,8 +444,8 @@ def _row(name: str, load: LoadCurve, omega: float, colour: str, column: str = ""
 
 
 def _readable(symbol: str, value: float) -> tuple[float, str]:
-    rung = readable(symbol, abs(value))
-    return value / rung.size, rung.symbol
+    display_unit = readable(symbol, abs(value))
+    return value / display_unit.size, display_unit.symbol
 
 
 def _torque(value: float) -> str:

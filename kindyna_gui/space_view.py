@@ -24,7 +24,7 @@ NO_PART = (
 
 
 class PathCanvas(QWidget):
-    """Path (n, 3) [mm], its shadow on the floor, axes through the lowest corner, and the part; a drag turns the drawing."""
+    """Drawing of the path (n, 3) [mm], its shadow, axes through the lowest corner, and the part; a drag turns it."""
 
     def __init__(self) -> None:
         super().__init__()

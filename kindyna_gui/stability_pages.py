@@ -86,7 +86,7 @@ class PointFields(QWidget):
         self.setEnabled(False)
 
     def show_point(self, machine: Machine, eta: float, q: float, is_machine: bool) -> None:
-        """Show a point of a machine's chart and discard refused input; ``is_machine``: it is the point of the machine."""
+        """Show a point of the chart and discard refused input; ``is_machine``: it is the point of the machine."""
         self._machine, self._point = machine, (eta, q)
         self.eta.show_value(_rounded(eta) if is_machine else eta)
         self.q.show_value(_rounded(q) if is_machine else q)
@@ -321,8 +321,8 @@ AVERAGING = "Calculating the shaft from rest at many speeds …"
 class ChartPoint:
     """A point of the chart with its results so far.
 
-    ``is_machine``: the point of the machine. ``steady``: the steady response, None before it is computed, empty where there
-    is none.
+    ``is_machine``: the point of the machine. ``steady``: the steady response, None before it is computed, empty where
+    there is none.
     """
 
     eta: float

@@ -63,8 +63,8 @@ REST_MS = 220  # rest of the mouse before slow results are calculated
 class PointReading(QLabel):
     """Reading of a point in three lines: position, tongue and linear models; steady response; history from rest.
 
-    The steady response and the history take a second or more. They are calculated in the background, until the mouse moves.
-    The text covers the half of the chart without the mouse, and ignores the mouse.
+    The steady response and the history take a second or more. They are calculated in the background, until the mouse
+    moves. The text covers the half of the chart without the mouse, and ignores the mouse.
 
     - changed: a calculation has ended or was stopped
     """
@@ -170,8 +170,8 @@ UPDATING = "Calculating the chart …"
 class StabilityView(View):
     """Stability of the shaft: chart, fields of the selected point, and pages.
 
-    The first coarse chart is drawn at once. The fine one, and verdicts and history of the selected point, are calculated in
-    the background. After an edit the previous chart stays, greyed out, until the new one is known.
+    The first coarse chart is drawn at once. The fine one, and verdicts and history of the selected point, are
+    calculated in the background. After an edit the previous chart stays, greyed out, until the new one is known.
 
     - ``stability``: results of the shaft; None while they are calculated again
     - ``drawn``: the chart on screen; None before the first

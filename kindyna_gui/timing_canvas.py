@@ -553,7 +553,8 @@ class TimingCanvas(QWidget):
             timing = self._design.timing[row]
             what = f"{event_text(timing.second)} after {event_text(timing.first)}: {self.chart.condition_text(row)}"
         elif grip is not None:
-            what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.degrees_and_ms(self._design.drives[grip[0]].phase_deg % 360.0)}"
+            phase = self._design.drives[grip[0]].phase_deg % 360.0
+            what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.degrees_and_ms(phase)}"
         else:
             return HOW
         return f"{what}\n\n{HOW}"

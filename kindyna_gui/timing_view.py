@@ -1,4 +1,4 @@
-"""View of the timing of several drives: the chart, the list of sequence conditions, and the form of the selected one."""
+"""View of the timing of several drives: chart, list of sequence conditions, and form of the selected condition."""
 
 from __future__ import annotations
 
@@ -367,7 +367,7 @@ class TimingView(View):
         self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
 
     def _contradiction(self) -> str:
-        """Conditions that no phases satisfy together in the present order of events; empty where there is no contradiction."""
+        """Message where no phases satisfy all conditions in the present order of events; else empty."""
         rows = contradiction(self._design)
         if not rows:
             return ""

@@ -1,7 +1,7 @@
 """Base classes of the views: when a view refreshes, and what it shows in place of a missing result.
 
-A view refreshes only while something of it can be seen. Where a stage has no solution it shows the reason, where the view
-itself fails it shows the fault.
+A view refreshes only while something of it can be seen. Where a stage has no solution it shows the reason, where the
+view itself fails it shows the fault.
 """
 
 from __future__ import annotations
@@ -164,8 +164,8 @@ class ReasonPage(QScrollArea):
 class ExplainableNumber:
     """A number that can be explained.
 
-    ``name``: its column, or its key in the summary. ``theta``: cam or crank angle [rad], machine angle for a number of all
-    drives; None: the current angle.
+    ``name``: its column, or its key in the summary. ``theta``: cam or crank angle [rad], machine angle for a number of
+    all drives; None: the current angle.
     """
 
     name: str
@@ -233,16 +233,17 @@ class ViewHost(Protocol):
 class View(QWidget):
     """A widget that shows results of the session's study.
 
-    Subclasses name in ``stages`` the stages they read, and implement ``refresh`` (the design changed) and ``follow`` (the
-    cam angle changed). Neither is called while the view is hidden or tabbed behind another; the view then only notes that
-    it is out of date. Where a stage has no solution the view shows the reason in place of its content. Where the view
-    itself fails it shows the fault, raises the exception again, and waits for "Try again" or another design.
+    Subclasses name in ``stages`` the stages they read, and implement ``refresh`` (the design changed) and ``follow``
+    (the cam angle changed). Neither is called while the view is hidden or tabbed behind another; the view then only
+    notes that it is out of date. Where a stage has no solution the view shows the reason in place of its content.
+    Where the view itself fails it shows the fault, raises the exception again, and waits for "Try again" or another
+    design.
 
     While the mouse drags something in one view, that view follows every move. All other views refresh through the
     ``RefreshQueue``, as can parts of the first one (``refresh_in_turn``).
 
     - status_message (str): what has been done, for the status line
-    - ``is_design_wide``: shows all drives, so it refreshes after each step of the design, not only of the selected drive
+    - ``is_design_wide``: shows all drives, so it refreshes after a change of any drive
     - ``is_unavailable``: this kind of design has nothing for the view, which shows a sentence instead
     - ``pause_ms``: refresh once editing pauses that long; 0: after each step
     - ``reading_ms``: shortest time between two angles shown while the cam turns; 0: every angle

@@ -97,7 +97,7 @@ class InspectionArguments:
 
     design: Path = design_file()
     drive: str = drive_name()
-    out: Path = text_option("table to write (.csv), with a summary as FILE.json", type=Path, metavar="FILE")
+    out: Path = text_option("table to write (.csv), with summary.json in the same folder", type=Path, metavar="FILE")
     request: InspectionRequest = InspectionRequest()
     measured: Path | None = text_option(
         "measured table: cam angle and lift in each row", default=None, type=Path, metavar="TABLE"

@@ -8,7 +8,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import MappingProxyType
@@ -440,13 +440,22 @@ def require_own_json(path: Path, keys: Iterable[str]) -> None:
     """Raise FileError for an existing file that is not a JSON object with these keys, so that it is not overwritten."""
     import json
 
+    _require_own(path, lambda data: json.loads(data).keys() >= set(keys))
+
+
+def require_own_csv(path: Path, columns: Iterable[str]) -> None:
+    """Raise FileError for an existing file that is not a table with these columns, so that it is not overwritten."""
+    _require_own(path, lambda data: data.split(b"\n", 1)[0].decode().rstrip("\r") == ",".join(columns))
+
+
+def _require_own(path: Path, is_own: Callable[[bytes], bool]) -> None:
     if _permissions(path, _target(path), in_place=False) is None:
         return
     try:
-        has_keys = json.loads(read_own(path)).keys() >= set(keys)
+        own = is_own(read_own(path))
     except (OSError, ValueError, AttributeError, RecursionError):
-        has_keys = False
-    if not has_keys:
+        own = False
+    if not own:
         _refuse(path, "written", "it belongs to another program; choose another folder or name")
 
 

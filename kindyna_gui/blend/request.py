@@ -530,8 +530,8 @@ def figures(blended: BlendResult, rpm: float) -> list[str]:
 
 
 def _at_speed(value: float, symbol: str) -> str:
-    rung = readable(symbol, value)
-    return measure(value / rung.size, rung.symbol)
+    display_unit = readable(symbol, value)
+    return measure(value / display_unit.size, display_unit.symbol)
 
 
 def effect(before: Motion, after: Motion, blended: BlendResult) -> str:

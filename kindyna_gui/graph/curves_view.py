@@ -292,8 +292,8 @@ class CurvesView(View):
         self.row = min(max(self.row, 0), len(self.graph.curves) - 1)
         self._show_rows()
         defaults = {"x": AxisDefaults(self.data.x_title, self.data.x_unit)}
-        for axis, rung in zip(self.data.axes, self.plot.rungs, strict=False):
-            defaults.setdefault(axis.side, AxisDefaults(axis.title, rung.symbol, rung.size))
+        for axis, display_unit in zip(self.data.axes, self.plot.display_units, strict=False):
+            defaults.setdefault(axis.side, AxisDefaults(axis.title, display_unit.symbol, display_unit.size))
         self.axes.show_graph(self.graph, {name: defaults.get(name, AxisDefaults()) for name in AXES})
         self._show_readout()
         self.back_button.setEnabled(self.plot.can_go_back)
@@ -363,8 +363,12 @@ class CurvesView(View):
         parts = []
         for letter, point in zip(POINT_NAMES, points, strict=False):
             axis = self.plot.axis_of(point.series)
-            rung = self.plot.rungs[axis]
-            y = with_unit(short(point.y / rung.size, 6), rung.symbol) if isfinite(point.y) else "no value"
+            display_unit = self.plot.display_units[axis]
+            y = (
+                with_unit(short(point.y / display_unit.size, 6), display_unit.symbol)
+                if isfinite(point.y)
+                else "no value"
+            )
             angle = angle_at(data, point)
             at = f" at {short(angle, 6)}°{self._path_text(point, angle)}" if isfinite(angle) else ""
             parts.append(
@@ -374,11 +378,11 @@ class CurvesView(View):
             distance = point_distance(data, *points)
             parts.append(f"Δx {with_unit(short(distance.x, 6), data.x_unit)}")
             if isfinite(distance.y):
-                rung = self.plot.rungs[self.plot.axis_of(points[0].series)]
-                parts.append(f"Δy {with_unit(short(distance.y / rung.size, 6), rung.symbol)}")
-                unit = f"{rung.symbol}/{data.x_unit}" if data.x_unit else rung.symbol
+                display_unit = self.plot.display_units[self.plot.axis_of(points[0].series)]
+                parts.append(f"Δy {with_unit(short(distance.y / display_unit.size, 6), display_unit.symbol)}")
+                unit = f"{display_unit.symbol}/{data.x_unit}" if data.x_unit else display_unit.symbol
                 if isfinite(distance.slope):
-                    parts.append(f"slope {short(distance.slope / rung.size, 6)} {unit}".strip())
+                    parts.append(f"slope {short(distance.slope / display_unit.size, 6)} {unit}".strip())
             else:
                 parts.append("Δy: the curves are in different units")
         self.readout.show_text(
@@ -389,10 +393,10 @@ class CurvesView(View):
         """Speed and acceleration at a point of a path; empty for other curves."""
         curve = self.graph.curve(self.data.series[point.series].key)
         rows = path_values(self.sources(curve.source), curve, angle) if curve is not None else ()
-        rungs = [readable(row.unit, abs(row.value)) for row in rows]
+        display_units = [readable(row.unit, abs(row.value)) for row in rows]
         return "".join(
-            f", {row.name} {with_unit(short(row.value / rung.size, 6), rung.symbol)}"
-            for row, rung in zip(rows, rungs, strict=True)
+            f", {row.name} {with_unit(short(row.value / display_unit.size, 6), display_unit.symbol)}"
+            for row, display_unit in zip(rows, display_units, strict=True)
         )
 
     @property

@@ -100,9 +100,9 @@ def _row(
 ) -> TableRow:
     """Row of a value. floor: smaller values are rounding errors of 0; name: column or figure to explain, at theta [rad]."""
     value = 0.0 if abs(value) <= floor else value
-    rung = readable(symbol, abs(value))
+    display_unit = readable(symbol, abs(value))
     number = ExplainableNumber(name, theta) if name else None
-    return TableRow((label, digits(value / rung.size, DIGITS), rung.symbol), tip=tip, number=number)
+    return TableRow((label, digits(value / display_unit.size, DIGITS), display_unit.symbol), tip=tip, number=number)
 
 
 class FlywheelView(View):
@@ -407,17 +407,18 @@ class VibrationView(BackgroundView):
         below = finite[:, rpm <= design_rpm]
         limit = RANGE_FACTOR * float(np.nanmax(below)) if np.isfinite(below).any() else math.inf
         highest = min(limit, float(np.nanmax(finite, initial=0.0)))
-        rung = readable(symbol, highest)
-        self.plot.name_axes(SPEED, f"{title}, {rung.symbol}")
+        display_unit = readable(symbol, highest)
+        self.plot.name_axes(SPEED, f"{title}, {display_unit.symbol}")
         colours = [ROWS[i % len(ROWS)] for i in range(len(names))]
         labels = [f"{name}: {value}" for name, value in zip(names, current, strict=True)] if current else names
         lines = [
-            Line(rpm, y / rung.size, colour, label) for y, colour, label in zip(finite, colours, labels, strict=True)
+            Line(rpm, y / display_unit.size, colour, label)
+            for y, colour, label in zip(finite, colours, labels, strict=True)
         ]
         self.plot.show_lines(lines, ((design_rpm, "now"),))
         if highest > 0.0:
-            self.plot.show_range(upwards=(0.0, 1.05 * (highest / rung.size)))
-        self._curves = _SpeedCurves(rpm, values, names, rung)
+            self.plot.show_range(upwards=(0.0, 1.05 * (highest / display_unit.size)))
+        self._curves = _SpeedCurves(rpm, values, names, display_unit)
 
     def _show_values(self, rpm: float | None) -> None:
         """Show the values at the mouse, or the summary if the mouse is outside the plot."""
@@ -436,9 +437,9 @@ class _SpeedCurves:
         rpm: np.ndarray | None = None,
         values: np.ndarray | None = None,
         names: tuple[str, ...] = (),
-        rung: DisplayUnit | None = None,
+        display_unit: DisplayUnit | None = None,
     ) -> None:
-        self._rpm, self._values, self._names, self._rung = rpm, values, names, rung
+        self._rpm, self._values, self._names, self._rung = rpm, values, names, display_unit
 
     def text(self, rpm: float) -> str:
         """Return the values at a speed, interpolated linearly; empty if there are no curves."""
@@ -457,8 +458,8 @@ def _span(residual: ResidualVibration) -> str:
 
 
 def _in_mm(value: float) -> str:
-    rung = readable("mm", value)
-    return measure(value / rung.size, rung.symbol, 3)
+    display_unit = readable("mm", value)
+    return measure(value / display_unit.size, display_unit.symbol, 3)
 
 
 def _residual_row(study: Study, residual: ResidualVibration) -> TableRow:

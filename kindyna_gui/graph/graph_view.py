@@ -332,10 +332,6 @@ class GraphView(MarkedView):
         self.form_buttons[name].setChecked(True)
         self._changed()
 
-    def _turn(self, theta: float) -> None:
-        self.player.play(False)
-        self.player.set_theta(theta)
-
     def _choose_plot(self, index: int) -> None:
         if index != self.selection.active:
             self.selection.active = index

@@ -79,7 +79,8 @@ class LiveGraph(GraphPlot):
     def _axis_keys(self) -> list[str]:
         """Side, unit and scale of each axis."""
         keys = [
-            f"{axis.side} {rung.symbol} {axis.scale.log}" for axis, rung in zip(self.data.axes, self.rungs, strict=True)
+            f"{axis.side} {display_unit.symbol} {axis.scale.log}"
+            for axis, display_unit in zip(self.data.axes, self.display_units, strict=True)
         ]
         return [f"x {self.data.x_unit} {self.graph.x.log}", *keys]
 

@@ -299,7 +299,7 @@ class LivePlot(_AnglePlot, CurvePlot):
             return False
         low, high = self.getViewBox().viewRange()[1]
         per_pixel = (high - low) / self.getViewBox().height()
-        self._grip = PeakGrip(pixel, peak.extreme.value, per_pixel, self.rung.size, self._core)
+        self._grip = PeakGrip(pixel, peak.extreme.value, per_pixel, self.display_unit.size, self._core)
         return True
 
     def _reach(self, core: tuple[float, float]) -> tuple[float, float]:

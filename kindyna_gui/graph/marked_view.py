@@ -132,6 +132,11 @@ class MarkedView(View):
         plot.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         plot.customContextMenuRequested.connect(open_at)
 
+    def _turn(self, theta: float) -> None:
+        """Stop playing, and set the cam angle [rad]."""
+        self.player.play(False)
+        self.player.set_theta(theta)
+
     def _open_field(self, path: str) -> None:
         if self._host is not None:
             self._host.focus_field(path)

@@ -75,12 +75,17 @@ def drive_curves(shaft: Camshaft[Study], names: Sequence[str], bands: Bands) -> 
         sum_band = bands.of_shaft().get("")
         shade = None if sum_band is None else (np.deg2rad(turn_degrees(sum_band.shape[1])), sum_band)
         curves.append((shaft.theta, shaft.torque, SCREEN.ink, "Shaft", shade))
-    rung = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, *_ in curves))
+    display_unit = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, *_ in curves))
     lines = [
-        Line(*_closed(x, values / rung.size), colour, name, band=shade and _closed(shade[0], shade[1] / rung.size))
+        Line(
+            *_closed(x, values / display_unit.size),
+            colour,
+            name,
+            band=shade and _closed(shade[0], shade[1] / display_unit.size),
+        )
         for x, values, colour, name, shade in curves
     ]
-    return lines, f"{first.label}, {rung.symbol}", missing
+    return lines, f"{first.label}, {display_unit.symbol}", missing
 
 
 def _closed(machine_angle: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -195,6 +200,8 @@ class PlotView(MarkedView):
         if drawn:
             pinned, pinned_note = self._pinned(drawn)
             bands = self.bands.read(drawn)
+            if (front := Pins.of(self.session).front) is not None:
+                self.plot.reference_name = front.name
             self.plot.set_curves(study, drawn, pinned, read=False, bands=bands)  # ``follow`` comes next
             notes.append(pinned_note)
         else:
@@ -234,10 +241,6 @@ class PlotView(MarkedView):
 
     def selected_number(self) -> ExplainableNumber | None:
         return ExplainableNumber(self.rows[0].slug) if self.rows else None
-
-    def _turn(self, theta: float) -> None:
-        self.player.play(False)
-        self.player.set_theta(theta)
 
     @property
     def no_picture(self) -> str:
@@ -317,10 +320,6 @@ class StackView(MarkedView):
         name = next((name for name, plot in self.plots.items() if plot.underMouse()), "pressure_angle")
         rows = self._drawn.get(name)
         return ExplainableNumber(rows[0].slug) if rows else None
-
-    def _turn(self, theta: float) -> None:
-        self.player.play(False)
-        self.player.set_theta(theta)
 
     def picture(self, ending: str) -> bytes:
         """Return the plots without the cursor, as the content of a file."""

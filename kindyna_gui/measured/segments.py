@@ -145,15 +145,15 @@ def show_rows(plot: XYPlot, fit: MotionFit, order: int = 0) -> None:
     else:
         column, error = fit.columns[index].column, fit.columns[index].error
         unit, values, curve = column.unit, column.values / column.size, fit.curve(CURVE_ANGLES, index)
-    rung = readable(symbol(unit), float(np.nanmax(np.abs(curve if values is None else values))))
+    display_unit = readable(symbol(unit), float(np.nanmax(np.abs(curve if values is None else values))))
     colour = SCREEN.family(family)
-    plot.name_axes("", f"{family.capitalize()}, {rung.symbol}", colour)
-    dots = () if values is None else _dots(fit, values / rung.size, order)
-    band = (CURVE_ANGLES, (curve + error * BAND[:, None]) / rung.size) if error else None
+    plot.name_axes("", f"{family.capitalize()}, {display_unit.symbol}", colour)
+    dots = () if values is None else _dots(fit, values / display_unit.size, order)
+    band = (CURVE_ANGLES, (curve + error * BAND[:, None]) / display_unit.size) if error else None
     shaded = "± 1 and 3 measuring errors" if order == fit.columns[0].column.order else ""
-    plot.show_lines([Line(CURVE_ANGLES, curve / rung.size, colour, band=band)], dots=dots, shaded=shaded)
-    known = [] if values is None else [values[np.isfinite(values)] / rung.size]
-    plot.show_range(WHOLE_TURN, shown_range([*known, curve / rung.size], {family}, ()))
+    plot.show_lines([Line(CURVE_ANGLES, curve / display_unit.size, colour, band=band)], dots=dots, shaded=shaded)
+    known = [] if values is None else [values[np.isfinite(values)] / display_unit.size]
+    plot.show_range(WHOLE_TURN, shown_range([*known, curve / display_unit.size], {family}, ()))
 
 
 def show_residuals(plot: XYPlot, fit: MotionFit, index: int = 0) -> None:
@@ -162,13 +162,13 @@ def show_residuals(plot: XYPlot, fit: MotionFit, index: int = 0) -> None:
     order = column_fit.column.order
     used = np.delete(column_fit.residuals, fit.spoiled.get(order, ()) if index else fit.left_out)
     largest = MARGIN * max(float(np.nanmax(np.abs(used), initial=0.0)), 1.2 * column_fit.error) or 1.0
-    rung = readable(symbol(column_fit.column.unit), largest)
-    edge, error = largest / rung.size, column_fit.error / rung.size
-    texts = (with_unit(f"± {short(error, 3)}", rung.symbol), "") if error else ()
+    display_unit = readable(symbol(column_fit.column.unit), largest)
+    edge, error = largest / display_unit.size, column_fit.error / display_unit.size
+    texts = (with_unit(f"± {short(error, 3)}", display_unit.symbol), "") if error else ()
     rules = [Rule(at, text, SCREEN.limit, level=True) for at, text in zip((error, -error), texts, strict=False)]
     colour = SCREEN.family(column_fit.column.quantity) if len(fit.columns) > 1 else ""
-    plot.name_axes(ANGLE, f"Residual, {rung.symbol}", colour)
-    dots = _dots(fit, np.clip(column_fit.residuals / rung.size, -0.97 * edge, 0.97 * edge), order)
+    plot.name_axes(ANGLE, f"Residual, {display_unit.symbol}", colour)
+    dots = _dots(fit, np.clip(column_fit.residuals / display_unit.size, -0.97 * edge, 0.97 * edge), order)
     plot.show_lines([], rules=rules, dots=dots)
     plot.show_range(WHOLE_TURN, (-edge, edge))
 

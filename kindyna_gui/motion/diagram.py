@@ -412,7 +412,7 @@ class MotionDiagram(CurvePlot):
         if all(row.min() == row.max() for row in shown):  # room to drag a first rise
             low, high = float(values[0]) - FLAT, float(values[0]) + FLAT
         if self._fixed_range is None:
-            self.rung = readable(channel.unit.symbol, peak(full_turn))
+            self.display_unit = readable(channel.unit.symbol, peak(full_turn))
         else:  # while a join is dragged the range may only grow
             low, high = min(low, self._fixed_range[0]), max(high, self._fixed_range[1])
         self._current.setPen(self._theme.pen(curve.colour))
@@ -422,7 +422,7 @@ class MotionDiagram(CurvePlot):
             self._put(self._before, before, motion.gain)
         self._spans = spans(motion)
         self.motion, self._marks = motion, [join_marks(join, motion) for join in study.program.joins]
-        size = self.rung.size
+        size = self.display_unit.size
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
         self._shade([] if band is None else [(curve, band)])
         if QAccessible.isActive():
@@ -432,11 +432,11 @@ class MotionDiagram(CurvePlot):
         self.update_highlight()
 
     def _put(self, item: pg.PlotCurveItem, values: np.ndarray, gain: float) -> None:
-        item.setData(self._angles, np.append(values, values[:1] + gain) / self.rung.size, skipFiniteCheck=True)
+        item.setData(self._angles, np.append(values, values[:1] + gain) / self.display_unit.size, skipFiniteCheck=True)
 
     def fix_range(self, on: bool) -> None:
         """Keep the range of levels while a join is dragged; it may only grow."""
-        frame, size = self.frame(), self.rung.size
+        frame, size = self.frame(), self.display_unit.size
         self._fixed_range = (frame.low * size, frame.high * size) if on else None
 
     def update_highlight(self) -> None:
@@ -450,7 +450,7 @@ class MotionDiagram(CurvePlot):
 
     def scale_now(self) -> DiagramScale:
         """Return the current scale of the diagram."""
-        box, frame, size = self._view.sceneBoundingRect(), self.frame(), self.rung.size
+        box, frame, size = self._view.sceneBoundingRect(), self.frame(), self.display_unit.size
         return DiagramScale(box.left(), box.right(), box.top(), box.bottom(), frame.low * size, frame.high * size)
 
     def position_of(self, angle: float, level: float) -> QPointF:

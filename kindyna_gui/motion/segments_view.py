@@ -470,10 +470,6 @@ class SegmentsView(MarkedView):
             self._show_derivatives(self.session.study)
             self.follow(self.player.theta)
 
-    def _turn(self, theta: float) -> None:
-        self.player.play(False)
-        self.player.set_theta(theta)
-
     def _draw(self) -> None:
         """Draw diagram, figures of the turn and derivatives."""
         study = self.session.study

@@ -299,7 +299,7 @@ class DesignActions(QObject):
             self.change(lambda: chosen, "Choose another circuit")
 
     def change(self, make: Callable[[], Design], text: str) -> None:
-        """Replace the design in one undo step; if it cannot be made or is refused, the status line shows why."""
+        """Replace the design in one undo step; if it cannot be built or is refused, the status line shows why."""
         self._apply(self._session.put, make, text)
 
     def lay_out(self, make: Callable[[], Design], text: str) -> None:

@@ -35,7 +35,7 @@ class TabPage(QWidget):
         self._column.setContentsMargins(0, 0, 0, 0)
 
     def build(self) -> View:
-        """Return the view, made at the first call."""
+        """Return the view, created at the first call."""
         if self.view is None:
             self.view = self._make(self.name)
             self._column.addWidget(self.view)
@@ -69,7 +69,7 @@ class CentralPages(QWidget):
             self.tabs.tabBar().setTabButton(0, side, None)
 
     def page(self, name: str) -> View | None:
-        """Return the view of a page by its name in ``VIEWS``; None while it has not been made."""
+        """Return the view of a page by its name in ``VIEWS``; None while it has not been created."""
         page = self._pages.get(name)
         return page.view if page is not None else None
 
@@ -141,7 +141,7 @@ class DesignEdits(Protocol):
         """Begin with a mechanism chosen from images."""
 
     def change(self, make: Callable[[], Design], text: str) -> None:
-        """Replace the design in one undo step; if it cannot be made or is refused, the status line shows why."""
+        """Replace the design in one undo step; if it cannot be built or is refused, the status line shows why."""
 
     def lay_out(self, make: Callable[[], Design], text: str) -> None:
         """Replace the typed design in one undo step; the new one may be incomplete."""
@@ -175,7 +175,7 @@ class Window(QMainWindow):
         raise NotImplementedError
 
     def view(self, name: str) -> View | None:
-        """Return a view by its name in ``VIEWS``; None while it has not been made."""
+        """Return a view by its name in ``VIEWS``; None while it has not been created."""
         raise NotImplementedError
 
     def show_task(self, name: str) -> None:

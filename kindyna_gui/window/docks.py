@@ -314,7 +314,7 @@ PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
 
 
 class Dock(QDockWidget):
-    """A dock whose view is made when it is first visible.
+    """A dock whose view is created when it is first visible.
 
     Signal ``seen``: the view has become visible, or hidden.
     """
@@ -339,11 +339,11 @@ class Dock(QDockWidget):
 
     @property
     def view(self) -> View | None:
-        """The view; None while it has not been made."""
+        """The view; None while it has not been created."""
         return self._view
 
     def build(self) -> View:
-        """Return the view, made at the first call."""
+        """Return the view, created at the first call."""
         if self._view is None:
             self._view = self._make()
             if hasattr(self._view, "height_requested"):
@@ -388,7 +388,7 @@ class Dock(QDockWidget):
         self._soon.start()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the title in the current font; Qt would keep the font from when the dock was made."""
+        """Paint the title in the current font; Qt would keep the font from when the dock was created."""
         painter = QStylePainter(self)
         if self.isFloating():
             frame = QStyleOptionFrame()

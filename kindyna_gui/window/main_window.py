@@ -33,7 +33,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon
-from kindyna_gui.requirements import STRANGE
+from kindyna_gui.requirements import UNKNOWN_PREFERENCES
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import ExplainableNumber, View, is_in_sight, scroll_to
@@ -182,7 +182,7 @@ class MainWindow(Window):
     # -- views --------------------------------------------------------------------------------------------
 
     def view(self, name: str) -> View | None:
-        """Return a view by its name in ``VIEWS``; None while it has not been made."""
+        """Return a view by its name in ``VIEWS``; None while it has not been created."""
         dock = self.docks.get(name)
         return dock.view if dock is not None else self.centre.page(name)
 
@@ -608,7 +608,7 @@ class MainWindow(Window):
         return False
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the mechanism first; the docks are made after that."""
+        """Paint the mechanism first; the docks are created after that."""
         super().paintEvent(event)
         if not self._painted:
             self._painted = True
@@ -619,7 +619,7 @@ class MainWindow(Window):
             dock.pause(False)
         self.layouts.furnish()
         if strange := preferences.not_understood():
-            self.status.show_message(f"{STRANGE}{', '.join(strange)}")
+            self.status.show_message(f"{UNKNOWN_PREFERENCES}{', '.join(strange)}")
         self.furnished.emit()
 
     def closeEvent(self, event: QCloseEvent) -> None:

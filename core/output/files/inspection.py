@@ -37,7 +37,7 @@ from core.output.files.profile_curve import ExactCurve, ProfileCurve, find_uncut
 from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ProfileRequest as Profile
 from core.output.summary import to_json
-from core.project.files import require_own_json, write_into
+from core.project.files import require_own_csv, require_own_json, write_into
 from core.requests import require_in_range
 from core.study import Study
 
@@ -649,8 +649,12 @@ def files(inspected: Inspection, path: Path, comparison: ProfileComparison | Non
         )
         texts.append(csv(ROWS, columns))
     texts.append(to_json({"file": path.name, **facts(inspected, comparison)}))
-    names = [path.name, *([] if comparison is None else [f"{path.stem}{DEVIATION}{path.suffix}"]), SUMMARY]
+    names = [path.name, *([] if comparison is None else [_deviations_name(path)]), SUMMARY]
     return {name: text.encode() for name, text in zip(names, texts, strict=True)}
+
+
+def _deviations_name(path: Path) -> str:
+    return f"{path.stem}{DEVIATION}{path.suffix}"
 
 
 def _plain(*columns: np.ndarray) -> list[np.ndarray]:
@@ -662,5 +666,7 @@ def write_inspection(inspected: Inspection, path: Path, comparison: ProfileCompa
     require_name(path)
     texts = files(inspected, path, comparison)
     require_own_json(path.parent / SUMMARY, {"file", "base_mm"})
+    if comparison is not None:
+        require_own_csv(path.parent / _deviations_name(path), ROWS)
     write_into(path.parent, texts, typed=path.name)
     return [path.parent / name for name in texts]

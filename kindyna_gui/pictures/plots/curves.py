@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import degrees
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -78,7 +77,7 @@ class CurvePlot(FixedPlot):
     unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
     text_room : room left free above and below the curves, for the texts of extremes [pixels]
     reference_name : name of the dashed reference in the legend
-    rung : unit that the values are shown in
+    display_unit : unit that the values are shown in
     """
 
     unseen = 0.0
@@ -116,7 +115,7 @@ class CurvePlot(FixedPlot):
         self._extreme_marks: list[ExtremeMark] = []
         self._boxes: list[QRectF] = []
         self._background_state: tuple[object, ...] = ()
-        self.rung = DisplayUnit("", 1.0, 0.0)
+        self.display_unit = DisplayUnit("", 1.0, 0.0)
         self.show_message("")
 
     def _size_axes(self) -> None:
@@ -167,7 +166,7 @@ class CurvePlot(FixedPlot):
         curves = read_curves(study, channels, self._theme)
         reference_curves = [] if reference is None else read_curves(reference, channels, self._theme)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
+        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point(), self.reference_name)
         samples = line_of(study)
         shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
         reference_samples = None if reference is None else line_of(reference)
@@ -192,8 +191,8 @@ class CurvePlot(FixedPlot):
         ranges_without_spikes = [readable_range(row, at) for row, at in zip(values, moves, strict=True)]
         self._has_spikes = ranges_without_spikes != full_ranges
         ranges = full_ranges if self._shows_spikes else ranges_without_spikes
-        self.rung = readable(curves[0].channel.unit.symbol, max(abs(end) for ends in ranges for end in ends))
-        size = self.rung.size
+        self.display_unit = readable(curves[0].channel.unit.symbol, max(abs(end) for ends in ranges for end in ends))
+        size = self.display_unit.size
         self._core = axis_range(
             [(low / size, high / size) for low, high in ranges],
             {row.family for row in channels},
@@ -214,7 +213,7 @@ class CurvePlot(FixedPlot):
         shown = [(value / size, *words) for value, words in limits if low <= value / size <= high]
         self._limits = self._resized(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
         for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
-            limit.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief, field)
+            limit.set_value(value, text.format(with_unit(short(value, 4), self.display_unit.symbol)), brief, field)
         self._name_curves(reference is not None, bool(shaded))
         self._find_extremes()
         self._lay_out()
@@ -279,7 +278,7 @@ class CurvePlot(FixedPlot):
         return shown
 
     def _find_extremes(self) -> None:
-        (low, high), size = self._view.viewRange()[1], self.rung.size
+        (low, high), size = self._view.viewRange()[1], self.display_unit.size
         rows = []
         for curve in self._curves:
             if curve.channel.approximates:
@@ -294,9 +293,9 @@ class CurvePlot(FixedPlot):
         rows = []
         for curve in self._curves:
             ends, _ = self._ends(curve)
-            low, high = (value / self.rung.size for _, value in ends)
+            low, high = (value / self.display_unit.size for _, value in ends)
             angle, _ = max(ends, key=lambda end: abs(end[1]))
-            rows.append(curve_words(curve.channel.label.lower(), self.rung.symbol, low, high, angle, "°"))
+            rows.append(curve_words(curve.channel.label.lower(), self.display_unit.symbol, low, high, angle, "°"))
         return "; ".join(rows)
 
     def _ends(self, curve: Curve) -> tuple[list[tuple[float, float]], bool]:
@@ -337,7 +336,9 @@ class CurvePlot(FixedPlot):
         room = CLIP_RANGES * (high - low)
         for curve, rows in bands:
             angles, band = closed_band(rows, curve.gain)
-            for item in band_items(angles, np.clip(band / self.rung.size, low - room, high + room), curve.colour):
+            for item in band_items(
+                angles, np.clip(band / self.display_unit.size, low - room, high + room), curve.colour
+            ):
                 self._view.addItem(item, ignoreBounds=True)
                 self._bands.append(item)
 
@@ -347,22 +348,13 @@ class CurvePlot(FixedPlot):
         return [rows for _, rows in self._drawn_bands]
 
     def _draw(self, item: CurveLine, curve: Curve, along: TurnSamples, z: float, pen: QPen) -> None:
-        values = along.of(curve.values, curve.gain) / self.rung.size
+        values = along.of(curve.values, curve.gain) / self.display_unit.size
         finite = np.isfinite(values)
         if self._has_spikes or not finite.all():
             low, high = self._view.viewRange()[1]
             room = CLIP_RANGES * (high - low)
             values = np.where(finite, np.clip(values, low - room, high + room), np.nan)
         item.show_points(along.angles, values, pen, z)
-
-    def _resized(self, pool: list[Any], count: int, make: Callable[[], Any]) -> list[Any]:
-        """A pool of ``count`` items: existing ones are reused, surplus ones removed, missing ones made."""
-        for item in pool[count:]:
-            if isinstance(item, CurveLine):
-                self._view.removeItem(item)
-            else:
-                item.remove(self._view)
-        return pool[:count] + [make() for _ in range(count - len(pool))]
 
     def _name_curves(self, has_reference: bool, has_bands: bool = False) -> None:
         """Name the curves above the plot where there is more than one."""
@@ -415,11 +407,11 @@ class CurvePlot(FixedPlot):
         elif self._readings:
             at = nearest(self._theta, self._angle)
             exact_or_sampled = self._exact_values or [float(curve.values[at]) for curve in self._curves]
-            values = [
-                0.0 if abs(value) <= curve.floor else value / self.rung.size
-                for value, curve in zip(exact_or_sampled, self._curves, strict=True)
-            ]
-            written = place_readouts(self._readings, degrees(self._angle), values, self.rung, frame, self._boxes)
+            rows = zip(self._curves, exact_or_sampled, strict=True)
+            values = [curve.shown(value, self.display_unit.size) for curve, value in rows]
+            written = place_readouts(
+                self._readings, degrees(self._angle), values, self.display_unit, frame, self._boxes
+            )
         for mark in self._extreme_marks:  # in a low plot the values at the cursor may need the room of these texts
             mark.give_way(written)
 
@@ -446,7 +438,7 @@ class CurvePlot(FixedPlot):
             self._background_state = state
             values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
             self.draw_axes(frame, angle_ticks(frame.width), values, self._spans)
-            self._cursor.span(frame.low, frame.high)
+            self._cursor.span(frame)
             self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
 
@@ -486,7 +478,7 @@ class CurvePlot(FixedPlot):
 
     def _title(self, height: float) -> str:
         """Quantity and unit, shortened to the height of the axis [pixels]."""
-        row, unit = self._curves[0].channel, self.rung.symbol
+        row, unit = self._curves[0].channel, self.display_unit.symbol
         families = {curve.channel.family for curve in self._curves}
         family = (
             "Transmission angle" if shape_of(row.name) == TRANSMISSION else row.family.replace("-", " ").capitalize()

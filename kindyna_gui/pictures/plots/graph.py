@@ -28,7 +28,7 @@ from kindyna_gui.pictures.plots.graph_ranges import (
     ticks_of,
     with_one_scale,
 )
-from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, band_entry, band_items
+from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, add_item, band_entry, band_items
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -72,7 +72,7 @@ class GraphPlot(FixedPlot):
     Attributes
     ----------
     graph, data : the graph, and its curves with their axes
-    rungs : display unit of each axis of values
+    display_units : display unit of each axis of values
     shown : range that is shown
     points : points that are marked, at most two
     bands : bands of the curves
@@ -80,7 +80,7 @@ class GraphPlot(FixedPlot):
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         self.graph, self.data = Graph(), GraphData((), (), "", "", {}, {}, {})
-        self.rungs: tuple[DisplayUnit, ...] = ()
+        self.display_units: tuple[DisplayUnit, ...] = ()
         self.shown = GraphRange((0.0, 1.0), ())
         self.points: tuple[GraphPoint, ...] = ()
         self.bands = NO_CHANNEL_BANDS
@@ -147,8 +147,8 @@ class GraphPlot(FixedPlot):
             and bool(data.series)
         )
         units = axis_units(data)
-        same = same and units == self.rungs and _scales(graph) == _scales(self.graph)
-        self.graph, self.data, self.rungs = graph, data, units
+        same = same and units == self.display_units and _scales(graph) == _scales(self.graph)
+        self.graph, self.data, self.display_units = graph, data, units
         for item in self._items:
             item.getViewBox().removeItem(item)
         for view, area in self._areas:
@@ -252,7 +252,7 @@ class GraphPlot(FixedPlot):
         """Draw a curve; pyqtgraph omits points finer than a pixel, except peaks, and points outside the range."""
         series, axis = self.data.series[number], self.axis_of(number)
         row, scale = self.graph.curve(series.key), self.data.axes[axis].scale
-        x, y = scaled(series.x, self.graph.x.log), scaled(series.y, scale.log, self.rungs[axis].size)
+        x, y = scaled(series.x, self.graph.x.log), scaled(series.y, scale.log, self.display_units[axis].size)
         if self.graph.x.log:
             x, y = x[np.isfinite(x)], y[np.isfinite(x)]
         is_finite = bool(np.isfinite(y).all())
@@ -297,7 +297,7 @@ class GraphPlot(FixedPlot):
     def _shade(self, number: int, x: np.ndarray, band: np.ndarray) -> list[tuple[pg.ViewBox, Outline]]:
         """Shade the areas of a curve's band; returns each with its view box."""
         axis = self.axis_of(number)
-        upwards = scaled(band, self.data.axes[axis].scale.log, self.rungs[axis].size)
+        upwards = scaled(band, self.data.axes[axis].scale.log, self.display_units[axis].size)
         view = self.view_of(axis)
         areas = [(view, item) for item in band_items(scaled(x, self.graph.x.log), upwards, self.colour(number))]
         for _, item in areas:
@@ -308,7 +308,7 @@ class GraphPlot(FixedPlot):
         """Mark angles along a curve by dots, with texts on the outer side, or on the inner side where ``inwards``."""
         marks = angle_marks(series)
         x = scaled(np.array([x for x, *_ in marks]), self.graph.x.log)
-        y = scaled(np.array([y for _, y, _ in marks]), self.data.axes[axis].scale.log, self.rungs[axis].size)
+        y = scaled(np.array([y for _, y, _ in marks]), self.data.axes[axis].scale.log, self.display_units[axis].size)
         dots = pg.ScatterPlotItem(
             x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper, useCache=False
         )
@@ -330,11 +330,8 @@ class GraphPlot(FixedPlot):
     def show_angle(self, angle: float | None) -> None:
         """Draw a line at this x [deg], or none."""
         self._angle = angle
-        path, frame = QPainterPath(), self.frame()
-        if angle is not None and not self.graph.x.log:
-            path.moveTo(angle, frame.low)
-            path.lineTo(angle, frame.high)
-        self._angle_line.redraw(path)
+        has_line = angle is not None and not self.graph.x.log
+        self._angle_line.redraw(self.frame().vertical(angle or 0.0) if has_line else QPainterPath())
 
     # -- marked points --------------------------------------------------------------------------------------
 
@@ -354,8 +351,7 @@ class GraphPlot(FixedPlot):
             if number < len(self.points):
                 point = self.points[number]
                 at = self.position(point)
-                path.moveTo(at.x(), frame.low)
-                path.lineTo(at.x(), frame.high)
+                path = frame.vertical(at.x())
                 self._point_items.append(self._dot(point, at, POINT_NAMES[number]))
             line.redraw(path)
 
@@ -368,16 +364,15 @@ class GraphPlot(FixedPlot):
         tag.shift(5.0, -4.0)
         tag.setPos(at)
         view = self.view_of(self.axis_of(point.series))
-        for item, z in ((dot, Z_CURSOR + 2.0), (tag, Z_CURSOR + 3.0)):
-            item.setZValue(z)
-            view.addItem(item, ignoreBounds=True)
+        add_item(view, dot, Z_CURSOR + 2.0)
+        add_item(view, tag, Z_CURSOR + 3.0)
         return [dot, tag] if isfinite(at.y()) else [dot]
 
     def position(self, point: GraphPoint) -> QPointF:
         """Coordinates of a point on its axes."""
         axis = self.axis_of(point.series)
         x, y = (np.array([value]) for value in (point.x, point.y))
-        shown = scaled(y, self.data.axes[axis].scale.log, self.rungs[axis].size)
+        shown = scaled(y, self.data.axes[axis].scale.log, self.display_units[axis].size)
         return QPointF(float(scaled(x, self.graph.x.log)[0]), float(shown[0]))
 
     def pixel_of(self, point: GraphPoint) -> QPointF:
@@ -428,11 +423,11 @@ class GraphPlot(FixedPlot):
             replace(series, y=np.append(series.y, self.bands[i][1][[0, -1]])) if i in self.bands else series
             for i, series in enumerate(self.data.series)
         ]
-        shown = full_range(replace(self.data, series=tuple(with_bands)), self.graph.x, self.rungs)
+        shown = full_range(replace(self.data, series=tuple(with_bands)), self.graph.x, self.display_units)
         if not is_outline(self.data, self.graph.x):
             return shown
         frame = self.frame()
-        return with_one_scale(shown, self.data, self.rungs[0].size, frame.width, frame.height)
+        return with_one_scale(shown, self.data, self.display_units[0].size, frame.width, frame.height)
 
     def fit(self) -> None:
         """Show the full graph; an outline is fitted again when the plot's size changes."""
@@ -480,7 +475,7 @@ class GraphPlot(FixedPlot):
         return _titled(self.data.x_title, self.data.x_unit) if self.data.series else ""
 
     def _upwards(self, axis: int) -> str:
-        return _titled(self.data.axes[axis].title, self.rungs[axis].symbol)
+        return _titled(self.data.axes[axis].title, self.display_units[axis].symbol)
 
     def _lay(self, *_: object) -> None:
         if not hasattr(self, "_rubber"):  # under construction

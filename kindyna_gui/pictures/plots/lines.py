@@ -10,10 +10,11 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPen
-from PySide6.QtWidgets import QGraphicsTextItem, QGraphicsWidget, QStyleOptionGraphicsItem, QWidget
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsTextItem, QGraphicsWidget, QStyleOptionGraphicsItem, QWidget
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag
+from kindyna_gui.pictures.shapes import segments
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font
 from kindyna_gui.pictures.units import needed
 from kindyna_gui.settings import sized
@@ -56,6 +57,31 @@ class Frame:
     def value(self, pixel: float) -> float:
         """Value at a height above the lower end [pixels]."""
         return self.low + pixel / self.height * (self.high - self.low)
+
+    def vertical(self, x: float) -> QPainterPath:
+        """Vertical line over the full height of the plot."""
+        return segments([(complex(x, self.low), complex(x, self.high))])
+
+    def horizontal(self, value: float) -> QPainterPath:
+        """Horizontal line over the full width of the plot."""
+        return segments([(complex(self.first, value), complex(self.last, value))])
+
+    def box(self, angle: float, value: float, box: QRectF) -> QRectF:
+        """Box around a point of a full turn, given in pixels from the point, y downwards.
+
+        Returns
+        -------
+        QRectF
+            The box in pixels from the frame's lower left corner, y upwards.
+        """
+        x, y = angle / 360.0 * self.width, self.pixel(value)
+        return QRectF(x + box.left(), y - box.bottom(), box.width(), box.height())
+
+
+def add_item(view: pg.ViewBox, item: QGraphicsItem, z: float) -> None:
+    """Add an item to a plot, in the coordinates of its axes."""
+    item.setZValue(z)
+    view.addItem(item, ignoreBounds=True)
 
 
 # -- legend ----------------------------------------------------------------------------------------------
@@ -196,6 +222,10 @@ class CurveLine(Outline):
         self.setPen(pen)
         self.setZValue(z)
 
+    def remove(self, view: pg.ViewBox) -> None:
+        """Remove the curve from the plot."""
+        view.removeItem(self)
+
     def lay(self, frame: Frame, unseen: float) -> None:
         """Draw the curve with an error of at most ``unseen`` pixels; through all points where that is 0."""
         layout = (frame, unseen)
@@ -229,10 +259,8 @@ class LimitLine:
         path.lineTo(360.0, 0.0)
         self._line = Outline(path, theme.pen(theme.limit))
         self._tag = Tag("", theme.limit, theme, SMALL, (1.0, 1.0), backing=True)
-        self._items = (self._line, self._tag)
-        for item, z in zip(self._items, (Z_LIMIT, Z_CURSOR + 1.0), strict=True):
-            item.setZValue(z)
-            view.addItem(item, ignoreBounds=True)
+        add_item(view, self._line, Z_LIMIT)
+        add_item(view, self._tag, Z_CURSOR + 1.0)
         self.set_value(value, text)
 
     def set_value(self, value: float, text: str, short: str = "", field: str = "") -> None:
@@ -273,32 +301,24 @@ class LimitLine:
 
     def box(self, frame: Frame) -> QRectF:
         """Box of the text in the frame [pixels from its lower left corner, y upwards]."""
-        box, y = self._tag.pixel_box(), frame.pixel(self.value)
-        x = self._tag.pos().x() / 360.0 * frame.width
-        return QRectF(x + box.left(), y - box.bottom(), box.width(), box.height())
+        return frame.box(self._tag.pos().x(), self.value, self._tag.pixel_box())
 
     def remove(self, view: pg.ViewBox) -> None:
         """Remove line and text from the plot."""
-        for item in self._items:
-            view.removeItem(item)
+        view.removeItem(self._line)
+        view.removeItem(self._tag)
 
 
 class Cursor(Outline):
     """Vertical line at the cam angle."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
-        path = QPainterPath()
-        path.lineTo(0.0, 1.0)
-        super().__init__(path, theme.pen(theme.quiet))
-        self.setZValue(Z_CURSOR)
-        view.addItem(self, ignoreBounds=True)
+        super().__init__(segments([(0j, 1j)]), theme.pen(theme.quiet))
+        add_item(view, self, Z_CURSOR)
 
-    def span(self, low: float, high: float) -> None:
-        """Draw the line from ``low`` to ``high``, the values that the axis shows."""
-        path = QPainterPath()
-        path.moveTo(0.0, low)
-        path.lineTo(0.0, high)
-        self.redraw(path)
+    def span(self, frame: Frame) -> None:
+        """Draw the line over the full height of the frame."""
+        self.redraw(frame.vertical(0.0))
 
     def value(self) -> float:
         """Cam angle of the cursor [deg]."""

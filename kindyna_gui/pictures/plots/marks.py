@@ -18,7 +18,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPolygo
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
-from kindyna_gui.pictures.plots.lines import Z_CURSOR, Z_CURVE, CurveLine, Frame, cut
+from kindyna_gui.pictures.plots.lines import Z_CURSOR, Z_CURVE, CurveLine, Frame, add_item, cut
 from kindyna_gui.pictures.plots.quantities import Curve
 from kindyna_gui.pictures.style import SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, short
@@ -90,8 +90,10 @@ def both_ends(curve: Curve, ends: Sequence[tuple[float, float]], size: float, re
     """
     if ends[1][1] - ends[0][1] <= curve.floor:
         return []
-    values = [0.0 if abs(value) <= curve.floor else value / size for _, value in ends]
-    return [Extreme(ends[i][0], values[i], bool(i), curve.colour, refined) for i in (0, 1)]
+    return [
+        Extreme(angle, curve.shown(value, size), highest, curve.colour, refined)
+        for (angle, value), highest in zip(ends, (False, True), strict=True)
+    ]
 
 
 class MarkText(Tag):
@@ -109,9 +111,8 @@ class ExtremeMark:
         self._sign = Outline(QPainterPath())
         self._sign.setFlag(self._sign.GraphicsItemFlag.ItemIgnoresTransformations)
         self.tag = MarkText("", theme.quiet, theme, SMALL, backing=True)
-        for item, z in ((self.tag, Z_CURVE + 1.0), (self._sign, Z_CURVE + 2.0)):
-            item.setZValue(z)
-            view.addItem(item, ignoreBounds=True)
+        add_item(view, self.tag, Z_CURVE + 1.0)
+        add_item(view, self._sign, Z_CURVE + 2.0)
 
     def remove(self, view: pg.ViewBox) -> None:
         """Remove dot and text from the plot."""
@@ -184,15 +185,11 @@ class ExtremeMark:
 
     def box(self, frame: Frame) -> QRectF:
         """Box of the text in the frame [pixels from its lower left corner, y upwards]."""
-        return self._in_frame(self.tag.pixel_box(), frame)
+        return frame.box(self.tag.pos().x(), self.tag.pos().y(), self.tag.pixel_box())
 
     def sign_box(self, frame: Frame) -> QRectF:
         """Box of the dot or arrow in the frame [pixels from its lower left corner, y upwards]."""
-        return self._in_frame(self._sign.boundingRect(), frame)
-
-    def _in_frame(self, box: QRectF, frame: Frame) -> QRectF:
-        x, y = self.tag.pos().x() / 360.0 * frame.width, frame.pixel(self.tag.pos().y())
-        return QRectF(x + box.left(), y - box.bottom(), box.width(), box.height())
+        return frame.box(self.tag.pos().x(), self.tag.pos().y(), self._sign.boundingRect())
 
 
 def lay_marks(
@@ -386,9 +383,8 @@ class Readout:
         self.dot.setFlag(self.dot.GraphicsItemFlag.ItemIgnoresTransformations)
         self.tag = Tag("", theme.ink, theme, SMALL, (0.0, 0.5), backing=True)
         self.hide()
-        for item in (self.dot, self.tag):
-            item.setZValue(Z_CURSOR)
-            view.addItem(item, ignoreBounds=True)
+        add_item(view, self.dot, Z_CURSOR)
+        add_item(view, self.tag, Z_CURSOR)
 
     def set_colour(self, colour: str) -> None:
         """Set the colour of the dot and, in a readable shade, of the text."""
@@ -412,7 +408,7 @@ def place_readouts(
     readouts: Sequence[Readout],
     at: float,
     values: Sequence[float],
-    rung: DisplayUnit,
+    display_unit: DisplayUnit,
     frame: Frame,
     others: Sequence[QRectF] = (),
 ) -> list[QRectF]:
@@ -428,7 +424,7 @@ def place_readouts(
         Position of the cursor on the x axis.
     values : sequence of float
         Value of each curve, in the unit of the axis; may be infinite.
-    rung : DisplayUnit
+    display_unit : DisplayUnit
         Unit that the values are written in.
     frame : Frame
     others : sequence of QRectF
@@ -442,7 +438,7 @@ def place_readouts(
     rows = []
     for reading, value in zip(readouts, values, strict=True):
         is_finite = abs(value) < float("inf")
-        reading.tag.set_text(measure(value, rung.symbol))
+        reading.tag.set_text(measure(value, display_unit.symbol))
         reading.dot.setVisible(is_finite)
         reading.tag.setVisible(True)
         if is_finite:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from math import isfinite
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
@@ -31,6 +32,7 @@ from kindyna_gui.pictures.plots.lines import (
     Entry,
     Frame,
     Legend,
+    add_item,
 )
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import decimals_of, number, ticks
@@ -277,10 +279,8 @@ class Background:
         self._grid = Outline(QPainterPath(), theme.pen(theme.faint, THIN))
         self._zero = Outline(QPainterPath(), theme.pen(theme.quiet, THIN))
         self._zero.setOpacity(0.6)
-        rows = ((self._bands, Z_BANDS), (self._grid, Z_GRID), (self._zero, Z_ZERO))
-        for item, z in rows:
-            item.setZValue(z)
-            view.addItem(item, ignoreBounds=True)
+        for item, z in ((self._bands, Z_BANDS), (self._grid, Z_GRID), (self._zero, Z_ZERO)):
+            add_item(view, item, z)
 
     def draw(self, segments: Sequence[Span], across: Sequence[float], values: Sequence[float], frame: Frame) -> None:
         """Shade every second segment; draw grid lines at the given places and values of the frame."""
@@ -375,6 +375,12 @@ class FixedPlot(pg.GraphicsView):
         if z is not None:
             item.setZValue(z)
         self._view.addItem(item, ignoreBounds=True)
+
+    def _resized(self, pool: list[Any], count: int, make: Callable[[], Any]) -> list[Any]:
+        """Pool of ``count`` items: existing ones are reused, surplus ones removed, missing ones made."""
+        for item in pool[count:]:
+            item.remove(self._view)
+        return pool[:count] + [make() for _ in range(count - len(pool))]
 
     def _outline(self, colour: str, z: float, dash: tuple[float, ...] = (), fill: QBrush | None = None) -> Outline:
         item = Outline(QPainterPath(), self._theme.pen(colour, THIN, dash), fill)

@@ -54,7 +54,7 @@ class PolarPlot(QWidget):
     unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
     message : text shown where nothing is drawn
     circles : values whose circles are drawn
-    rung : unit that the values are shown in
+    display_unit : unit that the values are shown in
     """
 
     angle_moved = Signal(float)
@@ -73,7 +73,7 @@ class PolarPlot(QWidget):
         self._ranges: Mapping[str, Extremes] | None = None
         self._marks: list[PolarMark] | None = None
         self._with_cursor = True
-        self.rung = DisplayUnit("", 1.0, 0.0)
+        self.display_unit = DisplayUnit("", 1.0, 0.0)
         self._range = (0.0, 1.0)
         self._low, self._high, self.circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
         self._paths: list[QPainterPath] | None = None
@@ -102,8 +102,8 @@ class PolarPlot(QWidget):
         self._curves = read_curves(study, channels, self._theme)
         shaded = [(curve, bands[curve.channel.slug]) for curve in self._curves if curve.channel.slug in bands]
         values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]
-        self.rung = readable(channels[0].unit.symbol, peak(values))
-        shown = [v / self.rung.size for v in values]
+        self.display_unit = readable(channels[0].unit.symbol, peak(values))
+        shown = [v / self.display_unit.size for v in values]
         ranges = [typical_range(v) for v in shown]
         self._range = (min(0.0, *(low for low, _ in ranges)), max(0.0, *(high for _, high in ranges)))
         self._scale()
@@ -111,7 +111,8 @@ class PolarPlot(QWidget):
         colours = [self._theme.quiet if curve.channel.approximates else curve.colour for curve in self._curves]
         self._rows = list(zip(channels, shown[: len(channels)], colours, strict=True))
         self._shaded = [
-            (*closed_band(band / self.rung.size, curve.gain / self.rung.size), curve.colour) for curve, band in shaded
+            (*closed_band(band / self.display_unit.size, curve.gain / self.display_unit.size), curve.colour)
+            for curve, band in shaded
         ]
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
         self._ranges = self._marks = self._pixmap = None
@@ -148,7 +149,9 @@ class PolarPlot(QWidget):
             for curve in self._curves
             if not curve.channel.approximates
         ]
-        return [row for curve, pair in ends if pair for row in both_ends(curve, curve.ends(pair), self.rung.size)]
+        return [
+            row for curve, pair in ends if pair for row in both_ends(curve, curve.ends(pair), self.display_unit.size)
+        ]
 
     def _scale(self) -> None:
         """Choose round values for the circles; where none is negative the centre is 0, so that shapes are true."""
@@ -184,19 +187,18 @@ class PolarPlot(QWidget):
 
     def readings(self) -> list[str]:
         """Values at the ray, in the order of the curves."""
-        return [measure(value, self.rung.symbol) for value in self._values]
+        return [measure(value, self.display_unit.symbol) for value in self._values]
 
     def _read(self, at_angle: Study | None = None) -> None:
         if not self._rows:
             return
         at = nearest(self._theta, self._angle)
-        exact_or_sampled = [
-            float(values[at]) if at_angle is None else float(row.values(at_angle)[0]) / self.rung.size
-            for row, values, _ in self._rows
-        ]
         self._values = [
-            0.0 if abs(value) * self.rung.size <= curve.floor else value
-            for value, curve in zip(exact_or_sampled, self._curves, strict=True)
+            curve.shown(
+                float(curve.values[at] if at_angle is None else curve.channel.values(at_angle)[0]),
+                self.display_unit.size,
+            )
+            for curve in self._curves
         ]
 
     # -- geometry -----------------------------------------------------------------------------------------
@@ -267,7 +269,7 @@ class PolarPlot(QWidget):
             names = [(row.label, self._theme.text_colour(colour)) for row, _, colour in self._rows]
             if self._shaded:
                 names.append((band_entry(self._theme).name, self._theme.quiet))
-            paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
+            paint_title(painter, names, self.display_unit.symbol, self._theme.ink, self.width())
         else:
             painter.setFont(font(TEXT))
             painter.setPen(QColor(self._theme.quiet))

@@ -31,12 +31,12 @@ from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.labels import grouped, reason
 from kindyna_gui.pictures.style import THIN, Theme, floor_of, shade, without_noise
-from kindyna_gui.requirements import LED_BY_NO_CAM, why_no_pressure
+from kindyna_gui.requirements import LINKAGE_WITHOUT_CAM, why_no_pressure
 
 SAMPLES = 49  # angles on each piece of a law
 SPAN = 90.0  # of the segment that an icon shows, degrees
 NO_TURN = 1e-9  # [rad] a link with less rotation is at rest
-MOST = 4  # curves in one plot that can still be told apart
+MOST = 4  # curves in one plot that can be distinguished
 Pick = Callable[[tuple[str, ...]], list[str]]
 """Function that selects quantities by name."""
 
@@ -140,6 +140,10 @@ class Curve:
     colour: str
     floor: float = 0.0
     gain: float = 0.0
+
+    def shown(self, value: float, size: float) -> float:
+        """Value on an axis whose unit is ``size`` of the channel's; zero below the floor."""
+        return 0.0 if abs(value) <= self.floor else value / size
 
     def ends(self, extremes: Extremes) -> list[tuple[float, float]]:
         """Lowest and highest value, (cam angle [deg], value in the channel's unit), of extremes in SI."""
@@ -421,7 +425,7 @@ def why_empty(study: Study, default: Sequence[str]) -> str:
     """Sentence that says why a plot is empty."""
     names = " nor ".join(name.replace("_", " ") for name in default)
     if default[0] in ("pressure_angle", "pitch_curvature"):
-        return f"{LED_BY_NO_CAM}there is no {default[0].replace('_', ' ')}."
+        return f"{LINKAGE_WITHOUT_CAM}there is no {default[0].replace('_', ' ')}."
     if default[0] == "contact_pressure":
         return why_no_pressure(study)
     if default[0] == "jerk":
@@ -454,7 +458,9 @@ def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[
     available = existing(study, rows)
     drawn = without_equal_curves(study, available)
     reasons = [why_missing(study, row) for row in rows if row not in available and not row.approximates]
-    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.approximates]
+    reasons += [
+        f"{row.label} equals a curve that is shown" for row in available if row not in drawn and not row.approximates
+    ]
     return drawn, reasons
 
 

@@ -15,6 +15,7 @@ from core.stability import APPROXIMATE, EXACT, Chart, Machine
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.lines import Entry
 from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, value_ticks
+from kindyna_gui.pictures.shapes import joined
 from kindyna_gui.pictures.style import BLUE, DASHED, SCREEN, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import short
 
@@ -61,7 +62,7 @@ ACROSS: Mapping[str, AxisQuantity] = MappingProxyType(
 UPWARDS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
         "q": AxisQuantity("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
-        "mass": AxisQuantity("masses", "Moved masses, × present", lambda q, m: q / m.q, lambda y, m: y * m.q),
+        "mass": AxisQuantity("masses", "Moving masses, × current", lambda q, m: q / m.q, lambda y, m: y * m.q),
     }
 )
 
@@ -181,13 +182,8 @@ class ChartPlot(FixedPlot):
 
     def _rows(self, chart: Chart) -> QPainterPath:
         """Horizontal lines at the marked values of Q."""
-        path = QPainterPath()
-        (low, high), _ = self._view.viewRange()
-        for q in chart.marked:
-            y = float(self._y(np.array([q]))[0])
-            path.moveTo(low, y)
-            path.lineTo(high, y)
-        return path
+        frame = self.frame()
+        return joined(*(frame.horizontal(float(self._y(np.array([q]))[0])) for q in chart.marked))
 
     def fade(self, on: bool) -> None:
         """Fade the chart while another one is computed in the background."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QAccessible, QBrush, QKeyEvent, QMouseEvent, QPainterPath, QPen
+from PySide6.QtGui import QAccessible, QBrush, QKeyEvent, QMouseEvent, QPen
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.dynamics import ContactMap
@@ -234,7 +234,7 @@ class XYPlot(FixedPlot):
 
     Attributes
     ----------
-    rung : unit of the values at the cursor
+    display_unit : unit of the values at the cursor
     shown : curves that were drawn last
     """
 
@@ -250,7 +250,7 @@ class XYPlot(FixedPlot):
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
         self._dots: tuple[Dots, ...] = ()
         self._numbered = True
-        self.rung = NO_UNIT
+        self.display_unit = NO_UNIT
         self._valued: list[Line] = []
         self._readouts: list[Readout] = []
         self._cursor: Cursor | None = None
@@ -297,7 +297,7 @@ class XYPlot(FixedPlot):
         quiet: bool = False,
         rules: Sequence[Rule] = (),
         dots: Sequence[Dots] = (),
-        rung: DisplayUnit = NO_UNIT,
+        display_unit: DisplayUnit = NO_UNIT,
         shaded: str = MACHINES,
     ) -> None:
         """Draw these curves and no others.
@@ -318,7 +318,7 @@ class XYPlot(FixedPlot):
         quiet : bool
             The marks are positions, not warnings, and have the quiet colour.
         rules, dots : sequence of Rule, of Dots
-        rung : DisplayUnit
+        display_unit : DisplayUnit
             Unit of the values at the cursor.
         shaded : str
             Name of the bands in the legend.
@@ -340,7 +340,7 @@ class XYPlot(FixedPlot):
                 self._add(area, area.zValue())
         names = [Entry(line.colour, line.label) for line in lines if line.label]
         self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
-        self._read_lines([line for line in lines if line.read], rung)
+        self._read_lines([line for line in lines if line.read], display_unit)
         x, y = (np.concatenate([getattr(row, axis) for row in (*lines, *dots)]) for axis in "xy")
         self._alike = alike
         y = np.concatenate([y, *(percentiles[i] for *_, percentiles in banded for i in (0, -1))])
@@ -409,20 +409,17 @@ class XYPlot(FixedPlot):
         """Show the cursor at this position of the x axis, or hide it where it is None."""
         if self._cursor is None and at is not None:
             self._cursor = Cursor(self._view, self._theme)
-            self._span_cursor(self.frame())
+            self._cursor.span(self.frame())
         if self._cursor is not None:
             self._cursor.setVisible(at is not None and self._filled)
             if at is not None:
                 self._cursor.setPos(at, 0.0)
         self._read_out()
 
-    def _read_lines(self, lines: list[Line], rung: DisplayUnit) -> None:
+    def _read_lines(self, lines: list[Line], display_unit: DisplayUnit) -> None:
         """Set the curves whose values are shown at the cursor."""
-        self._valued, self.rung = lines, rung
-        while len(self._readouts) > len(lines):
-            self._readouts.pop().remove(self._view)
-        while len(self._readouts) < len(lines):
-            self._readouts.append(Readout(self._view, self._theme))
+        self._valued, self.display_unit = lines, display_unit
+        self._readouts = self._resized(self._readouts, len(lines), lambda: Readout(self._view, self._theme))
         for readout, line in zip(self._readouts, lines, strict=True):
             readout.set_colour(line.colour)
 
@@ -434,7 +431,7 @@ class XYPlot(FixedPlot):
                 readout.hide()
         elif self._valued:
             values = [float(line.y[np.argmin(np.abs(line.x - at))]) for line in self._valued]
-            place_readouts(self._readouts, at, values, self.rung, self.frame())
+            place_readouts(self._readouts, at, values, self.display_unit, self.frame())
 
     def readings(self) -> list[str]:
         """Texts at the cursor, in the order of the curves that are read."""
@@ -444,10 +441,6 @@ class XYPlot(FixedPlot):
         """Show numbers and a title along the bottom, by default that of ``name_axes``, or neither."""
         self._numbered = on
         super().show_numbers(on, title or (self._titles[0] if self._filled else ""))
-
-    def _span_cursor(self, frame: Frame) -> None:
-        if self._cursor is not None:
-            self._cursor.span(frame.low, frame.high)
 
     def _describe(self) -> None:
         """Set name and description for screen readers."""
@@ -537,7 +530,8 @@ class XYPlot(FixedPlot):
         self.name_below(self._titles[0] if self._filled and self._numbered else "")
         title = _fitting(self._titles[1], frame.height) if self._filled else ""
         self._axes["left"].show_title(title, self._title_colour)
-        self._span_cursor(frame)
+        if self._cursor is not None:
+            self._cursor.span(frame)
         for ruled in self._ruled:
             _draw_rule(*ruled, frame)
         self._read_out()
@@ -545,22 +539,17 @@ class XYPlot(FixedPlot):
 
 def _draw_rule(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
     """Draw a rule over the full plot, with its text on the side where there is room."""
-    path = QPainterPath()
+    line.redraw(frame.horizontal(rule.at) if rule.level else frame.vertical(rule.at))
     if rule.level:
-        path.moveTo(frame.first, rule.at)
-        path.lineTo(frame.last, rule.at)
         above = frame.height - frame.pixel(rule.at) > tag.size[1] + RULE_GAP
         tag.set_lean(1.0, 1.0 if above else 0.0)
         tag.shift(-RULE_GAP, -RULE_GAP if above else RULE_GAP)
         tag.setPos(frame.last, rule.at)
     else:
-        path.moveTo(rule.at, frame.low)
-        path.lineTo(rule.at, frame.high)
         right = (frame.last - rule.at) / (frame.last - frame.first) * frame.width > tag.size[0] + RULE_ROOM
         tag.set_lean(0.0 if right else 1.0, 1.0 if rule.low else 0.0)
         tag.shift(4.0 if right else -4.0, -RULE_GAP if rule.low else 2.0)
         tag.setPos(rule.at, frame.low if rule.low else frame.high)
-    line.redraw(path)
 
 
 def _fitting(title: str, height: float) -> str:

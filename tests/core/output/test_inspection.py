@@ -301,3 +301,18 @@ def test_neither_the_measured_table_nor_anothers_summary_is_written_over(tmp_pat
     code, _, faults = run(bench / "design.toml", "--out", tmp_path / "out.csv")
     assert code == 2
     assert "belongs to another program" in faults
+
+
+def test_only_a_table_of_deviations_is_replaced_by_one(tmp_path: Path, bench: Path) -> None:
+    degrees = np.arange(0.0, 360.0, 5.0)
+    measured = table(tmp_path / "cut.csv", degrees, own_lift(bench, degrees))
+    deviations = tmp_path / "out_deviation.csv"
+    deviations.write_text("day,deviation\n1,0.02\n", "utf-8")
+    code, _, faults = run(bench / "design.toml", "--out", tmp_path / "out.csv", "--measured", measured)
+    assert (code, deviations.read_text("utf-8")) == (2, "day,deviation\n1,0.02\n")
+    assert "out_deviation.csv: cannot be written: it belongs to another program" in faults
+    assert {path.name for path in tmp_path.iterdir()} == {"cut.csv", "out_deviation.csv"}
+    deviations.unlink()
+    for _ in range(2):
+        code, _, faults = run(bench / "design.toml", "--out", tmp_path / "out.csv", "--measured", measured)
+        assert (code, faults) == (0, "")

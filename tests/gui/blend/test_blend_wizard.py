@@ -787,7 +787,7 @@ def test_the_motion_as_it_is_stands_dashed_behind(ask: Ask) -> None:
         assert wizard.dialog.design is not None
         study = Study(wizard.dialog.design, 720)
         omega = study.omega
-        values = study.motion.y[order] * omega**order / plot.rung.size * (1e3 if order < 3 else 1.0)
+        values = study.motion.y[order] * omega**order / plot.display_unit.size * (1e3 if order < 3 else 1.0)
         assert now.y[:-1] == pytest.approx(values, rel=1e-9, abs=1e-9 * np.abs(values).max())
 
 

@@ -161,8 +161,8 @@ def test_only_stages_on_screen_are_computed(session: Session) -> None:
 def test_what_cannot_be_tried_is_refused_too(session: Session) -> None:
     heard: list[object] = refusals(session)
     session.accepted.connect(heard.append)
-    session.refuse(ROD, "a number is wanted")
-    assert heard == [Refusal(ROD, ((ROD, "Rod L2", "a number is wanted"),))]
+    session.refuse(ROD, "enter a number")
+    assert heard == [Refusal(ROD, ((ROD, "Rod L2", "enter a number"),))]
     session.withdraw(ROD)
     assert heard[1] == ROD
 

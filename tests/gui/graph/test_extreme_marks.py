@@ -72,7 +72,7 @@ def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
     user.choose("View", "Dyna")  # where plots are high enough for their marks
     for name in ("acceleration", "pressure_angle", "torque"):
         view = plot_view(user, name)
-        study, size, row = user.session.study, view.plot.rung.size, view.rows[0]
+        study, size, row = user.session.study, view.plot.display_unit.size, view.rows[0]
         low, high, *_ = view.plot.marked()
         assert (low.highest, high.highest) == (False, True)
         true = {-1.0: -densely(study, view, -1.0), 1.0: densely(study, view, 1.0)}
@@ -136,7 +136,7 @@ def test_a_spike_near_a_dead_centre_is_cut_and_a_click_shows_it(open_user: Open,
     values = view.rows[0].values(user.session.study)
     assert np.abs(values).max() > 1e4
     cut = plot.getViewBox().viewRange()[1]
-    assert max(map(abs, cut)) * plot.rung.size < 10.0, "the torque in between can be read"
+    assert max(map(abs, cut)) * plot.display_unit.size < 10.0, "the torque in between can be read"
     assert [mark.value for mark in plot.marked()] == [-inf, inf], "at a dead centre it grows without limit"
     locks = sorted(np.rad2deg(end) for r in user.session.study.driver_ranges.ranges for end in (r.low, r.high))
     assert all(min(abs(mark.angle - lock) for lock in locks) < 1e-6 for mark in plot.marked())
@@ -151,8 +151,8 @@ def test_a_spike_near_a_dead_centre_is_cut_and_a_click_shows_it(open_user: Open,
         click()
         settle()
         low, high = plot.getViewBox().viewRange()[1]
-        assert low * plot.rung.size <= values.min()
-        assert high * plot.rung.size >= values.max()
+        assert low * plot.display_unit.size <= values.min()
+        assert high * plot.display_unit.size >= values.max()
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
         settle()
         assert plot.getViewBox().viewRange()[1] == cut

@@ -289,7 +289,7 @@ def test_a_value_stands_at_its_distance(app: QApplication) -> None:
 )
 def test_circles_are_round_values_that_hold_the_curve(quantity: str, size: int, app: QApplication) -> None:
     plot = polar_of(quantity, size=size)
-    values = {row.name: row for row in channels(LIFT)}[quantity].values(Study(LIFT, 720)) / plot.rung.size
+    values = {row.name: row for row in channels(LIFT)}[quantity].values(Study(LIFT, 720)) / plot.display_unit.size
     circles = plot.circles
     assert circles[0] <= values.min()
     assert values.max() <= circles[-1]

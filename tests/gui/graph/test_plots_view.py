@@ -81,8 +81,8 @@ def test_the_value_at_the_cursor_is_exact(slug: str, show: Show) -> None:
         view.player.set_theta(radians(angle))
         value = float(row.values(Study(LIFT).at_theta(np.array([view.player.theta])))[0])
         peak = float(np.abs(row.values(view.session.study)).max())
-        rung = readable(row.unit.symbol, peak)
-        assert view.plot.readings() == [measure(value / rung.size, rung.symbol)]
+        display_unit = readable(row.unit.symbol, peak)
+        assert view.plot.readings() == [measure(value / display_unit.size, display_unit.symbol)]
 
 
 # -- what is missing is told ------------------------------------------------------------------------------
@@ -114,7 +114,7 @@ def test_another_kind_of_follower_has_other_quantities(show: Show) -> None:
 def test_equal_curves_are_drawn_once_and_named(show: Show) -> None:
     view = show("drive_torque", "motor_torque")
     assert len(view.plot.readings()) == 1
-    assert view.note.text() == "Motor torque with flywheel is the same curve"
+    assert view.note.text() == "Motor torque with flywheel equals a curve that is shown"
     view.session.put(with_shaft(LIFT, flywheel_inertia_kg_m2=2000.0), "a")
     assert len(view.plot.readings()) == 2
     assert not view.note.isVisible()

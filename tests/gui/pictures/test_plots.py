@@ -87,8 +87,8 @@ def enters(curve: CurveLine, text: Tag, plot: CurvePlot) -> bool:
     ],
 )
 def test_units_are_chosen_so_that_no_exponent_is_needed(symbol: str, peak: float, shown: str, size: float) -> None:
-    rung = readable(symbol, peak)
-    assert (rung.symbol, rung.size) == (shown, pytest.approx(size))
+    display_unit = readable(symbol, peak)
+    assert (display_unit.symbol, display_unit.size) == (shown, pytest.approx(size))
 
 
 @pytest.mark.parametrize(
@@ -135,15 +135,15 @@ def test_a_curve_is_its_channel(slug: str) -> None:
     assert x[:-1] == pytest.approx(np.rad2deg(study.theta))
     assert x[-1] == 360.0
     values = row.values(study)
-    assert y[:-1] * plot.rung.size == pytest.approx(values, rel=1e-12, abs=1e-300)
+    assert y[:-1] * plot.display_unit.size == pytest.approx(values, rel=1e-12, abs=1e-300)
     assert y[-1] == y[0]
     low, high = plot.getViewBox().viewRange()[1]
     assert low < y.min() <= y.max() < high
     assert plot.getViewBox().viewRange()[0] == [0.0, 360.0]
     assert curve.pen().color().name().upper() == LIGHT.family(row.family).upper()
     assert row.label in title(plot)
-    if plot.rung.symbol:
-        assert title(plot).endswith(f", {plot.rung.symbol}")
+    if plot.display_unit.symbol:
+        assert title(plot).endswith(f", {plot.display_unit.symbol}")
 
 
 def test_every_family_has_a_colour() -> None:
@@ -165,7 +165,7 @@ def test_every_family_has_a_colour() -> None:
 )
 def test_large_values_take_a_readable_unit(slug: str, unit: str, factor: float) -> None:
     plot = plot_of(LIFT, slug)
-    assert plot.rung.symbol == unit
+    assert plot.display_unit.symbol == unit
     y = curves(plot)[0].y
     assert y[:-1] == pytest.approx(channel(LIFT, slug).values(Study(LIFT, SAMPLES)) * factor)
     assert not [text for _, text in plot.getAxis("left").shown if "e" in text]
@@ -189,7 +189,7 @@ def test_the_reference_is_dashed_and_in_the_same_unit() -> None:
     reference, curve = curves(plot)
     assert reference.pen().style() == Qt.PenStyle.CustomDashLine
     assert curve.pen().style() == Qt.PenStyle.SolidLine
-    assert reference.y[:-1] * plot.rung.size == pytest.approx(row.values(other))
+    assert reference.y[:-1] * plot.display_unit.size == pytest.approx(row.values(other))
     low, high = plot.getViewBox().viewRange()[1]
     assert low < reference.y.min() < reference.y.max() < high
 
@@ -301,7 +301,7 @@ def test_what_rounding_leaves_of_a_zero_is_drawn_as_zero() -> None:
     plot = plot_of(QUIET, "pressure_angle_deg")
     (curve,) = curves(plot)
     assert not curve.y.any()
-    assert plot.rung.symbol == "°"
+    assert plot.display_unit.symbol == "°"
     low, high = plot.getViewBox().viewRange()[1]
     assert low < -0.1 < 0.1 < high
     plot.set_angle(1.0, Study(QUIET, SAMPLES).at_theta(np.array([1.0])))
@@ -317,7 +317,7 @@ def test_a_small_quantity_is_no_zero() -> None:
     )
     plot = plot_of(with_drive(LIFT, motion=motion), "velocity_mm_s")
     assert np.ptp(curves(plot)[0].y) > 0.01
-    assert plot.rung.symbol.endswith("µm/s")
+    assert plot.display_unit.symbol.endswith("µm/s")
     assert np.ptp(curves(plot_of(with_drive(LIFT, motion=motion), "drive_torque_nm"))[0].y) > 0.0
 
 

@@ -39,10 +39,10 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     torque.settle()
     drives, sums = torque.drives.lines, torque.sums.lines
     assert len(drives) == 4
-    kilo = torque.drives.rung.size
+    kilo = torque.drives.display_unit.size
     assert np.allclose(kilo * sum(y[:-1] for _, y in drives), whole.camshaft.torque, atol=1e-9)
-    assert np.allclose(sums[0][1][:-1] * torque.sums.rung.size, whole.camshaft.torque)
-    assert np.allclose(sums[1][1][:-1] * torque.sums.rung.size, whole.camshaft.motor_torque)
+    assert np.allclose(sums[0][1][:-1] * torque.sums.display_unit.size, whole.camshaft.torque)
+    assert np.allclose(sums[1][1][:-1] * torque.sums.display_unit.size, whole.camshaft.motor_torque)
     QTest.mouseClick(torque.sums.viewport(), Qt.MouseButton.LeftButton, pos=torque.sums.pixel_at(300.0).toPoint())
     settle()
     assert degrees(unit.window.player.machine) == pytest.approx(300.0, abs=1.5)
@@ -63,14 +63,14 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
     def wide() -> list[float]:
         """How wide each band is at most [N m]."""
         rows = ((torque.drives, torque.drives.shown), (torque.sums, torque.sums.shown[:1]))
-        each = [(plot.rung.size, line.band) for plot, lines in rows for line in lines]
+        each = [(plot.display_unit.size, line.band) for plot, lines in rows for line in lines]
         return [size * float(np.ptp(band[1], axis=0).max()) for size, band in each if band is not None]
 
     feed, clamp, lift, _, shaft = wide()
     assert (feed, clamp) == pytest.approx((0.0, 0.0))
     assert shaft == pytest.approx(lift, rel=1e-9), "the shaft varies with the lift alone"
     wait_for(lambda: [line.label for line in torque.sums.shown if line.band is not None] == ["Shaft", "Motor"])
-    assert 0.0 < float(np.ptp(torque.sums.shown[-1].band[1], axis=0).max()) * torque.sums.rung.size < shaft
+    assert 0.0 < float(np.ptp(torque.sums.shown[-1].band[1], axis=0).max()) * torque.sums.display_unit.size < shaft
     wider = (Tolerance("drives[2].cam.base_radius_mm", 10.0),)
     unit.session.put_full_design(replace(unit.session.full_design, tolerances=wider), "Tolerance")
     assert not wide(), "those of other tolerances are gone"

@@ -128,7 +128,7 @@ class Hand:
 def sums(view: ShaftTorqueView) -> np.ndarray:
     """The torque of the whole shaft as it is drawn [N m]."""
     line = 1 if view.session.full_design.balancer is not None else 0
-    return np.asarray(view.sums.lines[line][1][:-1] * view.sums.rung.size)
+    return np.asarray(view.sums.lines[line][1][:-1] * view.sums.display_unit.size)
 
 
 @pytest.mark.stress

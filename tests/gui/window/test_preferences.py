@@ -122,9 +122,9 @@ def test_a_value_survives_many_switches_and_files_do_not_see_them(user: User, sw
 
 def test_plots_and_texts_follow_and_files_are_written_as_kept(user: User, tmp_path: Path) -> None:
     view = user.see("displacement")
-    assert view.plot.rung.symbol == "mm"
+    assert view.plot.display_unit.symbol == "mm"
     prefer(user, in_inches)
-    wait_for(lambda: view.plot.rung.symbol == "in")
+    wait_for(lambda: view.plot.display_unit.symbol == "in")
     force = readable("N", 20_000.0)
     assert measure(20_000.0 / force.size, force.symbol) == "4496 lbf"
     with settings.in_file_units():
