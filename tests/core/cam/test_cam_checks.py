@@ -212,7 +212,7 @@ def test_wrong_limits_are_named(limits: object, path: str, says: str) -> None:
 
 def test_limits_of_a_linkage_without_a_cam_are_refused() -> None:
     bar = to_table(load(EXAMPLES / "four_bar.toml"))
-    with pytest.raises(DesignError, match=r"limits = .*these are limits of a cam, and there is none"):
+    with pytest.raises(DesignError, match=r"limits = .*these are limits of a cam, but the design has no cam"):
         loads(tomli_w.dumps(bar | {"limits": {"convex_radius_mm": 3.0}}))
 
 
