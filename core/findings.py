@@ -139,7 +139,7 @@ class FindingRow(NamedTuple):
 
 
 USER_LIMIT = FindingRow(
-    "{what} {value} {unit}{at}, your own limit {limit} {unit}: {remedy}", _compared(5, "value", "limit")
+    "{what} {value} {unit}{at}, your limit {limit} {unit}: {remedy}", _compared(5, "value", "limit")
 )
 """Row of every limit of quantities that a user states; their codes have no row in ``ROWS``."""
 ROWS: Mapping[str, FindingRow] = MappingProxyType(
@@ -148,8 +148,8 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "jump-velocity": FindingRow("velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration"),
         "jump-acceleration": FindingRow("acceleration jumps by {jump:.6g} {unit_name}/rad² at a join: infinite jerk"),
         "uneven-advance": FindingRow(
-            "an advance of {advance:.9g} deg a turn neither divides 360 deg nor is a number of full turns, so that the output does not "
-            "return to the same stops; the nearest advance that does is {near:.9g} deg"
+            "the advance of {advance:.9g} deg per turn is neither a whole fraction nor a multiple of 360 deg, so that the output does not "
+            "return to the same stops; the nearest valid advance is {near:.9g} deg"
         ),
         "pressure-angle": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
@@ -171,7 +171,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "radius, or use a shoe of smaller radius", _compared(5, "pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS,
         ),
         "undercut.flat": FindingRow(
-            "undercut: under the flat face the profile's radius of curvature comes down to {radius_mm:.5g} mm{at}, it must stay above 0: "
+            "undercut: under the flat face the profile's least radius of curvature is {radius_mm:.5g} mm{at}, it must be above 0: "
             "{remedy}", remedy=_BASE_RADIUS,
         ),
         "outer-undercut": FindingRow(
@@ -204,22 +204,22 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.3g} m/s"
         ),
         "face-too-narrow": FindingRow(
-            "the contact leaves the flat face{at}: it reaches {contact_mm:.6g} mm, {needed_mm} mm from the face's centre; half the "
+            "the contact leaves the flat face{at}: its position is {contact_mm:.6g} mm, {needed_mm} mm from the face's centre; half the "
             "face's width is {half_width_mm} mm: widen the face, or move its centre",
             _compared(5, "needed_mm", "half_width_mm"), _FACE_WIDTH,
         ),
         "pressure-angle-rise": FindingRow(
-            "pressure angle {value} deg on the rise{at}, your own limit {limit} deg: {remedy}", _compared(4, "value", "limit"), _LARGER,
+            "pressure angle {value} deg on the rise{at}, your limit {limit} deg: {remedy}", _compared(4, "value", "limit"), _LARGER,
         ),
         "pressure-angle-return": FindingRow(
-            "pressure angle {value} deg on the return{at}, your own limit {limit} deg: {remedy}", _compared(4, "value", "limit"), _LARGER,
+            "pressure angle {value} deg on the return{at}, your limit {limit} deg: {remedy}", _compared(4, "value", "limit"), _LARGER,
         ),
         "pressure-angle-rise.second": FindingRow(
-            "pressure angle of the second roller {value} deg on the rise{at}, your own limit {limit} deg: {remedy}",
+            "pressure angle of the second roller {value} deg on the rise{at}, your limit {limit} deg: {remedy}",
             _compared(4, "value", "limit"),
         ),
         "pressure-angle-return.second": FindingRow(
-            "pressure angle of the second roller {value} deg on the return{at}, your own limit {limit} deg: {remedy}",
+            "pressure angle of the second roller {value} deg on the return{at}, your limit {limit} deg: {remedy}",
             _compared(4, "value", "limit"),
         ),
         "convex-radius": FindingRow(
@@ -235,7 +235,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "gentler", _compared(5, "value", "limit"), _LARGER,
         ),
         "contact-pressure": FindingRow(
-            "contact pressure {value} MPa{at}, your own limit {limit} MPa: widen the cam, enlarge roller or base radius, or lower the "
+            "contact pressure {value} MPa{at}, your limit {limit} MPa: widen the cam, enlarge roller or base radius, or lower the "
             "force", _compared(5, "value", "limit"), _THICKNESS,
         ),
         "material-pressure": FindingRow(
@@ -281,7 +281,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             _compared(5, "value", "limit"),
         ),
         "separation": FindingRow(
-            "the {face} leaves the cam: contact force {force_n:.5g} N; it lifts off from {speed_rpm:.6g} rpm on: add closing force or "
+            "the {face} leaves the cam: contact force {force_n:.5g} N; it lifts off at {speed_rpm:.6g} rpm and above: add closing force or "
             "lower the speed", remedy=_SPRING,
         ),
         "elastic-separation": FindingRow(
@@ -336,7 +336,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the rod comes close to a right angle with the guide, where the arm cannot drive the slider: cosine of its angle {value:.3g}"
         ),
         "crank-cannot-turn": FindingRow(
-            "the crank cannot turn fully: the linkage can be assembled with it within {ranges} only, and locks at {joints}"
+            "the crank cannot turn fully: the linkage can be assembled only for crank angles within {ranges}, and locks at {joints}"
         ),
         "swinging-driver": FindingRow(
             "the crank cannot turn fully: it swings between {low:.6g}° ({low_joint} locks) and {high:.6g}° ({high_joint} locks), "
@@ -360,7 +360,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "change-point": FindingRow(
             "the links at {joint} become collinear, where both assemblies coincide (change point); the motion continues "
-            "smoothly, but in the machine play decides"
+            "smoothly, but in the built machine play decides which assembly follows"
         ),
         "linkage-dead-centre": FindingRow("dead centre: the links at {joint} become collinear, transmission angle {value:.3g} deg"),
         "transmission-angle": FindingRow(
@@ -369,17 +369,17 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "unstable-speed": FindingRow(
             "{rpm} rpm is in a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n:.0f}): twist of the shaft grows by up to "
-            "{growth_percent:.3g} % a turn; change its stiffness or the speed", _compared(6, "rpm", "rpm_lo", "rpm_hi"),
+            "{growth_percent:.3g} % per turn; change its stiffness or the speed", _compared(6, "rpm", "rpm_lo", "rpm_hi"),
         ),
         "unstable-shaft": FindingRow(
-            "at {rpm:.6g} rpm twist of the shaft grows by {growth_percent:.3g} % a turn; change its stiffness or the speed"
+            "at {rpm:.6g} rpm twist of the shaft grows by {growth_percent:.3g} % per turn; change its stiffness or the speed"
         ),
         "near-unstable-speed": FindingRow(
             "{rpm} rpm is near a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n:.0f}), in which twist of the shaft grows "
-            "by up to {growth_percent:.3g} % a turn", _compared(6, "rpm", "rpm_lo", "rpm_hi"),
+            "by up to {growth_percent:.3g} % per turn", _compared(6, "rpm", "rpm_lo", "rpm_hi"),
         ),
         "above-all-speeds": FindingRow(
-            "{rpm} rpm is above {top_rpm} rpm, the speed from which the shaft no longer holds the cam", _compared(6, "rpm", "top_rpm"),
+            "{rpm} rpm is above {top_rpm} rpm, and at every speed above that the shaft is unstable", _compared(6, "rpm", "top_rpm"),
         ),
         "no-stability": FindingRow("the stability of the shaft is not known: {why}; {hint}"),
         "no-elastic-follower": FindingRow("the vibration of the follower is not known: {why}; {hint}"),
@@ -400,14 +400,14 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the line of measurement runs along the profile{at}: the profile behind it is hidden from the probe, and the lift jumps"
         ),
         "out-of-tolerance": FindingRow(
-            "the measured lift is {deviation_mm} mm off{at}, {normal_mm} mm normal to the profile; tolerance {limit_mm} mm",
+            "the measured lift deviates by {deviation_mm} mm{at}, {normal_mm} mm normal to the profile; tolerance {limit_mm} mm",
             _compared(4, "deviation_mm", "normal_mm", "limit_mm"),
         ),
         "not-measured": FindingRow("no measured rows from {from_deg:.6g} to {to_deg:.6g} deg: the cam is not assessed there"),
         "no-drive": FindingRow("no solution, the other drives are computed without this one: {why}{at}; {hint}"),
         "timing-broken": FindingRow(
             "{second} comes {after_deg} deg after {first}, at machine angle {second_deg:.6g} deg; it must come at least {least_deg} deg "
-            "after it: turn one of the two drives, or change its motion", _compared(5, "after_deg", "least_deg"), _PHASES,
+            "after it: change the phase or the motion of one of the two drives", _compared(5, "after_deg", "least_deg"), _PHASES,
         ),
         "timing-contradicts": FindingRow(
             "in the present order of their events no phases satisfy {rows} together: they require {excess_deg:.5g} deg more than "

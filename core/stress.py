@@ -31,9 +31,9 @@ SHEAR_DEPTH = _GOLDEN**-0.5
 SHEAR = _GOLDEN**-2.5
 """Largest shear as a fraction of the contact pressure, 0.300283."""
 METAL_POISSON_RATIO = 0.3
-"""Used with a typed modulus that comes without a Poisson ratio."""
+"""Poisson's ratio for a typed modulus without one."""
 LIFE_EXPONENT = 10.0 / 3.0
-"""Of roller bearings, ISO 281."""
+"""Exponent of the life of roller bearings, ISO 281."""
 PANEL, PANEL_NODES = radians(2.0), 8  # of the Gauss quadrature over a turn
 _PRESSURE_LIMIT = "limits.contact_pressure_mpa"
 
@@ -47,12 +47,18 @@ class Surface:
 
     Attributes
     ----------
-    path : the design field that chooses its material
-    noun : "cam", or the follower's face in words, for messages
-    modulus : Young's modulus [Pa]
-    ratio : Poisson's ratio
-    allowable : allowable contact pressure [Pa], None where none is published
-    name, source : material, and the publication of its allowable pressure
+    path : str
+        Field of the design that chooses its material.
+    noun : str
+        "cam", or the follower's face in words, for messages.
+    modulus : float [Pa]
+        Young's modulus E.
+    ratio : float, dimensionless
+        Poisson's ratio ν.
+    allowable : float or None [Pa]
+        Allowable contact pressure; None where none is published.
+    name, source : str
+        Material, and the publication of its allowable pressure.
     """
 
     path: str
@@ -66,7 +72,7 @@ class Surface:
 
 @frozen
 class Pairing:
-    """Two surfaces in line contact over `width` [m]."""
+    """Two surfaces in line contact over the width b [m]."""
 
     width: float
     surfaces: tuple[Surface, Surface]
@@ -171,14 +177,18 @@ def is_stress_requested(cam: Any, limits: Limits) -> bool:
 
 @frozen(eq=False)
 class ContactStress:
-    """Stresses on one flank; 0 where nothing presses, NaN where the face does not fit the profile.
+    """Stresses on one flank; 0 without contact force, NaN where the face does not fit the profile.
 
     Attributes
     ----------
-    pressure : (n,) contact pressure in the middle of the contact [Pa]
-    shear : (n,) largest shear below the surface [Pa]
-    depth : (n,) depth of that shear [m]
-    half_width : (n,) half the width of the contact [m]
+    pressure : ndarray (n,) [Pa]
+        Contact pressure p in the middle of the contact.
+    shear : ndarray (n,) [Pa]
+        Largest shear below the surface.
+    depth : ndarray (n,) [m]
+        Depth of the largest shear.
+    half_width : ndarray (n,) [m]
+        Half the width a of the contact.
     """
 
     pressure: np.ndarray
@@ -218,7 +228,7 @@ def contact_pressure(force: np.ndarray, curvature: np.ndarray, pairing: Pairing)
     Parameters
     ----------
     force : ndarray (n,) [N]
-        Contact force F; the pressure is 0 where it does not press.
+        Contact force F; the pressure is 0 where F ≤ 0.
     curvature : ndarray (n,) [1/m]
         Relative curvature κ_rel; the pressure is NaN where it is not positive.
     pairing : Pairing
@@ -268,14 +278,18 @@ def contact_stress(flank: Flank, force: np.ndarray, pairing: Pairing) -> Contact
 
 @frozen
 class RollerLife:
-    """Life of one roller, infinite where nothing loads it.
+    """Life of one roller, infinite without load.
 
     Attributes
     ----------
-    roller : "first" or "second"
-    load : equivalent load P [N]
-    rpm : mean speed of the roller about its own axis
-    million_turns, hours : L10 in million turns of the roller, and in hours
+    roller : str
+        "first" or "second".
+    load : float [N]
+        Equivalent load P.
+    rpm : float [1/min]
+        Mean speed of the roller about its axis.
+    million_turns, hours : float [10⁶ turns], [h]
+        Life L10.
     """
 
     roller: str
@@ -286,10 +300,11 @@ class RollerLife:
 
 
 def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarray:
-    """Speed ratio ω_r/ω of a roller that rolls on a flank without slip, about its own axis.
+    """Speed ratio ω_r/ω of a roller about its axis, which rolls on a flank without slip.
 
-    d - α' ∓ d|t|/r on the inner and outer flank: t the velocity of the roller's centre against the cam, α the angle of its
-    arm, r its radius, d the sense of rotation. In a groove with play the roller rolls on the flank that carries it.
+    ω_r/ω = d - α' ∓ d|t|/r on the inner and outer flank: t the velocity of the roller's centre relative to the cam, by cam
+    angle, α the angle of its arm, r its radius, d the sense of rotation. In a groove with play the roller rolls on the flank
+    in contact.
 
     Returns
     -------
@@ -348,16 +363,16 @@ def rolling_life(
     force : ndarray (..., n) [N]
         Force on the roller at the nodes of `turn_quadrature`; leading axes are designs.
     speed_ratio : ndarray (..., n), dimensionless
-        Its speed ω_r/ω, as by `roller_speed`.
+        Speed ratio ω_r/ω of the roller, from `roller_speed`.
     weights : ndarray (n,) [rad]
-        Of the quadrature.
+        Weights of the quadrature.
     omega : float or ndarray (...,) [rad/s]
         Speed of the shaft.
 
     Returns
     -------
     load, rpm, million_turns, hours : ndarray (...,) [N], [1/min], [10⁶ turns], [h]
-        Equivalent load P, mean speed of the roller, L10; infinite where nothing loads the roller.
+        Equivalent load P, mean speed of the roller, L10; infinite without load.
 
     References
     ----------
@@ -377,7 +392,7 @@ def rolling_life(
 
 
 def pressure_findings(worst: Mapping[str, Extreme], pairings: Mapping[str, Pairing], limits: Limits) -> list[Finding]:
-    """A pressure beyond the user's limit, or beyond what a material allows; worst: flank -> greatest pressure [Pa]."""
+    """Pressures beyond the user's limit or the allowable one of a material; worst: flank -> greatest pressure [Pa]."""
     findings = []
     greatest, limit = max(worst.values(), key=lambda extreme: extreme.value), limits.contact_pressure_mpa
     if limit is not None and greatest.value > MPA * limit * (1.0 + ROUNDING):
@@ -388,7 +403,7 @@ def pressure_findings(worst: Mapping[str, Extreme], pairings: Mapping[str, Pairi
         flanks = [flank for flank in worst if any(s.path == path for s in pairings[flank].surfaces)]
         if not flanks or surface.allowable is None:
             continue
-        extreme = max((worst[flank] for flank in flanks), key=lambda each: each.value)
+        extreme = max((worst[flank] for flank in flanks), key=lambda extreme: extreme.value)
         if extreme.value > surface.allowable * (1.0 + ROUNDING):
             values = {
                 "value": extreme.value / MPA,
@@ -402,7 +417,7 @@ def pressure_findings(worst: Mapping[str, Extreme], pairings: Mapping[str, Pairi
 
 
 def missing_input_findings(face: Any, cam: Any, limits: Limits) -> list[Finding]:
-    """Why a requested stress cannot be given: a knife edge has none, or an input is missing."""
+    """Reason why a requested stress has no value: a knife edge has none, or an input is missing."""
     if not is_stress_requested(cam, limits):
         return []
     has_limit = limits.contact_pressure_mpa is not None
@@ -418,6 +433,6 @@ def missing_input_findings(face: Any, cam: Any, limits: Limits) -> list[Finding]
 
 
 def undercut_finding(face_noun: str, limits: Limits) -> Finding:
-    """There is no stress where the profile is undercut."""
+    """Finding that the profile is undercut, so that it has no stress."""
     severity = NOTE if limits.contact_pressure_mpa is None else WARNING
     return Finding("no-contact-pressure-undercut", severity, "cam", None, {"face": face_noun})

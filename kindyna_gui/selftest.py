@@ -71,10 +71,10 @@ def _speed_and_undo(window: MainWindow) -> None:
     _require(session.edit("linkage.driver.speed_rpm", target, "Change speed"), "a higher speed was refused")
     rest(window)
     _require(abs(session.study.omega / before - LONGER) < 1e-12, "the driver does not turn at the speed")
-    _require(session.is_modified, "the edit did not change the design")
+    _require(session.modified, "the edit did not change the design")
     session.stack.undo()
     rest(window)
-    _require(not session.is_modified, "undo left the design modified")
+    _require(not session.modified, "undo left the design modified")
 
 
 def _stroke_and_undo(window: MainWindow) -> None:
@@ -88,10 +88,10 @@ def _stroke_and_undo(window: MainWindow) -> None:
     stroke_mm = extremes.high.value - extremes.low.value
     scale = session.design.drive.motion.scale
     _require(abs(stroke_mm / scale - target) < 1e-9 * target, "the motion does not follow the stroke")
-    _require(session.study is not before and session.is_modified, "the edit did not change the design")
+    _require(session.study is not before and session.modified, "the edit did not change the design")
     session.stack.undo()
     rest(window)
-    _require(not session.is_modified, "undo left the design modified")
+    _require(not session.modified, "undo left the design modified")
 
 
 def _turn(window: MainWindow) -> int:

@@ -152,7 +152,7 @@ class TimingRows(QWidget):
                 ),
                 tip=""
                 if at.kept
-                else f"{chart.text(-at.spare_deg)} too early: turn one of the two drives, or change its motion",
+                else f"{chart.text(-at.spare_deg)} too early: change the phase or the motion of one of the two",
                 colour="" if at.kept else SCREEN.limit,
             )
             for condition, at in zip(design.timing, chart.distances, strict=True)

@@ -1,12 +1,12 @@
-"""Forms of a cam, one row each: the flanks besides the first, and the face that touches each.
+"""Forms of a cam, one row each: the flanks in addition to the first, and the face on each flank.
 
-A form of a disk cam is its class with its word in ``core.design.forms``, named by the cams of ``core.design.parts``
-that may have it, and its row here; a flank of a new name is drawn by a row of ``FURTHER`` in the window's
-``cam_parts``. Reading, proving, writing and explaining it follow from these.
+A form of a disk cam is a class with its word in ``core.design.followers``, named by the cams of ``core.design.parts``
+that may have it, and a row of ``FORMS``; a flank of a new name is drawn by a row of ``FLANK_PARTS`` in
+``kindyna_gui/pictures/drawing/cam_parts.py``. Files, checks, certificate and explanations follow from these.
 
-A barrel cam, which moves past its follower once it is unrolled, needs more than a row here. ``relative_motion``,
+A barrel cam, which moves past its follower when unrolled, needs more than a row. ``relative_motion``,
 ``cam_frame_rotation`` and ``sliding`` of ``core.cam.shape`` describe the motion of a disk past the follower; ``rate``
-in ``core.cam.faces``, ``_require_cam`` of both faces and ``cam_follower_centre`` the turning of the face: these would
+in ``core.cam.faces``, ``_require_cam`` of both faces and ``cam_follower_centre`` describe the rotation of the face: all of these would
 have to depend on the cam. Crossings, walls, the profile's files and its drawing use the disk's closed curve about the
 origin.
 """

@@ -55,7 +55,7 @@ class Flank:
     reference : ndarray (n,) complex [m]
         Reference point R of the face on the flank, in the global frame.
     relative_velocity : ndarray (n,) complex [m/rad]
-        Its velocity t relative to the cam, by cam angle.
+        Velocity t of R relative to the cam, by cam angle.
     centre : Centres
         Instant centre Q of the face and the cam.
     profile : ndarray (n,) complex [m]
@@ -65,7 +65,7 @@ class Flank:
     normal : ndarray (n,) complex, dimensionless
         Unit vector in the global frame, from the follower into the cam.
     pressure_angle : ndarray (n,) [rad]
-        Unsigned, 0 ... π/2.
+        Angle ψ between the normal and the travel of the follower's centre or contact point: unsigned, 0 ... π/2.
     profile_curvature : ndarray (n,) [1/m]
         Positive where the cam is convex.
     profile_velocity : ndarray (n,) complex [m/rad]
@@ -73,7 +73,7 @@ class Flank:
     sliding : ndarray (n,) [m/rad]
         Speed of the follower's contact point relative to the cam, by cam angle, along i d n.
     radius : float [m]
-        Of a round face.
+        Radius of a round face.
     offset : float [m]
         From the pitch curve to the profile along -i d t: radius and play; negative for an outer flank.
     pitch : ndarray (n,) complex [m]

@@ -101,7 +101,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "compare",
         ),
         "explain": _row(
-            "where a number comes from: its equation, with the values of its symbols and their origin",
+            "the origin of a number: its equation, with the values of its symbols and their origin",
             "designs",
             "explain",
         ),

@@ -37,8 +37,9 @@ def run_check(arguments: CheckArguments, painter: Painter | None) -> int:
         if not residual.kept:
             print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
     kept = sum(residual.kept for residual in proof.values())
+    noun = "finding" if len(findings) == 1 else "findings"
     print(
-        f"{printable(study.design.name)}: {len(findings)} findings, {kept} of {len(proof)} residuals within their bounds"
+        f"{printable(study.design.name)}: {len(findings)} {noun}, {kept} of {len(proof)} residuals within their bounds"
     )
     return verdict_on(findings, proof)
 

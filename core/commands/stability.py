@@ -125,7 +125,7 @@ class StabilityArguments:
     design: Path = design_file()
     out: Path | None = out_folder("write tables, report and chart there")
     q: tuple[float, ...] = text_option(
-        "rows of the tables (tongues: the machine's own; averages: it and multiples of it)",
+        "rows of the tables (tongues: that of the machine; averages: also its multiples)",
         default=(),
         action="append",
         type=_q,

@@ -103,7 +103,7 @@ class Shoe(_Sliding):
     face: ClassVar[str] = "shoe"
     noun: ClassVar[str] = "shoe"
     reach: ClassVar[str] = "base radius + shoe radius"
-    shoe_radius_mm: float = length("Shoe radius", help="its centre is where a roller's would be")
+    shoe_radius_mm: float = length("Shoe radius", help="with its centre at the position of a roller's centre")
 
     @property
     def radius_mm(self) -> float:
@@ -141,7 +141,7 @@ class TiltedFlat(Flat):
     """Flat face of a translating follower; its reference point is on the line at the offset."""
 
     face_tilt_deg: float = seldom(
-        number("Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise")
+        number("Face tilt", -89.0, 89.0, default=0.0, help="from the perpendicular to the guide, counter-clockwise")
     )
 
     @property
@@ -205,7 +205,7 @@ class Groove:
 
     form: ClassVar[str] = "groove"
     holds: ClassVar[bool] = True
-    play_mm: float = _play("width of the groove beyond the roller's diameter, at the outer flank")
+    play_mm: float = _play("width of the groove minus the roller's diameter, at the outer flank")
 
 
 def _known(label: str, help: str, high: float = LONGEST_MM, otherwise: str = "not known") -> Any:
@@ -228,15 +228,15 @@ class Surfaces:
     """Materials of the cam and of the face on it, and the roller's bearing, as far as known; a typed modulus has priority."""
 
     material: str | None = leading(_material("Material", "of the cam"))
-    roller_material: str | None = leading(_material("Roller material", "of the part on the cam, roller or not"))
+    roller_material: str | None = leading(_material("Roller material", "of roller, shoe or face"))
     youngs_modulus_gpa: float | None = _known("Young's modulus", "of the cam", LARGEST, "the material's")
     poisson_ratio: float | None = _ratio("Poisson's ratio")
     roller_youngs_modulus_gpa: float | None = _known(
-        "Roller's modulus", "Young's, of the part on the cam", LARGEST, "the material's"
+        "Roller's modulus", "Young's modulus of roller, shoe or face", LARGEST, "the material's"
     )
     roller_poisson_ratio: float | None = _ratio("Roller's Poisson's ratio")
     roller_load_rating_n: float | None = _known(
-        "Roller's load rating C", "dynamic, of its bearing by ISO 281: then its life is computed", LARGEST
+        "Roller's load rating C", "dynamic, of its bearing (ISO 281); its life is computed from it", LARGEST
     )
 
 

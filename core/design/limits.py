@@ -43,21 +43,21 @@ class Limits:
     """Limits that the user sets; the radii are those of the profile."""
 
     pressure_angle_rise_deg: float | None = _angle("Pressure angle, rise", "while the motion rises")
-    pressure_angle_return_deg: float | None = _angle("Pressure angle, return", "while it returns")
+    pressure_angle_return_deg: float | None = _angle("Pressure angle, return", "while the motion returns")
     convex_radius_mm: float | None = _least(
         "Convex radius",
-        "least radius of curvature where the profile bulges",
+        "least radius of curvature where the profile is convex",
         "half the roller's radius, 3 mm under a sliding face",
     )
-    concave_radius_mm: float | None = _least("Concave radius", "least radius of curvature where the profile is hollow")
+    concave_radius_mm: float | None = _least("Concave radius", "least radius of curvature where the profile is concave")
     polar_radius_mm: float | None = _least(
         "Polar radius",
         "least distance of the profile from the cam centre",
-        "metal around hub and bore, else room for the shaft's hub",
+        "from hub, bore and keyway, or from the hub of the estimated shaft",
     )
     contact_force_n: float | None = _most(
         "Contact force",
-        "greatest between follower and cam",
+        "greatest allowed between follower and cam",
         Bounds(
             ("contact_force", "second_contact_force", "elastic_contact_force"),
             "lower the speed, the masses or the closing force",
@@ -65,7 +65,7 @@ class Limits:
     )
     contact_pressure_mpa: float | None = _most(
         "Contact pressure",
-        "greatest between follower and cam",
+        "greatest allowed between follower and cam",
         Bounds(("contact_pressure", "second_contact_pressure")),
     )
 
@@ -96,7 +96,9 @@ class Tolerance:
 
     field: str = placed(FileLayout(missing="the path of a number, as cam.base_radius_mm"))
     plus: float = number("Upper deviation", 0.0)
-    minus: float | None = number("Lower deviation", 0.0, default=None, help="downwards; empty = as upwards")
+    minus: float | None = number(
+        "Lower deviation", 0.0, default=None, help="below the nominal value; empty = the upper deviation"
+    )
     distribution: str = choice("Distribution", (NORMAL, UNIFORM, WORST), default=NORMAL)
     sigma: float | None = number(
         "Standard deviation", 0.0, open_low=True, default=None, help="empty = a sixth of the width"

@@ -97,7 +97,7 @@ class Driver:
     speed_rpm: float = number(
         "Speed", -1e5, 1e5, default=60.0, step=1.0,
         missing="of the crank, in rpm; negative = clockwise",
-        help="of the crank, or of the shaft whose turn the motion takes; negative = clockwise",
+        help="of the crank, or of the shaft if a motion drives; negative = clockwise",
     )  # fmt: skip
     on: int = brief(
         whole(
@@ -126,12 +126,12 @@ class SecondDriver:
     """
 
     link: int = whole("Second driving link", 2, 999)
-    on: int = whole("Against link", 1, 999, default=FRAME_LINK, help="what its angle is measured against")
+    on: int = whole("Against link", 1, 999, default=FRAME_LINK, help="the link from which its angle is measured")
     ratio: float | None = number(
-        "Ratio", -1e6, 1e6, default=None, help="degrees, or mm where it slides, for one degree or mm of the driver's"
+        "Ratio", -1e6, 1e6, default=None, help="degrees (mm for a slide) per degree or mm of the first driver"
     )
     offset_deg: float = number("Offset", -36000.0, 36000.0, default=0.0)
-    offset_mm: float = brief(coordinate("Offset of what slides", default=0.0))
+    offset_mm: float = brief(coordinate("Sliding offset", default=0.0))
     motion: str = placed(FileLayout(brief=True), "")
     kind: str | None = choice("Wheels", WHEELS, default=None)
     teeth_first: int | None = whole("Teeth of the first", 0, 100000, default=None, pair="teeth")

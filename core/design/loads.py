@@ -10,7 +10,7 @@ from core.frozen import frozen
 
 @frozen(kw_only=True)
 class Balancer:
-    """Balance cam: a translating roller follower whose spring evens out the torque of the shaft at its speed.
+    """Balance cam: a translating roller follower whose spring compensates the torque of the shaft at its speed.
 
     The motion begins at 0, where the spring has its preload; the follower's weight counts as preload.
     """
@@ -38,9 +38,9 @@ class Attachment:
     link: int = whole("Link", 1, 999, help="1 = frame")
     point: str | None = placed(FileLayout(), None)
     x_mm: float | None = coordinate(
-        "Place x", pair="at", default=None, help="in the link's frame, of the frame the global one"
+        "Point x", pair="at", default=None, help="in the link's frame, of the frame the global one"
     )
-    y_mm: float | None = coordinate("Place y", pair="at", default=None)
+    y_mm: float | None = coordinate("Point y", pair="at", default=None)
 
 
 def _end() -> Attachment:
@@ -132,10 +132,10 @@ class ForceElements:
         "Follower stiffness",
         0.0,
         default=None,
-        help="at the roller's centre, or the contact, along its path; none or 0 = rigid",
+        help="at the roller's centre, or the contact, along its path; empty or 0 = rigid",
     )
     follower_damping_ratio: float | None = number(
-        "Follower damping ratio", 0.0, 0.99, default=None, step=0.01, help="of critical damping; 0 where none is given"
+        "Follower damping ratio", 0.0, 0.99, default=None, step=0.01, help="of critical damping; empty = 0"
     )
     springs: tuple[PointSpring, ...] = placed(FileLayout(PointSpring), ())
     torsion_springs: tuple[TorsionSpring, ...] = placed(FileLayout(TorsionSpring), ())

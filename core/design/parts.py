@@ -68,7 +68,7 @@ class NamedCurve:
         1.0,
         default=0.0,
         step=0.05,
-        help="fraction of the span, of half a cycloid C1 ... C4",
+        help="fraction of the span, for the half cycloids C1 ... C4",
     )
 
 
@@ -81,9 +81,16 @@ class SccaCurve:
 
     law: ClassVar[str] = "scca"
     cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
-    ramp_fraction: float = number("Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the rest")
+    ramp_fraction: float = number(
+        "Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the span without its constant velocity"
+    )
     flat_fraction: float = number(
-        "Constant acceleration", 0.0, 1.0, default=0.0, step=0.05, help="fraction of the rest"
+        "Constant acceleration",
+        0.0,
+        1.0,
+        default=0.0,
+        step=0.05,
+        help="fraction of the span without its constant velocity",
     )
 
 
@@ -301,7 +308,8 @@ class SecondPlace:
     """Position of the second roller of a conjugate pair on a translating follower."""
 
     distance_mm: float = length(
-        "Second roller's distance", help="behind the first, against the direction; centre to centre"
+        "Second roller's distance",
+        help="from the first roller, opposite to the direction; centre to centre",
     )
 
 
@@ -338,7 +346,9 @@ class Translating:
     """Follower that slides on a straight guide."""
 
     face: Rolling | TiltedFlat | Knife | Shoe = faces_of(TiltedFlat)
-    offset_mm: float = coordinate("Offset", default=0.0, help="of the guide from the cam centre, positive to its left")
+    offset_mm: float = coordinate(
+        "Offset", default=0.0, help="of the guide from the cam centre, positive to the left of the direction"
+    )
     direction_deg: float = seldom(number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards"))
     second: SecondPlace | None = _second(SecondPlace)
 
@@ -431,10 +441,15 @@ class ElasticShaft:
     )
     damping_ratio: float = number("Shaft damping ratio", 0.0, 0.99, default=0.0, step=0.005, help="of critical damping")
     spring: str = seldom(
-        choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, with its stiffness adapted to each speed")
+        choice(
+            "Spring",
+            SPRINGS,
+            default="fixed",
+            help="retuned = valve spring of Kim1990, with its stiffness adapted to each speed",
+        )
     )
     spring_factor: float = seldom(
-        number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
+        number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="factor a of the retuned spring (Kim1990)")
     )
 
 
@@ -453,7 +468,7 @@ class Shaft:
         "Speed fluctuation C_s", 0.0, 2.0, open_low=True, default=0.02, help="target for sizing: (max - min) / mean"
     )
     motor_slope_nm_s_per_rad: float = number(
-        "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed", guessed=True
+        "Motor slope", 0.0, open_low=True, default=50.0, help="increase of torque per rad/s of speed lost", guessed=True
     )
     motor_inertia_kg_m2: float | None = number("Motor inertia", 0.0, default=None, help="of its rotor, at the motor")
     gear_ratio: float | None = number(
@@ -462,7 +477,7 @@ class Shaft:
         1e4,
         open_low=True,
         default=None,
-        help="turns of the motor per turn of the camshaft; 1 where none is given",
+        help="turns of the motor per turn of the camshaft; empty = 1",
     )
     elastic: ElasticShaft | None = placed(FileLayout(ElasticShaft, choose=_elastic_class), None)
 
@@ -492,7 +507,7 @@ class Servo:
     )
     mass_kg: float | None = number("Mass moved", 0.0, default=None, help="added to the loads")
     friction_nm: float | None = number(
-        "Friction torque", 0.0, default=None, help="at the output shaft, against its turning"
+        "Friction torque", 0.0, default=None, help="at the output shaft, against its rotation"
     )
     friction_n: float | None = number("Friction force", 0.0, default=None, help="against the motion")
     gear_ratio: float = number(
@@ -506,15 +521,15 @@ class Servo:
     )
     rotor_inertia_kg_m2: float = number("Rotor inertia", 0.0, default=0.0, help="at the motor")
     peak_torque_nm: float | None = number(
-        "Peak torque", 0.0, open_low=True, default=None, help="the most that the motor gives"
+        "Peak torque", 0.0, open_low=True, default=None, help="largest torque of the motor"
     )
     rated_torque_nm: float | None = number(
         "Rated torque", 0.0, open_low=True, default=None, help="in continuous running, as rms"
     )
     rated_rpm: float | None = number(
-        "Rated speed", 0.0, open_low=True, default=None, help="up to which it gives that torque"
+        "Rated speed", 0.0, open_low=True, default=None, help="largest speed at the rated torque"
     )
-    regenerates: bool = flag("Regenerates", help="gives braking energy back")
+    regenerates: bool = flag("Regenerates", help="recovers braking energy")
 
 
 def _mass(label: str, help: str = "") -> float:
@@ -545,7 +560,7 @@ class Loads(ForceElements):
         0.95,
         default=None,
         step=0.05,
-        help="speed of rebound per speed of landing, where the follower left the cam; 0 where none is given",
+        help="rebound speed over landing speed, after lift-off; empty = 0",
     )
 
 
@@ -566,7 +581,7 @@ class CamSliderLoads(Loads):
         number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the slider arm")
     )
     roller_mass_kg: float = _mass("Roller mass")
-    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
+    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its centre; it rotates with the arm")
     friction: float = _friction()
     external_force_n: float = leading(number("External force", default=0.0, help="on the slider, along +guide"))
     spring_rate_n_per_mm: float = leading(
@@ -593,7 +608,7 @@ class OscillatingLoads(Loads):
     arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
     arm_centre_angle_deg: float = seldom(number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the arm"))
     roller_mass_kg: float = _mass("Roller mass")
-    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
+    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its centre; it rotates with the arm")
     spring_rate_nm_per_rad: float = leading(number("Spring rate", 0.0, default=0.0))
     preload_nm: float = leading(number("Spring preload", default=0.0, help="against the motion, where it is 0"))
 
@@ -635,8 +650,8 @@ class SlideLoads(OutputLoads):
     """Mass and forces of the output of a motion in mm."""
 
     mass_kg: float = _mass("Mass moved")
-    force_n: float = number("Force", default=0.0, help="on it, along the positive motion")
-    friction_n: float = number("Friction force", 0.0, default=0.0, help="against the motion, whichever way it goes")
+    force_n: float = number("Force", default=0.0, help="on the output, along the positive motion")
+    friction_n: float = number("Friction force", 0.0, default=0.0, help="against the motion, in both directions")
 
 
 @frozen(kw_only=True)
@@ -644,8 +659,8 @@ class TurnLoads(OutputLoads):
     """Inertia and torques of the output of a motion in deg."""
 
     inertia_kg_m2: float = _mass("Inertia turned")
-    torque_nm: float = number("Torque", default=0.0, help="on it, along the positive motion")
-    friction_nm: float = number("Friction torque", 0.0, default=0.0, help="against the motion, whichever way it goes")
+    torque_nm: float = number("Torque", default=0.0, help="on the output, along the positive motion")
+    friction_nm: float = number("Friction torque", 0.0, default=0.0, help="against the motion, in both directions")
 
 
 OUTPUT_LOADS: Mapping[str, type[SlideLoads] | type[TurnLoads]] = MappingProxyType({"mm": SlideLoads, "deg": TurnLoads})

@@ -1,7 +1,7 @@
 """Inverse dynamics: reactions, contact force, and the torque on the cam or on the driver.
 
-Every force follows from three kinds of walks through the mechanism: with the applied loads, with one newton of contact
-force, and with one newton of friction in each pair that has friction. The contact force balances the driver; friction
+Every force follows from three kinds of solutions (walks) through the mechanism: with the applied loads, with one newton of
+contact force, and with one newton of friction in each pair that has friction. The contact force balances the driver; friction
 follows from the reactions, which are affine in it.
 
 Source: Shin, Kim and Ha 1995, section 4.
@@ -55,9 +55,9 @@ class Contact(NamedTuple):
     direction : ndarray (n,) complex, dimensionless
         n + μ v̂: force on the cam per newton of contact, with the friction of a face that slides.
     force : ndarray (n,) [N]
-        0 where the second flank of a groove or conjugate pair is in contact.
+        Normal force, positive where it presses; with two flanks, 0 on the one that is not in contact.
     lever : ndarray (n,) [m or dimensionless]
-        Driver effort that balances one newton of contact.
+        Driver effort l that balances one newton of contact.
     """
 
     at: np.ndarray

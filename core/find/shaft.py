@@ -134,13 +134,11 @@ def available_shaft_searches(design: Design) -> tuple[str, ...]:
     return tuple(what for what, row in SHAFT_SEARCHES.items() if row.is_available(design))
 
 
-def _has_loaded_shaft(design: Design) -> bool:
-    return design.shaft is not None and any(drive.loads_shaft for drive in design.drives)
-
-
 def _wheel_keys(design: Design) -> Mapping[str, float | None]:
-    ends = dict.fromkeys(f"{FLYWHEEL}{end}" for end in ENDS)
-    return {f"{FLUCTUATION}_max": design.camshaft.speed_fluctuation, **ends}
+    return {
+        f"{FLUCTUATION}_max": design.camshaft.speed_fluctuation,
+        **dict.fromkeys(f"{FLYWHEEL}{end}" for end in ENDS),
+    }
 
 
 def _phase_keys(design: Design) -> Mapping[str, float | None]:
@@ -674,7 +672,7 @@ SHAFT_SEARCHES: Mapping[str, ShaftRow] = MappingProxyType(
         "flywheel": ShaftRow(
             "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel,
             "the least flywheel for the allowed fluctuation of speed",
-            _has_loaded_shaft, _wheel_keys,
+            lambda design: design.shaft is not None and any(drive.loads_shaft for drive in design.drives), _wheel_keys,
         ),
         "gear-ratio": ShaftRow(
             "Gear ratio of the servo", (RATIO, "drives["), (), _gear_ratio,

@@ -222,7 +222,7 @@ def lift_off_lines(study: Study) -> list[str]:
     rpm, angle = digits(lift_off.omega / RPM), digits(math.degrees(lift_off.theta))
     if not lift_off.omega:
         return [f"No force presses the follower on the cam at {angle}°, even at standstill"]
-    return [f"The follower leaves the cam from {rpm} rpm on, at cam angle {angle}°"]
+    return [f"The follower leaves the cam at {rpm} rpm and above, at cam angle {angle}°"]
 
 
 def flight_lines(study: Study, result: Flights) -> list[str]:

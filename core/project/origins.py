@@ -220,7 +220,9 @@ def _table_motion(request: _Request) -> tuple[Motion, list[str]]:
         raise DesignError(Fault("motion.from.table", table, line) for line in str(error).split("\n")[:3]) from error
     if fitted.left_out:
         lines = line_ranges(sheet.rows[i].line for i in fitted.left_out)
-        raise _error("motion.from.table", table, f"{lines}: no motion goes through it", "rows that fit; see measured")
+        raise _error(
+            "motion.from.table", table, f"{lines}: no motion passes through these rows", "rows that fit; see measured"
+        )
     return fitted.motion, [file]
 
 

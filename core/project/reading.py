@@ -259,7 +259,7 @@ def _read_drive(
             Fault(
                 "limits",
                 "[limits]",
-                "these are limits of a cam, and there is none",
+                "these are limits of a cam, but the design has no cam",
                 "a table [cam], or remove [limits]",
             )
         )

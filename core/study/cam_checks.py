@@ -128,7 +128,7 @@ def _radius_limits(study: Study) -> Mapping[str, checks.LeastRadius]:
 
 def _least_radius(limit: LimitValue) -> checks.LeastRadius:
     if limit.source == USER:
-        return checks.LeastRadius(limit.value, "your own limit")
+        return checks.LeastRadius(limit.value, "your limit")
     return checks.LeastRadius(limit.value, "limit", f" ({limit.reason})")
 
 

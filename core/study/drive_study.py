@@ -283,14 +283,14 @@ class DriveStudy:
             _require_agreement(result)
         if not result.ranges:
             raise NoPosition(
-                "its links cannot be put together at any position of the driver, or at single ones only",
+                "its links cannot be assembled at any position of the driver, or at single ones only",
                 "linkage.links",
                 "change their lengths, or linkage.branch",
             )
         if self.by_crank and not CrankMotion(result).degrees(self.samples).size:
             ranges = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in result.ranges])
             raise NoPosition(
-                f"its links can be put together with the crank within {ranges} only, which contains none of the "
+                f"its links can be assembled only for crank angles within {ranges}, which contain none of the "
                 f"{self.samples} driver angles",
                 "linkage.links",
                 "change their lengths, or increase the number of angles",

@@ -108,7 +108,7 @@ def optimise(study: StudyOfMany, progress: ProgressCallback | None = None, start
     Raises KindynaError where the study has no goal, or none of its designs can be built.
     """
     if not study.file.goals:
-        raise KindynaError("goals: there is none; give one [[goals]], or two for a front")
+        raise KindynaError("goals: missing; give one [[goals]], or two for a front")
     space = Space(study)
     words = [axis for axis in space.axes if is_discrete(axis.info)]
     sets = list(product(*(_choices(axis) for axis in words)))

@@ -259,7 +259,7 @@ class Session(SessionState):
             "design": dumps(self.full_design),
             "drive": self.chosen,
             "path": None if self.path is None else str(self.path),
-            "modified": self.is_modified,
+            "modified": self.modified,
             "draft": None if self.incomplete is None else self.incomplete.state(),
         }
 

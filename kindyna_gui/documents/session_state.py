@@ -248,7 +248,7 @@ class SessionState(QObject):
             self.load_chosen.emit()
 
     @property
-    def is_modified(self) -> bool:
+    def modified(self) -> bool:
         """Whether the design has changed since its file was read or written."""
         return not self.stack.isClean()
 

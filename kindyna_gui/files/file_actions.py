@@ -70,7 +70,7 @@ class Documents(QObject):
     def may_leave(self) -> bool:
         """Ask what to do with unsaved changes; False where the user cancels."""
         self.settle()
-        if self._session.is_modified:
+        if self._session.modified:
             answer = dialogs.ask_to_save(self._window, self.name)
         elif (state := self._session.on_disk()) in NOT_ON_DISK:  # only the window has it then
             answer = dialogs.ask_to_save(self._window, self.name, NOT_ON_DISK[state])
@@ -226,7 +226,7 @@ class Documents(QObject):
             self._show_error(f"{path.name} cannot be saved.", error)
             return False
         self._settings.add_recent(path)
-        note = "; values that do not fit yet are not in it" if self._session.is_modified else ""
+        note = "; values that do not fit yet are not in it" if self._session.modified else ""
         self.status_message.emit(f"Saved {path}{note}")
         return True
 

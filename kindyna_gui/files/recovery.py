@@ -157,7 +157,7 @@ class Recovery(QObject):
         path = session.path.absolute() if session.path is not None else None
         state = (
             (session.full_design, path, session.incomplete, session.chosen if session.incomplete is not None else 0)
-            if session.is_modified
+            if session.modified
             else None
         )
         if state == self._submitted:

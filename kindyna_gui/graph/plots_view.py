@@ -200,6 +200,8 @@ class PlotView(MarkedView):
         if drawn:
             pinned, pinned_note = self._pinned(drawn)
             bands = self.bands.read(drawn)
+            if (front := Pins.of(self.session).front) is not None:
+                self.plot.reference_name = front.name
             self.plot.set_curves(study, drawn, pinned, read=False, bands=bands)  # ``follow`` comes next
             notes.append(pinned_note)
         else:

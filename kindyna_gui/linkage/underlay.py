@@ -336,7 +336,8 @@ class UnderlayPanel(QDialog):
     def __init__(self, desk: UnderlayDesk, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Tool)
         self.setWindowTitle("Underlay")
-        self.setProperty(dialogs.HELP, "linkages#A picture under it")  # keys of a tool window go to the main window
+        # keys of a tool window go to the main window
+        self.setProperty(dialogs.HELP, "linkages#An image under the drawing")
         self._desk = desk
         self.name = QLabel()
         choose = QPushButton("&Choose...")

@@ -94,7 +94,7 @@ class DesignActions(QObject):
                 self._window.documents.begin(linkage.design, linkage.design.name)
 
     def import_controller(self) -> None:
-        """Open the dialog that imports a controller's table as the motion that the controller makes of it."""
+        """Open the dialog that imports a controller's table as the motion that the controller interpolates from it."""
         from kindyna_gui.measured.sheet import import_controller
 
         if self._has_motion():
@@ -351,7 +351,7 @@ class DesignActions(QObject):
         self._window.focus_field("shaft.flywheel_inertia_kg_m2")
 
     def give_servo(self) -> None:
-        """Add a motor that makes the motion instead of the cam, if there is none, and show its fields."""
+        """Add a motor that drives the motion instead of the cam, if there is none, and show its fields."""
         design = self._session.design
         if design.drive.motion is None:
             self.status_message.emit("The crank turns at constant speed: a servo needs a motion")

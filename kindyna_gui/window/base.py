@@ -255,7 +255,7 @@ class Titles(QObject):
     def name_window(self) -> None:
         """Show the name of the file, and whether it is saved, in the title of the window."""
         self._window.setWindowTitle(f"{self._window.documents.name}[*] \u2013 KINDYNA")
-        self._window.setWindowModified(self._session.is_modified)
+        self._window.setWindowModified(self._session.modified)
         self._window.setWindowFilePath(str(self._session.path or ""))
 
     def name_docks(self) -> None:

@@ -253,7 +253,7 @@ class Gallery(QDialog):
 
     def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "", asks_order: bool = False) -> None:
         super().__init__(parent)
-        give_help(self, "tour#begins with another follower")
+        give_help(self, "tour#begins a design with another follower")
         self.setWindowTitle("Choose a mechanism")
         room = self.screen().availableGeometry().size() - QSize(20, 40) if room is None else room
         choices_by_group = dict(groups())

@@ -247,7 +247,7 @@ class StatusLine(QStatusBar):
 
     def _file_changed(self) -> None:
         named = "saved" if self._session.path is not None else "not saved to a file"
-        self.saved.setText("unsaved changes" if self._session.is_modified else named)
+        self.saved.setText("unsaved changes" if self._session.modified else named)
 
     def _angle_changed(self, theta: float) -> None:
         self.angle.setText(f"{self._session.study.angle_name} {theta * 180.0 / pi:.1f}°")

@@ -98,7 +98,7 @@ class Welcome(QWidget):
     def __init__(self, window: Window, room: QSize | None = None) -> None:
         super().__init__(window, Qt.WindowType.Window)
         self.setWindowTitle("Welcome to KINDYNA")
-        dialogs.give_help(self, "tour#stands in front at a start")
+        dialogs.give_help(self, "tour#opens when KINDYNA starts")
         self._window = window
         room = self.screen().availableGeometry().size() if room is None else room
         self.resize((room - FRAME).boundedTo(LARGEST))

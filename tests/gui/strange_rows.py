@@ -160,7 +160,7 @@ def test_the_limit_is_written_read_and_judged(pressed: Path, capsys: pytest.Capt
     assert project.load(pressed) == PRESSED
     assert main(["check", str(pressed)]) == 0
     said = capsys.readouterr().out
-    assert re.search(r"squeeze [\d.]+ N at [\d.]+ deg, your own limit [\d.]+ N: press less", said), said
+    assert re.search(r"squeeze [\d.]+ N at [\d.]+ deg, your limit [\d.]+ N: press less", said), said
 
 
 @pytest.mark.parametrize(("name", "counts"), [("card_picker", True), ("rocker_cam", False)])

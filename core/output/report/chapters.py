@@ -331,7 +331,7 @@ def _others(subject: Subject) -> list[Section]:
 
 
 def _certificate(subject: Subject) -> list[Section]:
-    text = "Every residual is computed for this design; it is kept where it does not exceed its bound, which follows from rounding."
+    text = "Every residual is computed for this design; it must not exceed its bound, which follows from rounding."
     return [Section("", (Sentences((text,)), *part.blocks)) for part in content.certificate(subject.study)]
 
 

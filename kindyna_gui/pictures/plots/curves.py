@@ -166,7 +166,7 @@ class CurvePlot(FixedPlot):
         curves = read_curves(study, channels, self._theme)
         reference_curves = [] if reference is None else read_curves(reference, channels, self._theme)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point())
+        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point(), self.reference_name)
         samples = line_of(study)
         shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
         reference_samples = None if reference is None else line_of(reference)

@@ -155,7 +155,7 @@ def test_an_own_limit_is_exceeded_just_beyond_it_and_not_before(key: str, code: 
         for finding in findings:
             assert finding.cam_angle_deg == reached["cam_angle_deg"]
             assert finding.values["value"] == reached["value"]
-            assert "your own limit" in finding.message
+            assert "your limit" in finding.message
             assert finding in findings_of(Study(limited))
     assert limit_rows(limited)[key]["source"] == "own"
 
@@ -166,7 +166,7 @@ def test_the_usual_limit_stands_beside_the_users_own() -> None:
     codes = {finding.code for finding in findings_of(Study(steep), ("cam",))}
     strict = edited(steep, "limits.pressure_angle_rise_deg", 20.0)
     (own,) = found(strict, "pressure-angle-rise")
-    assert own.message.endswith("your own limit 20 deg: enlarge the base radius, or lengthen the rise")
+    assert own.message.endswith("your limit 20 deg: enlarge the base radius, or lengthen the rise")
     assert {f.code for f in findings_of(Study(strict), ("cam",))} == codes | {"pressure-angle-rise"}
     tilted = with_values(TAPPET, follower__face_tilt_deg=-20.0, limits__pressure_angle_return_deg=15.0)
     (own,) = found(tilted, "pressure-angle-return")
@@ -212,7 +212,7 @@ def test_wrong_limits_are_named(limits: object, path: str, says: str) -> None:
 
 def test_limits_of_a_linkage_without_a_cam_are_refused() -> None:
     bar = to_table(load(EXAMPLES / "four_bar.toml"))
-    with pytest.raises(DesignError, match=r"limits = .*these are limits of a cam, and there is none"):
+    with pytest.raises(DesignError, match=r"limits = .*these are limits of a cam, but the design has no cam"):
         loads(tomli_w.dumps(bar | {"limits": {"convex_radius_mm": 3.0}}))
 
 

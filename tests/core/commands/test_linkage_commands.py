@@ -100,7 +100,7 @@ def test_a_crank_that_cannot_turn_is_written_with_exit_code_one(tmp_path: Path, 
 def test_a_linkage_that_stands_nowhere_is_one_line(tmp_path: Path, core: Callable[..., Done]) -> None:
     path = edited(tmp_path, "O2 = [60.0, 0.0] }", "O2 = [600.0, 0.0] }")
     for words in (["check", path], ["report", path], ["export", path], ["centres", path, "--angle", "45"]):
-        refused(core(*words), "linkage.links: its links cannot be put together", "linkage.branch")
+        refused(core(*words), "linkage.links: its links cannot be assembled", "linkage.branch")
 
 
 def test_centres(core: Callable[..., Done]) -> None:

@@ -204,7 +204,7 @@ def test_the_command_names_the_speed_the_flights_and_writes_the_map(
     text = capsys.readouterr().out
     found = Study(load(file)).lift_off
     assert found is not None
-    assert f"from {found.omega * 30.0 / math.pi:.6g}" in text
+    assert f"at {found.omega * 30.0 / math.pi:.6g} rpm" in text
     assert "58.3305" in text
     assert "repeat every turn" in text
     rows = np.loadtxt(tmp_path / "map.csv", delimiter=",", skiprows=1)
@@ -215,4 +215,4 @@ def test_the_command_names_the_speed_the_flights_and_writes_the_map(
     assert main(["contact", str(EXAMPLES / "groove.toml")]) == 2
     assert "holds the follower from both sides" in capsys.readouterr().err
     assert main(["report", str(file)]) == 1
-    assert "The follower leaves the cam from" in capsys.readouterr().out
+    assert "The follower leaves the cam at" in capsys.readouterr().out

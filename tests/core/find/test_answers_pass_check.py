@@ -160,7 +160,7 @@ def test_a_profile_sharper_than_half_its_roller_is_complained_of() -> None:
             for each in findings_of(Study(edited(small, "limits.convex_radius_mm", 1.1 * least)))
             if each.code == "convex-radius"
         ]
-        assert "your own limit" in own.message
+        assert "your limit" in own.message
     undercut = codes(with_cam(tappet, base_radius_mm=8.0))
     assert "undercut" in undercut
     assert "convex-radius" not in undercut, "said once"

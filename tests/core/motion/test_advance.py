@@ -249,7 +249,7 @@ def test_an_advance_that_never_comes_to_the_same_stops_is_noted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "cam.toml"
-    for advance, told in ((50.0, "nearest advance that does is 51.4285714 deg"), (60.0, ""), (720.0, "")):
+    for advance, told in ((50.0, "nearest valid advance is 51.4285714 deg"), (60.0, ""), (720.0, "")):
         rises = "\n".join(
             f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = 180.0\nrise_deg = {rise}'
             for law, rise in (("3-4-5", advance), ("dwell", 0.0))

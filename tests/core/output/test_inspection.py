@@ -214,7 +214,7 @@ def test_a_bump_is_found_at_its_place_and_out_of_tolerance(bench: Path) -> None:
         most + 2,
     )
     assert found["rows_out"] == pytest.approx((normal < -0.02).sum(), abs=1)
-    assert faults.startswith("error: the measured lift is -0.0")
+    assert faults.startswith("error: the measured lift deviates by -0.0")
     assert "tolerance 0.02 mm" in faults
     rows = np.genfromtxt(bench / "table_deviation.csv", delimiter=",", names=True)
     assert rows["deviation_mm"] == pytest.approx(bump, abs=1e-10)

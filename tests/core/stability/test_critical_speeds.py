@@ -138,7 +138,7 @@ def test_far_beyond_the_chart_the_growth_of_the_own_point_decides() -> None:
     inside = at_eta(float(edges.mean()))
     told = findings_of(Study(inside, 36), ("stability",))
     assert [f.code for f in told] == ["unstable-shaft"]
-    assert "% a turn" in told[0].message
+    assert "% per turn" in told[0].message
 
 
 # -- verdicts ---------------------------------------------------------------------------------------------

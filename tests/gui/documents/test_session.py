@@ -58,7 +58,7 @@ def test_a_gesture_that_comes_back_leaves_no_step(session: Session) -> None:
     for value in (846.0, 847.0, 845.0):
         session.edit(ROD, value, f"to {value:g}")
     assert steps(session) == []
-    assert not session.is_modified
+    assert not session.modified
     session.edit(ROD, 846.0, "to 846")
     assert steps(session) == ["to 846"]
 
@@ -175,7 +175,7 @@ def test_saved_file_is_the_design_as_typed(session: Session, tmp_path: Path) -> 
     session.edit(ROD, 850.0, "a")
     session.save(tmp_path / "mine.toml")
     assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == expected
-    assert (session.path, session.is_modified) == (tmp_path / "mine.toml", False)
+    assert (session.path, session.modified) == (tmp_path / "mine.toml", False)
 
 
 def test_saving_ends_a_gesture_and_undo_knows_it(session: Session, tmp_path: Path) -> None:
@@ -183,11 +183,11 @@ def test_saving_ends_a_gesture_and_undo_knows_it(session: Session, tmp_path: Pat
     session.save(tmp_path / "mine.toml")
     session.edit(ROD, 851.0, "b")
     assert steps(session) == ["a", "b"]
-    assert session.is_modified
+    assert session.modified
     session.stack.undo()
-    assert not session.is_modified
+    assert not session.modified
     session.stack.undo()
-    assert session.is_modified
+    assert session.modified
 
 
 def test_a_design_without_file_asks_for_one(session: Session) -> None:
@@ -199,13 +199,13 @@ def test_a_file_that_cannot_be_written_changes_nothing(session: Session, tmp_pat
     session.edit(ROD, 850.0, "a")
     with pytest.raises(FileError):
         session.save(tmp_path)
-    assert (session.path, session.is_modified) == (None, True)
+    assert (session.path, session.modified) == (None, True)
 
 
 def test_opening_begins_anew(session: Session) -> None:
     session.edit(ROD, 850.0, "a")
     session.open(LIFT)
-    assert (session.path, session.is_modified, steps(session)) == (LIFT, False, [])
+    assert (session.path, session.modified, steps(session)) == (LIFT, False, [])
     assert get(session.design, ROD) == 845.0
 
 

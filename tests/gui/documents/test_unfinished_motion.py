@@ -201,10 +201,10 @@ def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_pa
         session.save(path)
     session.save(path, last_valid=True)
     assert load(path) == AT_REST
-    assert session.is_modified
+    assert session.modified
     assert session.incomplete is not None
     session.stack.undo()
-    assert not session.is_modified
+    assert not session.modified
 
 
 def test_its_state_goes_through_text_and_back(session: Session, app: object) -> None:
@@ -216,7 +216,7 @@ def test_its_state_goes_through_text_and_back(session: Session, app: object) -> 
     other.restore(state)
     assert (other.design, other.incomplete) == (session.design, session.incomplete)
     assert other.typed == session.typed
-    assert other.is_modified
+    assert other.modified
     assert not other.stack.canUndo()
     assert other.state() == state
 
@@ -225,7 +225,7 @@ def test_a_saved_design_is_restored_as_saved(session: Session) -> None:
     state = session.state()
     other = Session(LIFT)
     other.restore(state)
-    assert (other.design, other.path, other.is_modified) == (AT_REST, None, False)
+    assert (other.design, other.path, other.modified) == (AT_REST, None, False)
 
 
 @pytest.mark.parametrize(

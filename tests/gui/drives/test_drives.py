@@ -91,7 +91,7 @@ def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> No
     assert strip.actions_of_drives[2].isChecked()
     assert unit.design == only(whole, 2)
     assert unit.steps == [], "choosing is no edit"
-    assert not session.is_modified
+    assert not session.modified
     assert isclose(degrees(player.theta), 100.0), "the lift stands at phase 0"
     click_drive(unit, 3)
     assert isclose(degrees(player.theta), 100.0 - 35.0)
@@ -120,7 +120,7 @@ def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> No
     unit.enter("shaft.flywheel_inertia_kg_m2", "3000")
     unit.choose("File", "Save")
     assert session.path is not None
-    assert not session.is_modified
+    assert not session.modified
     saved = load(session.path)
     assert saved == session.full_design
     assert saved.drives[2].mechanism.rod_mm == 850.0
@@ -182,7 +182,7 @@ def test_the_list_of_drives(unit: User) -> None:
         session.stack.undo()
     settle()
     assert session.full_design == load(UNIT)
-    assert not session.is_modified
+    assert not session.modified
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
 
 

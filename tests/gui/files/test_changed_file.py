@@ -60,12 +60,12 @@ def test_overwrite_only_when_chosen(open_user: Open, mine: Path) -> None:
     user.choose("File", "Save")
     assert box == ["mine.toml has been changed by another program since it was read."]
     assert mine.read_text() == theirs
-    assert user.session.is_modified
+    assert user.session.modified
     user.clicks("Overwrite")
     user.choose("File", "Save")
     assert load(mine).drive.cam.base_radius_mm == 410.0
     assert load(mine).drive.mechanism.rod_mm == 845.0
-    assert not user.session.is_modified
+    assert not user.session.modified
 
 
 def test_what_differs_is_listed(open_user: Open, mine: Path) -> None:
@@ -99,11 +99,11 @@ def test_reload_can_be_undone(open_user: Open, mine: Path) -> None:
     user.clicks("Reload the file")
     user.choose("File", "Save")
     assert user.design == load(mine)
-    assert not user.session.is_modified
+    assert not user.session.modified
     user.window.session.stack.undo()
     assert user.design == own
     assert user.session.path == mine
-    assert user.session.is_modified
+    assert user.session.modified
     user.choose("File", "Save")  # what the file holds has been seen: nothing to ask
     assert load(mine) == own
 
@@ -136,7 +136,7 @@ def test_a_change_is_noticed_and_reloaded(open_user: Open, mine: Path, change: C
         reload.trigger()
         assert user.design == load(mine)
         assert user.design.drive.mechanism.rod_mm == rod
-        assert not user.session.is_modified
+        assert not user.session.modified
 
 
 def test_touched_or_saved_here_is_no_change(open_user: Open, mine: Path) -> None:
@@ -181,7 +181,7 @@ def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(
     user.press(Qt.Key.Key_S, modifier=Qt.KeyboardModifier.ControlModifier)
     assert asked == ["mine.toml has been moved or deleted by another program since it was read."]
     assert not mine.exists()
-    assert user.session.is_modified, "nothing is lost"
+    assert user.session.modified, "nothing is lost"
     user.picks("design_to_save", tmp_path / "other.toml")
     user.clicks("Save as...")
     user.choose("File", "Save")
@@ -191,7 +191,7 @@ def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(
     user.clicks("Write it again")
     user.choose("File", "Save")
     assert load(tmp_path / "other.toml") == user.design
-    assert not user.session.is_modified
+    assert not user.session.modified
     (tmp_path / "other.toml").unlink()
     asked = user.clicks("Save")
     assert user.window.close()

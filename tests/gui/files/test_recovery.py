@@ -97,7 +97,7 @@ def test_recover(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
     assert seen == [("Rod L2", "845 mm", "850 mm")]
     assert user.design == LONGER
     assert user.session.path == mine
-    assert user.session.is_modified
+    assert user.session.modified
     assert load(mine) == LIFT, "until it is saved"
     assert not left.exists()
     assert [load(path) for path in kept()] == [LONGER], "it is on the disk all the while"

@@ -22,7 +22,7 @@ FOUND = [
     ("tappet_flat", "follower.face_half_width_mm", "3", "The contact leaves the flat face at"),
     ("groove", "cam.base_radius_mm", "2", "groove"),
     ("groove", "cam.cutter_radius_mm", "20", "The cutter's radius of 20 mm is more than half the width of the groove"),
-    ("transfer_lift", "limits.pressure_angle_return_deg", "15", "your own limit 15 deg"),
+    ("transfer_lift", "limits.pressure_angle_return_deg", "15", "your limit 15 deg"),
 ]
 
 

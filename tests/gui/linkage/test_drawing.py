@@ -509,7 +509,7 @@ def test_what_is_no_mechanism_yet_is_saved_opened_and_undone(open_user: Open, tm
     assert strip.text() == "1 degree of freedom without a driver: B hangs loose: join it or ground it"
     pen.user.picks("design_to_save", tmp_path / "half.toml")
     pen.user.choose("File", "Save as...")
-    assert not pen.user.session.is_modified
+    assert not pen.user.session.modified
     drawn = pen.design
     other = open_user(tmp_path / "half.toml")
     assert other.session.typed.drive.mechanism == drawn.drive.mechanism

@@ -131,7 +131,7 @@ def test_a_length_that_cannot_be_waits_with_the_reason_beside_its_field(same_win
     assert user.design == before
     assert (
         "do not meet" in user.field("linkage.links[2].points.B.x_mm").trouble
-        or "put together" in user.field("linkage.links[2].points.B.x_mm").trouble
+        or "cannot be assembled" in user.field("linkage.links[2].points.B.x_mm").trouble
     )
     assert user.steps == ["Change B x to 300 mm"]
 

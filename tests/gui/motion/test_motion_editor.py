@@ -288,7 +288,7 @@ def test_escape_takes_a_pull_back(user: User) -> None:
     hand.move(15.0, -20.0)
     assert user.design != LIFT
     user.press(Qt.Key.Key_Escape)
-    assert (user.design, user.steps, user.session.is_modified) == (LIFT, [], False)
+    assert (user.design, user.steps, user.session.modified) == (LIFT, [], False)
     assert not shown_before(user)
     hand.move(15.0, 15.0)  # the button is still down
     hand.release()

@@ -27,7 +27,7 @@ def test_a_motion_that_follows_from_files_is_shown_greyed_and_can_be_made_its_ow
     assert not view.table.isEnabled()
     assert not any(field.editor.isEnabled() for field in view.header.fields.values())
     assert not any(button.isEnabled() for button in view.bar.buttons.values())
-    assert not user.session.is_modified
+    assert not user.session.modified
     user.choose("File", "Save")
     assert (tmp_path / "sum.toml").read_text(encoding="utf-8").count("a.toml") == 1
     view.header.unlink_button.click()

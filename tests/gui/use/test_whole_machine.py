@@ -106,7 +106,7 @@ def test_a_machine_of_another_size_is_typed(same_window: Open, name: str, values
     assert len(user.steps) == len(values)
     undo_all(user, len(values))
     assert (user.design, user.session.incomplete) == (first, None)
-    assert not user.session.is_modified
+    assert not user.session.modified
 
 
 @pytest.mark.stress
@@ -379,14 +379,14 @@ def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
     assert asked == ["The typed values do not fit together yet."]
     typed = edited(LIFT, "follower.slider_arm_mm", 130.2)
     assert load(path) == typed
-    assert not user.session.is_modified
+    assert not user.session.modified
     user.session.edit("follower.roller_arm_mm", 65.1, "one value more")
-    assert user.session.is_modified
+    assert user.session.modified
     user.session.stack.undo()
-    assert not user.session.is_modified
+    assert not user.session.modified
     user.clicks("Save the last valid version")
     user.choose("File", "Save")
-    assert (load(path), user.session.is_modified) == (LIFT, True)
+    assert (load(path), user.session.modified) == (LIFT, True)
     assert user.number("follower.slider_arm_mm").text() == "130.2"
     user.clicks("Save as typed")
     user.choose("File", "Save")

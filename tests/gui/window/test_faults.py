@@ -52,7 +52,7 @@ def test_an_edit_whose_slot_fails_half_way_is_taken_back_and_can_be_made_again(u
     user.enter(ROD, "846")
     wait_for(lambda: "failed" in said(user))
     assert user.design == before
-    assert not user.session.is_modified
+    assert not user.session.modified
     assert said(user).startswith("Change rod L2 to 846 mm failed (IndexError: no such row")
     user.session.design_changed.disconnect(fail)
     user.choose("Edit", "Redo Change rod L2 to 846 mm")

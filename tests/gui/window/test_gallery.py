@@ -93,7 +93,7 @@ def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(
         user.choose("Compo", "Choose a mechanism...")
         assert user.design == choice.with_motion(before.drive.motion), choice.name
         assert user.session.path is None
-        assert not user.session.is_modified
+        assert not user.session.modified
         view = window.view("mechanism")
         assert view is not None
         assert not view.in_trouble
@@ -102,7 +102,7 @@ def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(
         if name:
             user.choose("Edit", name)
         assert user.design == before
-        assert not user.session.is_modified
+        assert not user.session.modified
     assert user.faults == []
 
 

@@ -108,7 +108,7 @@ def test_examples_begin_without_a_file(user: User) -> None:
     for name, path in examples()[::4]:
         user.choose("File", "Examples", name)
         assert user.session.path is None
-        assert not user.session.is_modified
+        assert not user.session.modified
         assert user.design.name in path.read_text(encoding="utf-8")
 
 

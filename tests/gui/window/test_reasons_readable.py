@@ -52,7 +52,7 @@ def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open)
     settle()
     assert view.in_trouble
     text = (
-        "Links: its links cannot be put together at any position of the driver, or at single ones only; change their lengths, "
+        "Links: its links cannot be assembled at any position of the driver, or at single ones only; change their lengths, "
         "or assembly mode"
     )
     label = seen(view, text)
