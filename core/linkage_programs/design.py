@@ -445,6 +445,11 @@ def import_sketch(
         joint = next(joint for joint in joints if joint.name == lead.joint)
         linkage, motion, more = drive(drawn, lead, joint, factor, mirror)
         omitted += more
+        if not chosen:
+            speed = f", at {linkage.driver.speed_rpm:g} rpm" if linkage.driver.kind == CRANK else ""
+            omitted.append(
+                LeftOut("input", f"not in the text: {names[lead.joint]}, on the frame, is driven instead{speed}")
+            )
     else:
         omitted.append(LeftOut("driver", "no input is known, and no pin holds a single link on the frame"))
     wheels = [item.on(merged) for item in sketch.wheels if {item.first, item.second, item.carrier} <= merged.keys()]

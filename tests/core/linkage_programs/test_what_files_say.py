@@ -100,6 +100,13 @@ def test_what_turns_by_hand_or_to_and_fro_beside_another_is_said() -> None:
     }  # fmt: skip
 
 
+def test_an_assumed_driver_is_listed() -> None:
+    assert "input" not in listed(read_linkage(linkage2(BAR, TURNS)))
+    made = read_linkage(linkage2(BAR, {}))
+    assert made.design.drive.linkage.driver.speed_rpm == 60.0
+    assert listed(made) == {"input": "not in the text: C0, on the frame, is driven instead, at 60 rpm"}
+
+
 def test_a_path_that_is_shown_is_no_slot_and_gravity_may_be_off() -> None:
     rows = [(22, "A", 0j, 0), (16, "B", 2j, 0), (16, "C", 5 + 4j, 0), (20, "D", 6 + 0j, 0)]
     text = address(rows, BARS)
