@@ -284,7 +284,7 @@ class DrivesView(View):
             action.triggered.connect(partial(_without_state, slot))
         menu.addSeparator()
         action = menu.addAction("Balance cam")
-        action.setStatusTip("Balance cam: a spring-loaded cam that evens out the torque")
+        action.setStatusTip("Balance cam: a spring-loaded cam that compensates the torque of the other drives")
         action.setEnabled(self.session.full_design.balancer is None)
         action.triggered.connect(lambda: drives.add_balancer(self.session))
 

@@ -64,7 +64,7 @@ def design_file() -> Any:
 
 def drive_name() -> Any:
     """Option: the drive, where a design has several."""
-    return text_option("which drive of a camshaft", "--drive", default="", metavar="NAME")
+    return text_option("name of one drive of a camshaft", "--drive", default="", metavar="NAME")
 
 
 def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles per turn", default: int = SAMPLES) -> Any:

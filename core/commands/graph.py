@@ -177,7 +177,10 @@ class GraphArguments:
         number("X of a point", default=None, help="print the value of every curve there"), metavar="X"
     )
     to: float | None = option(
-        number("X of a second point", default=None, help="and there, with Δx, Δy and slope"), metavar="X"
+        number(
+            "X of a second point", default=None, help="print also the values there, with Δx, Δy and slope from --at"
+        ),
+        metavar="X",
     )
     json: bool = as_json()
 

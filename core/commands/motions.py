@@ -136,7 +136,7 @@ class BlendArguments:
         number("Stroke", LEAST_STROKE, 1e9, default=None, help="of the rise (mm, or --unit)"), metavar="S"
     )
     return_stroke: float = option(
-        number("Return stroke", LEAST_STROKE, 1e9, default=0.0, help="where it differs"), metavar="S"
+        number("Return stroke", LEAST_STROKE, 1e9, default=0.0, help="if it differs from the stroke"), metavar="S"
     )
     start: float | None = option(
         number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it starts", metavar="DEG"

@@ -10,7 +10,7 @@ from core.frozen import frozen
 
 @frozen(kw_only=True)
 class Balancer:
-    """Balance cam: a translating roller follower whose spring evens out the torque of the shaft at its speed.
+    """Balance cam: a translating roller follower whose spring compensates the torque of the shaft at its speed.
 
     The motion begins at 0, where the spring has its preload; the follower's weight counts as preload.
     """

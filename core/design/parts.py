@@ -309,7 +309,7 @@ class SecondPlace:
 
     distance_mm: float = length(
         "Second roller's distance",
-        help="behind the first roller, opposite to the direction of the rise; centre to centre",
+        help="from the first roller, opposite to the direction; centre to centre",
     )
 
 
@@ -346,7 +346,9 @@ class Translating:
     """Follower that slides on a straight guide."""
 
     face: Rolling | TiltedFlat | Knife | Shoe = faces_of(TiltedFlat)
-    offset_mm: float = coordinate("Offset", default=0.0, help="of the guide from the cam centre, positive to its left")
+    offset_mm: float = coordinate(
+        "Offset", default=0.0, help="of the guide from the cam centre, positive to the left of the direction"
+    )
     direction_deg: float = seldom(number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards"))
     second: SecondPlace | None = _second(SecondPlace)
 
@@ -439,10 +441,15 @@ class ElasticShaft:
     )
     damping_ratio: float = number("Shaft damping ratio", 0.0, 0.99, default=0.0, step=0.005, help="of critical damping")
     spring: str = seldom(
-        choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, with its stiffness adapted to each speed")
+        choice(
+            "Spring",
+            SPRINGS,
+            default="fixed",
+            help="retuned = valve spring of Kim1990, with its stiffness adapted to each speed",
+        )
     )
     spring_factor: float = seldom(
-        number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
+        number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="factor a of the retuned spring (Kim1990)")
     )
 
 

@@ -124,7 +124,7 @@ class TypedBoxes(QFrame):
                 value = parsed(text, box.unit) if text else None
             bad = box.unit is not None and bool(text) and value is None
             edit.setStyleSheet(f"border: 1px solid {SCREEN.limit};" if bad else "")
-            edit.setToolTip("A number, with a unit if you like: 12.5, 3*12, 1 in" if bad else "")
+            edit.setToolTip("A number, optionally with a unit: 12.5, 3*12, 1 in" if bad else "")
             wrong = wrong or bad
             values.append(value)
         if wrong or self._accept is None:
@@ -304,7 +304,7 @@ class TypedValues:
             )
         if first is not None and second is not None:
             if min(first, second) < 0.0 or not max(first, second):
-                return "a wheel is above 0, a rack is 0"
+                return "the size of a wheel is above 0, that of a rack is 0"
             kind = kind or (GEAR if min(first, second) else RACK)
             if module is None:
                 row = replace(row, radius_first_mm=first, radius_second_mm=second, kind=kind)

@@ -277,7 +277,7 @@ def save_request(question: Question, session: Session, parent: QWidget) -> str:
         save_study(file_of_question(question, relpath(design_path, path.parent)), path)
     except KindynaError as error:
         return str(error)
-    return f"Saved {path.name} for the design {design_path.name}, as last saved"
+    return f"Saved {path.name} for the last saved version of {design_path.name}"
 
 
 def example_studies() -> list[tuple[str, Path]]:

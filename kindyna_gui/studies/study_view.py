@@ -228,7 +228,7 @@ class StudyView(BackgroundView):
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
-        self.board.keep_requested.connect(lambda: window.show_message("Kept on the board"))
+        self.board.keep_requested.connect(lambda: window.show_message("Saved on the board"))
         self.board.pinned.connect(window.pin)
 
     # -- changes of the request ---------------------------------------------------------------------------

@@ -36,7 +36,7 @@ _STAGES: Mapping[str, str] = MappingProxyType(
 FULL_TURN = "Full turn"
 _REASONS: Mapping[str, str] = MappingProxyType(
     {
-        "no-assembly": "the links do not reach: it cannot be assembled over the full turn",
+        "no-assembly": "the design cannot be assembled over the full turn: the links are too short or too long",
         "undercut": "the profile is undercut",
         "out-of-range": "a number is outside the range of its field",
         "design-fault": "these values cannot be combined in a design",

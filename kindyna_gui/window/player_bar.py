@@ -163,7 +163,7 @@ class PlayerBar(View):
         self.speed = QComboBox()
         self.speed.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.speed.setAccessibleName("Speed of playing")
-        self.speed.setToolTip("Speed of playing, as a multiple of the shaft's speed, and the seconds of one turn")
+        self.speed.setToolTip("Playback speed, as a multiple of the shaft's speed, and the duration of one turn")
         self.speed.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)

@@ -26,6 +26,7 @@ CERTAIN_PART = 0.9  # of the pieces estimated from a fine mesh: fewer never suff
 SEVERAL, GROWTH = 64, 1.25
 SAMPLING_ERROR = 2e-4  # relative error of samples ...
 COARSE_ERROR = 1.15  # ... and factor of coarse ones
+NOISE = 16.0 * float(np.finfo(float).eps)  # rounding of computed errors, relative to the largest value
 
 
 class RowPlacer:
@@ -306,6 +307,11 @@ class RowPlacer:
 
     # -- equal steps ----------------------------------------------------------------------------------------
 
+    @property
+    def noise(self) -> float:
+        """Rounding of computed errors of the value [unit]."""
+        return NOISE * float(np.abs(self.slave.values[0]).max())
+
     def admissible_steps(self, steps: Sequence[int]) -> Iterator[int]:
         """Numbers of equal steps, in rising order, that seem to satisfy the limits.
 
@@ -333,14 +339,18 @@ class RowPlacer:
                 angles = [*(other for other in angles if other != angle), angle]
 
     def best_steps(self, steps: Sequence[int]) -> tuple[int, float]:
-        """Number of equal steps with the least root, and that root; any number that satisfies the limits."""
+        """Number of equal steps with the least root, and that root; any number that satisfies the limits.
+
+        An error of the value below its noise counts as the least, for the bounds of other numbers are noise too.
+        """
+        enough = max(1.0, float((self.noise / self.limits[0]) ** self._power[0]))
         few = [count for count in steps[:-1] if count <= 2 * self.row.reach]
         counts = np.array(steps[len(few) : -1])
         bound, used = np.zeros(counts.size), set()
         (least, angle), best = self.steps_root(steps[-1]), steps[-1]
-        for count in few if least > 1.0 else ():
+        for count in few if least > enough else ():
             least, best = min((least, best), (self.steps_root(count)[0], count))
-        while counts.size and least > 1.0:
+        while counts.size and least > enough:
             checkpoint()
             if angle not in used:
                 bound = np.maximum(bound, self._roots_near(counts, angle, least))

@@ -282,8 +282,9 @@ class _TableBuilder:
         if limits[0] <= 0.0:
             return
         if self.placing == EQUAL:
-            if self._best_steps[1] <= 1.0 + SAMPLING_ERROR:
-                yield from map(equal_steps, self._placer(tuple(limits)).admissible_steps(self._steps()))
+            placer = self._placer(tuple(limits))
+            if self._best_steps[1] <= 1.0 + SAMPLING_ERROR and limits[0] > placer.noise:
+                yield from map(equal_steps, placer.admissible_steps(self._steps()))
             return
         for _ in range(TRIES):
             placer = self._placer(tuple(limits))

@@ -166,7 +166,7 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     assert view.surveys.survey.is_refined, "finer where limits run"  # type: ignore[union-attr]
     # all values where the mouse is, or why there is none
     move(view.map, (1500.0, 100.0))
-    assert "do not reach" in view.tip.text()
+    assert "cannot be assembled" in view.tip.text()
     move(view.map, (800.0, 0.0))
     assert view.tip.isVisible()
     assert [line.partition(" ")[0] for line in view.tip.text().splitlines()] == [

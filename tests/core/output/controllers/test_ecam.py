@@ -9,6 +9,7 @@ from controller_reader import CUBIC, LAWS, LINES, QUINTIC, brute, exact_motion, 
 from sampled import spread
 
 from core.__main__ import main
+from core.output.controllers.placing import RowPlacer
 from core.output.controllers.rows import settings_folder
 from core.project import load
 from core.study import Study
@@ -110,6 +111,23 @@ def test_the_rounding_of_integers_belongs_to_the_error(tmp_path, capsys):
         in says
     )
     assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize("wanted", ["1e-15", "2e-13"])
+def test_the_search_ends_where_errors_are_noise(tmp_path, capsys, monkeypatch, wanted):
+    """Below the rounding of doubles no number of rows is better than another: few are tried."""
+    design, tried, steps_root = tmp_path / "there_and_back.toml", [], RowPlacer.steps_root
+    rows = ("modified-sine", 120.0, 30.0), ("dwell", 60.0, None), ("cycloidal", 180.0, -30.0)
+    segments = "".join(
+        f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = {span}\n' + ("" if rise is None else f"rise_mm = {rise}\n")
+        for law, span, rise in rows
+    )
+    design.write_text(f'format = 1\nname = "there and back"\n[motion]\nstart_mm = 12.5\n{segments}', "utf-8")
+    monkeypatch.setattr(RowPlacer, "steps_root", lambda self, steps: tried.append(steps) or steps_root(self, steps))
+    words = "--controller", "schneider-asc", "--error", wanted
+    assert main(["ecam", str(design), "--out", str(tmp_path / "table.asc"), *words]) == 2
+    assert "the least error of the position is 2." in capsys.readouterr().err
+    assert len(tried) <= 16
 
 
 @pytest.mark.parametrize(
