@@ -366,7 +366,9 @@ class Actions:
             if not view.draws or QApplication.activeModalWidget() or QApplication.activePopupWidget():
                 return  # of another kind, or what has opened is answered first
             paper, picture = view.canvas.viewport(), view.drawing.sketch
-            pins = [p for p in (picture.to(at).toPoint() for at in picture.places.values()) if paper.rect().contains(p)]
+            pins = [
+                p for p in (picture.to(at).toPoint() for at in picture.positions.values()) if paper.rect().contains(p)
+            ]
             one, other = (
                 self.rng.choice(pins) if pins and self.rng.random() < 0.6 else self._place(paper) for _ in range(2)
             )

@@ -218,7 +218,7 @@ def _undercut(extremes: Mapping[str, Extremes], face: Flat, cam: DiskCam, least_
     values: dict[str, float | str] = {"radius_mm": 1e3 * least.value, "face": face.face, "remedy": NO_RADIUS}
     base_radius = _base_radius(cam.base_radius_mm, 1e3 * least.value, least_at)
     if base_radius:
-        values |= {"base_radius_mm": base_radius, "remedy": f"a base radius of {base_radius:.5g} mm would do"}
+        values |= {"base_radius_mm": base_radius, "remedy": f"a base radius of {base_radius:.5g} mm is sufficient"}
     return [Finding("undercut", ERROR, size_entry(cam, "", 0.0)[0], degrees(least.theta), values)]
 
 

@@ -94,6 +94,8 @@ class Session(SessionState):
         """Show another drive in forms and single plots, without an undo step; False where it cannot be shown."""
         if index == self.chosen:
             return True
+        if index >= len(self.names):  # of a list that is not up to date yet
+            return False
         try:
             self._drive_design(self.full_design, index)
         except KindynaError as error:

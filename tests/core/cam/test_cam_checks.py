@@ -426,7 +426,7 @@ BAD = [
         "tappet_flat",
         {"cam.base_radius_mm": 5.0},
         1,
-        r"undercut: under the flat face .* at [0-9.]+ deg.* base radius of .* would do",
+        r"undercut: under the flat face .* at [0-9.]+ deg.* base radius of .* is sufficient",
     ),
     (
         "tappet_flat",

@@ -362,7 +362,7 @@ def test_a_concave_stretch_under_a_flat_face_names_the_base_radius_that_would_do
             f for f in findings_of(Study(edited(design, "cam.base_radius_mm", small))) if f.code == "undercut"
         ]
         wanted = finding.values["base_radius_mm"]
-        assert f"a base radius of {wanted:.5g} mm would do" in finding.message
+        assert f"a base radius of {wanted:.5g} mm is sufficient" in finding.message
         for radius, undercut in ((wanted, False), (wanted * 0.9995, True)):
             codes = [f.code for f in findings_of(Study(edited(design, "cam.base_radius_mm", radius)), ("cam",))]
             assert ("undercut" in codes) == undercut
@@ -376,7 +376,7 @@ def test_the_base_radius_under_a_rocker_is_found_close_to_its_pivot_too() -> Non
     )
     far = with_drive(ROCKER, motion=steep)
     (finding,) = [f for f in findings_of(Study(far), ("cam",)) if f.code == "undercut"]
-    assert f"a base radius of {finding.values['base_radius_mm']:.5g} mm would do" in finding.message
+    assert f"a base radius of {finding.values['base_radius_mm']:.5g} mm is sufficient" in finding.message
     for part, undercut in ((1.0, False), (0.999, True)):
         other = edited(far, "cam.base_radius_mm", float(finding.values["base_radius_mm"]) * part)
         assert ("undercut" in {f.code for f in findings_of(Study(other), ("cam",))}) == undercut

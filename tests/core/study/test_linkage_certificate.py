@@ -115,6 +115,12 @@ def test_a_roller_that_goes_round_the_cam_centre_is_no_cam(name: str) -> None:
         _ = Study(design, 90).cam
 
 
+def test_a_roller_on_the_pivot_of_its_link_is_no_cam() -> None:
+    design = with_roller(led("four_bar", 1.0, Driver(4, "motion", 60.0)), 4, "O4")
+    with pytest.raises(NoCam, match=r"cam\.point: the roller keeps its distance from the cam centre"):
+        _ = Study(design, 90).cam
+
+
 def test_centres_of_links_that_move_nearly_alike_are_as_certain_as_what_is_left_of_their_velocities() -> None:
     """Three links that slide on each other turn alike: their centres are at infinity, told by small differences."""
     design, _ = assembly(1173854518, ("rpr", "rpp", "rpp"))

@@ -383,6 +383,7 @@ def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.Monkey
     view.settle()
     assert column(view, NAME)[4] == "Balance cam"
     assert session.is_on_balancer
+    assert not session.choose_drive(5), "of a list that is not up to date"
     left = session.shaft.torque
     assert left.max() - left.min() < 1e-9 * (session.shaft.cams_torque.max() - session.shaft.cams_torque.min())
     assert not unit.drawing().in_trouble
