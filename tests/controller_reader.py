@@ -95,7 +95,8 @@ def rows_of(slug: str, text: str, turn: float, advance: float = 0.0) -> dict[str
         return {"x": np.arange(z.size) / (z.size - 1), "y": y, "ends": slopes}
     if slug == "general":
         x, y, v, a = np.array([_floats(line) for line in text.split("\n")[1:] if line]).T
-        return {"x": x / turn, "y": y, "v": v * turn, "a": a * turn**2, "ends": v[[0, -1]] * turn}
+        steps = np.diff(x) / turn  # of the angles as written: parts of a turn lose digits of steps of 0.001 deg
+        return {"x": x / turn, "h": steps, "y": y, "v": v * turn, "a": a * turn**2, "ends": v[[0, -1]] * turn}
     raise AssertionError(slug)
 
 
@@ -103,7 +104,7 @@ def path(kind: str, rows: dict[str, Any], count: int = 200) -> tuple[np.ndarray,
     """Parts of the turn (n - 1, count), as good as both ends of every piece among them, and there value and two derivatives by it
     (3, n - 1, count)."""
     x, y = rows["x"], rows["y"]
-    h = np.diff(x)[:, None]
+    h = rows.get("h", np.diff(x))[:, None]
     u = np.linspace(1e-7, 1.0 - 1e-7, count)
     if kind == "linear":
         ends = [y[:-1], y[1:]]
@@ -112,7 +113,7 @@ def path(kind: str, rows: dict[str, Any], count: int = 200) -> tuple[np.ndarray,
     elif kind == "quintic-hermite":
         ends = _quintic(y, rows["v"], rows["a"], h[:, 0])
     elif kind == "clamped-spline":
-        ends = _cubic(y, _spline_slopes(x, y, rows["ends"]), h[:, 0])
+        ends = _cubic(y, _spline_slopes(h[:, 0], y, rows["ends"]), h[:, 0])
     else:  # zebra: quintic, straight, ...
         v = np.diff(y) / np.diff(x)
         slopes = np.empty(x.size)
@@ -135,10 +136,10 @@ def _quintic(y: np.ndarray, v: np.ndarray, a: np.ndarray, h: np.ndarray) -> list
     return left + right
 
 
-def _spline_slopes(x: np.ndarray, y: np.ndarray, ends: list[float]) -> np.ndarray:
+def _spline_slopes(h: np.ndarray, y: np.ndarray, ends: list[float]) -> np.ndarray:
     """From the continuity of the second derivative at every inner row, as one banded system."""
-    h, slopes = np.diff(x), np.diff(y) / np.diff(x)
-    bands, right = np.zeros((3, x.size)), np.empty(x.size)
+    slopes = np.diff(y) / h
+    bands, right = np.zeros((3, y.size)), np.empty(y.size)
     bands[1, [0, -1]], right[[0, -1]] = 1.0, ends
     bands[0, 2:], bands[2, :-2] = 1.0 / h[1:], 1.0 / h[:-1]
     bands[1, 1:-1] = 2.0 / h[:-1] + 2.0 / h[1:]
@@ -186,7 +187,7 @@ def brute(slug, kind, text, exact, turn=360.0, scale=1.0, offset=0.0, count=200,
     """Largest errors of value, velocity per degree and acceleration per degree², at 200 points of every piece."""
     rows = rows_of(slug, text, turn, advance)
     rows = {
-        key: np.asarray(value) / (1.0 if key == "x" else scale) - (offset / scale if key == "y" else 0.0)
+        key: np.asarray(value) / (1.0 if key in ("x", "h") else scale) - (offset / scale if key == "y" else 0.0)
         for key, value in rows.items()
     }
     u, made = path(kind, rows, count)

@@ -2,7 +2,7 @@
 
 A form of a disk cam is a class with its word in ``core.design.followers``, named by the cams of ``core.design.parts``
 that may have it, and a row of ``FORMS``; a flank of a new name is drawn by a row of ``FLANK_PARTS`` in
-``kindyna_gui/pictures/drawing/cam_parts.py``. Files, checks, certificate and explanations follow from these.
+the window's ``cam_parts``. Files, checks, certificate and explanations follow from these.
 
 A barrel cam, which moves past its follower when unrolled, needs more than a row. ``relative_motion``,
 ``cam_frame_rotation`` and ``sliding`` of ``core.cam.shape`` describe the motion of a disk past the follower; ``rate``

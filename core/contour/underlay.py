@@ -407,10 +407,6 @@ class Underlay:
         """Points (n,) complex of the underlay [its units] in the plane of the linkage [mm]."""
         return complex(self.x_mm, self.y_mm) + self._unit * z
 
-    def to_local(self, point: complex) -> complex:
-        """Point of the plane [mm] in the underlay [its units]."""
-        return (point - complex(self.x_mm, self.y_mm)) / self._unit
-
     def shifted(self, shift: complex) -> Underlay:
         """The underlay shifted [mm]."""
         return replace(self, x_mm=self.x_mm + shift.real, y_mm=self.y_mm + shift.imag)

@@ -301,9 +301,9 @@ def edited(design: Design, path: str, value: Any, typed: Typed = ()) -> Design:
 
 def _edited_list(design: Design, path: str, value: Any) -> Design:
     """``edited`` in a design with a list of drives; a name changes in the sequence conditions too."""
-    found = drive_at(path)
-    if found is not None and found[0] < len(design.drives):
-        index, rest = found
+    in_drive = drive_at(path)
+    if in_drive is not None and in_drive[0] < len(design.drives):
+        index, rest = in_drive
         return with_only(design, index, edited(only(design, index), rest, value))
     _, number, inside = row_at(path, "drives")
     if inside == "name" != path:

@@ -53,11 +53,6 @@ class Equivalent:
         """Ratio of all damping to the critical one, ζ = c/(2 √(m (k + ks)))."""
         return self.damping / (2.0 * self.mass * self.natural_frequency)
 
-    @property
-    def static_gain(self) -> float:
-        """Displacement of the mass per displacement of the cam at standstill, k/(k + ks)."""
-        return self.stiffness / (self.stiffness + self.closing)
-
 
 @frozen
 class Elasticity:

@@ -89,8 +89,8 @@ def value_units(quantity: str, motion: str) -> tuple[str, ...]:
 
 _NUMBERED = re.compile(r"\s*\d[\d.,/^*·eE+\- ]*\s*[a-zA-Zµμ]")  # a number before a unit: 1/100 mm
 _FRACTION = re.compile(
-    r"(?:^|\s)((?:0?[.,]\d|1/\d|1e-\d|10\^?-\d)[\d.,]*\s+\S+)$", re.IGNORECASE
-)  # the same without brackets: 0.01 mm
+    r"(?:^|\s)((?:0?[.,]\d|1/\d|1e-\d|10\^?-\d)[\d.,]*\s+\S+)\s*$", re.IGNORECASE
+)  # 0.01 mm at the end
 
 
 # -- reading units ----------------------------------------------------------------------------------------
@@ -145,15 +145,17 @@ def unit_of(text: str) -> str:
     return plain if known else ""
 
 
+def _multiples(name: str) -> list[str]:
+    """Multiples of a unit in a column's name: in parentheses, or a fraction before the unit at its end."""
+    bracketed = [text for text in re.findall(r"\(([^()]*)\)", name) if _NUMBERED.match(text)]
+    return bracketed or _FRACTION.findall(name)
+
+
 def unknown_unit(name: str) -> str:
-    """Unknown unit in the brackets of a column's name; empty where there is none."""
+    """Unknown unit of a column's name, in brackets or as a multiple; empty where there is none."""
     name = name[-LONGEST:]
-    bracketed = (
-        re.findall(r"\[([^\[\]]*)\]", name)
-        or [text for text in re.findall(r"\(([^()]*)\)", name) if _NUMBERED.match(text)]
-        or _FRACTION.findall(name.strip())
-    )
-    return "" if not bracketed or unit_of(bracketed[-1]) else bracketed[-1].strip()
+    spelled = re.findall(r"\[([^\[\]]*)\]", name) or _multiples(name)
+    return "" if not spelled or unit_of(spelled[-1]) else spelled[-1].strip()
 
 
 def unit_in(text: str) -> str:
@@ -162,10 +164,8 @@ def unit_in(text: str) -> str:
     for bracketed in re.findall(r"[\[({<]([^\[({<\])}>]*)[\])}>]", text):
         if unit_of(bracketed):
             return unit_of(bracketed)
-    if any(_NUMBERED.match(bracketed) for bracketed in re.findall(r"\(([^()]*)\)", text)):
-        return ""  # an unknown multiple of a unit
-    if multiple := _FRACTION.search(text.strip()):
-        return unit_of(multiple[1])
+    if multiples := _multiples(text):
+        return unit_of(multiples[-1])
     candidates = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:][-_MOST_PARTS:]]
     words = re.split(r"\s+", text.strip())
     if len(words) > 1:

@@ -262,7 +262,9 @@ def _travel(
     joint = next(j for j, name in mechanism.pair_names.items() if name == ground)
     end = joint.second if joint.second.link == reference.link else joint.first
     arm = 1j * (at - end.point) if joint.revolute else end.along
-    return np.asarray(bodies[mechanism.bodies[reference.link]].unit * (np.complex128(arm) / abs(arm)))
+    return np.asarray(
+        bodies[mechanism.bodies[reference.link]].unit * (np.complex128(arm) / abs(arm))
+    )  # NaN on the pivot
 
 
 def _coordinate(solution: LinkageSolution, plan: SolutionPlan, key: int | str, n: int) -> Derivatives:

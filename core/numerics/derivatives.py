@@ -40,9 +40,6 @@ def seen_from(points: np.ndarray, turn_deg: float, tilt_deg: float) -> np.ndarra
 # -- Taylor series of second order ------------------------------------------------------------------------------
 
 
-PAIR_ORDERS = 3  # value and two derivatives
-
-
 class Taylor:
     """Power series c_0 + c_1 w + c_2 w² of a quantity, real or complex.
 

@@ -452,10 +452,10 @@ def _require_own(path: Path, is_own: Callable[[bytes], bool]) -> None:
     if _permissions(path, _target(path), in_place=False) is None:
         return
     try:
-        own = is_own(read_own(path))
+        is_replaceable = is_own(read_own(path))
     except (OSError, ValueError, AttributeError, RecursionError):
-        own = False
-    if not own:
+        is_replaceable = False
+    if not is_replaceable:
         _refuse(path, "written", "it belongs to another program; choose another folder or name")
 
 

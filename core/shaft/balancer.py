@@ -223,12 +223,12 @@ def _integrate_runs(
     begins, direction = parts.begins, parts.direction.astype(float)
     torques = polyval(begins + direction * parts.share * x[:, None], energy.torque[:, parts.panel][:, None]).T
     owner = np.repeat(np.arange(followers.rate.size), len(runs))
-    lane = np.tile(np.arange(len(runs)), followers.rate.size)
+    run_index = np.tile(np.arange(len(runs)), followers.rate.size)
     queue = np.full((len(runs), max(map(len, runs), default=0) + 1), -1)
     for i, run in enumerate(runs):
         queue[i, : run.size] = run
     turn = np.zeros(owner.size, dtype=int)
-    first = queue[lane, 0]
+    first = queue[run_index, 0]
     stored = polyval(begins[first], energy.energy[:, parts.panel[first]])
     position = followers.at(owner).resting(stored[:, None])
     speed0, offset, share = np.zeros_like(position), np.zeros(owner.size), np.ones(owner.size)
@@ -239,7 +239,7 @@ def _integrate_runs(
     active = np.arange(owner.size)
     while active.size:
         checkpoint()
-        part, follower = queue[lane[active], turn[active]], followers.at(owner[active])
+        part, follower = queue[run_index[active], turn[active]], followers.at(owner[active])
         begin, piece = offset[active], share[active]
         torque = torques[part]
         if (piece < 1.0).any():
@@ -261,7 +261,7 @@ def _integrate_runs(
         for i in np.flatnonzero(~solved & finest).tolist():
             angle = float(energy.start[parts.panel[part[i]]] + begins[part[i]] * energy.width[parts.panel[part[i]]])
             k = int(owner[active[i]])
-            too_heavy[k] = min(too_heavy.get(k, (len(runs), 0.0)), (int(lane[active[i]]), angle))
+            too_heavy[k] = min(too_heavy.get(k, (len(runs), 0.0)), (int(run_index[active[i]]), angle))
         accepted = is_resolved | (solved & finest)
         advanced, accepted_rows = active[accepted], rows[accepted]
         pieces.append((owner[advanced], part[accepted], begin[accepted], piece[accepted], accepted_rows))
@@ -272,7 +272,7 @@ def _integrate_runs(
         share[active[~accepted]] *= 0.5
         finished = advanced[offset[advanced] >= 1.0 - 1e-12]
         turn[finished], offset[finished], share[finished] = turn[finished] + 1, 0.0, 1.0
-        done = (~solved & finest) | (queue[lane[active], turn[active]] < 0)
+        done = (~solved & finest) | (queue[run_index[active], turn[active]] < 0)
         active = active[~done]
     return _Pieces(*map(np.concatenate, zip(*pieces, strict=True))), {k: angle for k, (_, angle) in too_heavy.items()}
 

@@ -400,11 +400,6 @@ class DriveStudy:
 
     # -- follower and linkage -------------------------------------------------------------------------------
 
-    @property
-    def follower_pair_kind(self) -> str:
-        """Kind of the pair between the frame and the body on which the cam acts."""
-        return self.frame_pair_kind(self.cam.flank.body)
-
     def frame_pair_kind(self, body: str) -> str:
         """Kind of the pair between a body and the frame; revolute where there is none, since the body turns about its pole."""
         pairs = self.linkage.pairs.values()

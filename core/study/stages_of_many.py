@@ -374,10 +374,10 @@ class DesignBlock:
         names = list(dict.fromkeys([*(request.name for request in requests), *(name for name, _ in further)]))
         sampled = self._at_nodes(names, angles)
         every = np.arange(self.count)
-        found = self._searched([Search(*search) for search in searches], every, sampled, angles, polish)
-        found |= self._compared(compared, found, sampled, angles, polish)
+        peaks = self._searched([Search(*search) for search in searches], every, sampled, angles, polish)
+        peaks |= self._compared(compared, peaks, sampled, angles, polish)
         searches |= dict.fromkeys(further)
-        extremes = self._extremes_by_name(found)
+        extremes = self._extremes_by_name(peaks)
         undercut = self._undercut(extremes) if "cam" in stages or "dynamics" in stages else {}
         for flank, curvature in PROFILE_CURVATURES.items():
             if curvature in extremes and flank in undercut:

@@ -41,6 +41,16 @@ def test_every_kernel_has_our_method_first_and_others_beside_it() -> None:
         assert kernel.rival[0] in {m.name for m in kernel.methods[1:]}
 
 
+def require_all_channels(kernel: Kernel, method: Method) -> None:
+    """In its first setting a method gives every channel of the kernel at all angles."""
+    result = method.cold(kernel.given(kernel.grid(kernel.usual)), method.settings[0])
+    assert len(result) == len(kernel.exact.scale), (kernel.name, method.name)
+    assert {np.shape(channel)[-1:] for channel in result} == {kernel.grid(kernel.usual).shape}, (
+        kernel.name,
+        method.name,
+    )
+
+
 def test_every_method_of_a_kernel_does_its_job_with_the_error_it_is_compared_by() -> None:
     """Ours within the error of a channel, or within its setting; the rival of our times as exact as a search; the others within a
     thousandth in their first setting, so that no row compares different results. Methods to be compiled run under stress alone."""
@@ -52,12 +62,8 @@ def test_every_method_of_a_kernel_does_its_job_with_the_error_it_is_compared_by(
         daily = [m for m in kernel.methods if not m.lacks and "numba" not in m.name]
         bounds += [(m, m.settings[0], 1e-3) for m in daily]
         wrong += [(name, m.name, setting) for m, setting, bound in bounds if kernel.error(m, setting) > bound]
-        given = kernel.given(kernel.grid(kernel.usual))
         for method in daily:
-            result = method.cold(given, method.settings[0])
-            shapes = {np.shape(channel)[-1:] for channel in result}
-            if len(result) != len(kernel.exact.scale) or shapes != {kernel.grid(kernel.usual).shape}:
-                wrong.append((name, method.name, "shapes"))
+            require_all_channels(kernel, method)
     assert wrong == []
 
 
@@ -67,6 +73,7 @@ def test_a_compiled_method_does_the_kernels_job(kernel: Kernel, method: Method) 
     if method.lacks:
         pytest.skip(f"{method.lacks} is not installed")
     assert kernel.error(method, method.settings[0]) <= 1e-3
+    require_all_channels(kernel, method)
 
 
 def test_many_designs_by_hand_have_the_extremes_of_ours() -> None:

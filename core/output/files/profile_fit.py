@@ -255,7 +255,6 @@ class Cubics:
         ndarray (m, k) [mm]
         """
         p = self.points[span]
-
         c0, c1 = p[:, 0, None], 3.0 * (p[:, 1, None] - p[:, 0, None])
         c2 = 3.0 * (p[:, 0, None] - 2.0 * p[:, 1, None] + p[:, 2, None])
         c3 = p[:, 3, None] - 3.0 * p[:, 2, None] + 3.0 * p[:, 1, None] - p[:, 0, None]

@@ -38,14 +38,12 @@ class AxisQuantity:
     label, title : short name, and title of the axis
     from_ratio : value of the axis for η or Q (n,) of a machine
     to_ratio : η or Q for a value of the axis
-    needs_machine : whether it is defined only with a machine
     """
 
     label: str
     title: str
     from_ratio: Callable[[np.ndarray, Machine], np.ndarray]
     to_ratio: Callable[[float, Machine], float]
-    needs_machine: bool = True
 
 
 def _rpm(eta: np.ndarray, machine: Machine) -> np.ndarray:
@@ -55,13 +53,13 @@ def _rpm(eta: np.ndarray, machine: Machine) -> np.ndarray:
 
 ACROSS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
-        "eta": AxisQuantity("η", "Frequency ratio η = ω₀/ω", lambda e, m: e, lambda x, m: x, False),
+        "eta": AxisQuantity("η", "Frequency ratio η = ω₀/ω", lambda e, m: e, lambda x, m: x),
         "rpm": AxisQuantity("rpm", "Camshaft speed, rpm", _rpm, lambda x, m: m.rpm(1.0) / max(x, 1e-300)),
     }
 )
 UPWARDS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
-        "q": AxisQuantity("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
+        "q": AxisQuantity("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y),
         "mass": AxisQuantity("masses", "Moving masses, × current", lambda q, m: q / m.q, lambda y, m: y * m.q),
     }
 )
