@@ -33,8 +33,8 @@ from core.dynamics.elements import (
     Torsion,
     combined_inertia,
 )
-from core.dynamics.forces import BEARING, CAM_FACE, JAMS, Forces, edge_forces, newton_euler
-from core.dynamics.friction import GuideReaction, guide_reaction, with_infinities
+from core.dynamics.forces import BEARING, CAM_FACE, Forces, edge_forces, newton_euler
+from core.dynamics.friction import JAMS, GuideReaction, guide_reaction, with_infinities
 from core.dynamics.loading import (
     LOADINGS,
     Friction,
@@ -46,6 +46,7 @@ from core.dynamics.loading import (
     pairs_named,
     row_of_element,
 )
+from core.dynamics.unit_loads import UnitLoads, unit_loads
 from core.process import lazy_attributes
 
 if TYPE_CHECKING:
@@ -76,9 +77,9 @@ __all__ = [
     "MASS_KINDS", "REACTION", "SPRING", "WEIGHT", "BodyPoint", "ContactForce", "ContactMap", "Element", "FlankChange",
     "Flight", "Flights", "ForceOnBody", "Forces", "Friction", "GuideReaction", "Inertia", "LeastForce", "LiftOff",
     "Load", "Loading", "Mass", "OutputForce", "OutputFriction", "PointForce", "Rate", "ScheduledForce", "Spring",
-    "Torsion", "attachment_point", "body_inertias", "change_findings", "combined_inertia", "contact_map",
+    "Torsion", "UnitLoads", "attachment_point", "body_inertias", "change_findings", "combined_inertia", "contact_map",
     "edge_forces", "element_at", "element_findings", "element_forces", "element_power", "findings", "flank_changes",
     "flights", "free_bodies", "gravity_power", "guide_reaction", "imbalance", "input_power", "jam_finding",
     "kinetic_energy", "link_loading", "loading_of", "momentum_residual", "newton_euler", "pairs_named", "peak_load",
-    "power_residual", "power_terms", "row_of_element", "with_impacts", "with_infinities",
+    "power_residual", "power_terms", "row_of_element", "unit_loads", "with_impacts", "with_infinities",
 ]  # fmt: skip

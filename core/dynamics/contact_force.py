@@ -11,6 +11,7 @@ import numpy as np
 from core.cam import CamShape
 from core.dynamics.forces import newton_euler
 from core.dynamics.loading import Loading
+from core.dynamics.unit_loads import UnitLoads, unit_loads
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, CompiledMotion
@@ -25,6 +26,7 @@ GROWTH = 1.25  # factor between successive speeds of the search for lift-off
 FIRST = 0.2  # of the design's speed: the first speed of this search
 
 At = Callable[[Angles], tuple[Kinematics, CamShape]]
+Position = tuple[Kinematics, CamShape, UnitLoads]
 
 
 @frozen
@@ -131,6 +133,11 @@ class ForceTerms:
         return np.sort(np.where(np.isfinite(roots) & (roots > 0.0), roots, np.nan), axis=0)
 
 
+def _contact_force(position: Position, loading: Loading, omega: float) -> np.ndarray:
+    kinematics, shape, units = position
+    return newton_euler(kinematics, shape, loading, omega, units=units).contact
+
+
 class ContactForce:
     """Contact force F_c(θ, ω) of a cam with one flank, with its extremes over the turn and over speeds.
 
@@ -141,7 +148,15 @@ class ContactForce:
     """
 
     def __init__(self, at: At, loading: Loading, program: CompiledMotion, omega: float) -> None:
-        self._at, self.loading, self.program, self.omega = lru_cache(maxsize=4)(at), loading, program, omega
+        self.loading, self.program, self.omega = loading, program, omega
+        pairs = tuple(friction.pair for friction in loading.frictions)
+
+        @lru_cache(maxsize=4)
+        def position(angles: Angles) -> Position:
+            kinematics, shape = at(angles)
+            return kinematics, shape, unit_loads(kinematics, shape, loading.contact_friction, pairs)
+
+        self._position = position
 
     @property
     def has_friction(self) -> bool:
@@ -162,15 +177,15 @@ class ContactForce:
         -------
         ndarray (n,) [N]
         """
-        return newton_euler(*self._at(angles), self.loading, omega).contact
+        return _contact_force(self._position(angles), self.loading, omega)
 
     def terms(self, angles: Angles) -> ForceTerms:
         """Terms of the force of a follower without friction in pairs, from three solutions."""
         assert not self.has_friction, "no parabola"
-        position, omega = self._at(angles), self.omega
-        static = newton_euler(*position, self.loading, 0.0).contact
-        inertia = newton_euler(*position, self.loading.inertial_with_contact, 1.0).contact
-        moving = newton_euler(*position, self.loading, omega).contact - omega * omega * inertia
+        position, omega = self._position(angles), self.omega
+        static = _contact_force(position, self.loading, 0.0)
+        inertia = _contact_force(position, self.loading.inertial_with_contact, 1.0)
+        moving = _contact_force(position, self.loading, omega) - omega * omega * inertia
         damping = (moving - static) / omega
         scale = ROUNDING * (np.abs(static) + omega * omega * np.abs(inertia)) / omega
         return ForceTerms(static, np.where(np.abs(damping) <= scale, 0.0, damping), inertia)

@@ -13,9 +13,10 @@ from numpy.polynomial import chebyshev
 
 from core.dynamics.checks import FlankChange, ForcesAt, sign_changes
 from core.dynamics.elements import Element, Load, Rate, ScheduledForce
-from core.dynamics.forces import JAMS, Forces, edge_forces, newton_euler, unit_friction
-from core.dynamics.friction import jam_factor_bound, magnitudes
+from core.dynamics.forces import Forces, edge_forces, newton_euler
+from core.dynamics.friction import JAMS, jam_factor_bound, magnitudes
 from core.dynamics.loading import Friction, Loading
+from core.dynamics.unit_loads import unit_friction
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism import Mechanism, driver_ranges_for, solve_mechanism
@@ -92,7 +93,7 @@ class _UnitFriction(Element):
     strengths: ClassVar[tuple[str, ...]] = ("friction",)
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
-        yield from unit_friction(kinematics, self.friction)
+        yield from unit_friction(kinematics, self.friction.pair)
 
 
 def _chebyshev_fit(rows: np.ndarray, x: np.ndarray) -> np.ndarray:

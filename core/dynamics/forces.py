@@ -9,16 +9,15 @@ Source: Shin, Kim and Ha 1995, section 4.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.cam import OUTER, CamShape, Flank
-from core.dynamics.elements import Load, Rate
+from core.cam import OUTER, CamShape
+from core.dynamics.elements import Rate
 from core.dynamics.friction import (
-    JAMMED,
     GuideReaction,
     critical_friction,
     guide_reaction,
@@ -29,10 +28,11 @@ from core.dynamics.friction import (
     with_infinities,
 )
 from core.dynamics.loading import Friction, Loading
+from core.dynamics.unit_loads import UnitLoads, unit_loads
 from core.dynamics.walk import Walk, input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
-from core.numerics.derivatives import cross, dot, negated, replace_nan, spread
+from core.numerics.derivatives import cross, dot, spread
 from core.numerics.lazy import Lazy, once
 
 # -- inverse dynamics -------------------------------------------------------------------------------------------
@@ -41,7 +41,6 @@ from core.numerics.lazy import Lazy, once
 BEARING = "bearing"
 CAM_FACE = "cam_face"
 """Name of the friction of a face that slides on the cam, among the pairs."""
-JAMS = 1.0  # jam factor from which friction may jam
 _ZERO, _ZERO_FORCE = np.zeros(1), np.zeros(1, dtype=complex)
 
 
@@ -176,7 +175,12 @@ class _Solution(NamedTuple):
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def newton_euler(
-    kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float, acceleration: float = 0.0
+    kinematics: Kinematics,
+    shape: CamShape | None,
+    loading: Loading,
+    omega: float,
+    acceleration: float = 0.0,
+    units: UnitLoads | None = None,
 ) -> Forces:
     """Forces at camshaft speed omega and acceleration of the coordinate by which the poses are differentiated.
 
@@ -196,6 +200,8 @@ def newton_euler(
         Speed [rad/s], positive.
     acceleration : float
         Acceleration [rad/s²].
+    units : UnitLoads, optional
+        Reactions to unit loads at these positions, where they are known from another load or speed.
 
     Returns
     -------
@@ -209,33 +215,21 @@ def newton_euler(
     rate = Rate(omega, acceleration)
     n, cam_friction = kinematics.theta.shape[-1], loading.contact_friction
     flanks = () if shape is None else shape.flanks
-    directions = tuple(_contact_direction(flank, shape.rotation_sign, cam_friction) for flank in flanks if shape)
-    points: dict[Any, Any] = {}
-    unit_contacts = [
-        Walk(kinematics, [Load(flank.body, flank.contact, negated(direction))], points)
-        for flank, direction in zip(flanks, directions, strict=True)
-    ]
-    contact_jam = np.zeros(n)
-    if cam_friction and shape is not None:
-        normal_load = Load(kinematics.carrier, shape.flank.contact, negated(shape.flank.normal))
-        frictionless = Walk(kinematics, [normal_load], points).effort
-        contact_jam = spread(replace_nan(1.0 - unit_contacts[0].effort / frictionless, nan=0.0), n)
-        if (jams := contact_jam >= JAMS).any():
-            unit_contacts[0].effort = np.where(jams, frictionless / JAMMED, unit_contacts[0].effort)
+    if units is None:
+        units = unit_loads(kinematics, shape, cam_friction, tuple(f.pair for f in loading.frictions))
     loads = [load for element in loading.elements for load in element.loads(kinematics, rate)]
-    loads_walk = Walk(kinematics, loads, points)
-    signs = {f.pair: _slip_sign(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
-    friction_walks = {f.pair: Walk(kinematics, unit_friction(kinematics, f), points) for f in loading.frictions}
+    loads_walk = Walk(kinematics, loads, units.points)
+    signs = {f.pair: units.slip_signs[f.pair] * np.sign(omega) for f in loading.frictions}
 
     def solve_with(unit_contact: Walk | None) -> _Solution:
-        cases = {name: _Case(walk, unit_contact) for name, walk in friction_walks.items()}
+        cases = {f.pair: _Case(units.frictions[f.pair], unit_contact) for f in loading.frictions}
         return _with_friction(kinematics, loading, _Case(loads_walk, unit_contact), cases, signs)
 
-    solution, flank_forces = _solve_flanks(solve_with, unit_contacts)
+    solution, flank_forces = _solve_flanks(solve_with, units.contacts)
     torque = _ZERO
     contacts = tuple(
         Contact(flank.contact, direction, spread(force, n), spread(walk.effort, n))
-        for flank, direction, force, walk in zip(flanks, directions, flank_forces, unit_contacts, strict=True)
+        for flank, direction, force, walk in zip(flanks, units.directions, flank_forces, units.contacts, strict=True)
     )
     if shape is not None:
         moments = [
@@ -255,7 +249,7 @@ def newton_euler(
     def reactions() -> _Reactions:
         pairs, couples = solution.reactions()
         if contacts:
-            on_cam = [-force * direction for force, direction in zip(flank_forces, directions, strict=True)]
+            on_cam = [-force * direction for force, direction in zip(flank_forces, units.directions, strict=True)]
             pairs = {**pairs, BEARING: np.asarray(sum(on_cam[1:], on_cam[0]))}
         return _Reactions(*({name: spread(row, n) for name, row in rows.items()} for rows in (pairs, couples)))
 
@@ -277,8 +271,8 @@ def newton_euler(
         friction_power=lambda: spread(np.asarray(sum(friction_power_by_pair().values(), _ZERO)), n),
         friction_power_by_pair=friction_power_by_pair,
         most_jamming=lambda: spread(solution.most_jamming(), n),
-        jam=lambda: np.maximum(solution.jam(), contact_jam),
-        contact_jam=contact_jam,
+        jam=lambda: np.maximum(solution.jam(), units.contact_jam),
+        contact_jam=units.contact_jam,
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, contacts),
         guide=solution.guide,
     )
@@ -288,7 +282,7 @@ def newton_euler(
 
 
 def _solve_flanks(
-    solve_with: Callable[[Walk | None], _Solution], unit_contacts: list[Walk]
+    solve_with: Callable[[Walk | None], _Solution], unit_contacts: Sequence[Walk]
 ) -> tuple[_Solution, list[np.ndarray]]:
     """The solution with the flank in contact at each angle, and the force on each flank (n,).
 
@@ -320,32 +314,6 @@ def _choose(mask: np.ndarray, left: Any, right: Any) -> Any:
         names = [field.name for field in fields(left)]
         return replace(left, **{name: _choose(mask, getattr(left, name), getattr(right, name)) for name in names})
     return left
-
-
-def _contact_direction(flank: Flank, rotation_sign: float, friction: float) -> np.ndarray:
-    """Force on the cam per newton of contact, n + μ v̂ (n,), v̂ = ± i d n the direction of the relative motion."""
-    if not friction:
-        return flank.normal
-    tangential = rotation_sign * friction * np.sign(flank.sliding)
-    factor = np.empty(np.shape(tangential), dtype=complex)
-    factor.real, factor.imag = 1.0, tangential
-    # a named factor: numpy swaps products with large temporaries, which changes their last bits
-    return flank.normal * factor
-
-
-def unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
-    """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, the opposite on ``on``."""
-    pair = kinematics.pairs[friction.pair]
-    at = kinematics.bodies[pair.body].position(pair.point)
-    force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -kinematics.line(pair)
-    couple = -1.0 if pair.kind == REVOLUTE else 0.0
-    return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
-
-
-def _slip_sign(kinematics: Kinematics, name: str) -> np.ndarray:
-    """Sign of a pair's slip (n,): -1, 0, 1, from the motion's segment, so that it is exact near a dwell."""
-    forward = kinematics.driver_sign * kinematics.motion.velocity_sign
-    return forward if name == kinematics.driver_name else np.asarray(forward * np.sign(kinematics.slip(name)))
 
 
 def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:

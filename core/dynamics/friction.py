@@ -11,6 +11,7 @@ import numpy as np
 from core.frozen import frozen
 from core.numerics.lazy import Lazy
 
+JAMS = 1.0  # jam factor from which friction may jam
 JAMMED = 1e150  # [N] replaces an infinite force during the solution, as infinities would cancel to NaN
 _INFINITE = 1e100  # [N] a larger force counts as infinite
 _NEWTON_STEPS = 60  # on the directions of the reactions; three to five are usual

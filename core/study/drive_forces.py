@@ -15,7 +15,7 @@ from core import dynamics, stress
 from core.cam import INNER, OUTER, SECOND, CamShape
 from core.design import NO_LIMITS, Design, si
 from core.design.parts import Servo
-from core.dynamics import FlankChange, Forces, Friction, kinetic_energy
+from core.dynamics import FlankChange, Forces, Friction, Loading, UnitLoads, kinetic_energy
 from core.errors import NoPosition, NoSolution
 from core.frozen import frozen
 from core.mechanism import motion_extent
@@ -58,7 +58,21 @@ class DriveForces(DriveStudy):
                 rubbing[0].field,
                 "remove the friction, or the redundant link",
             )
-        return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
+
+        def solve(kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float) -> Forces:
+            return dynamics.newton_euler(kinematics, shape, loading, omega, units=self._unit_loads)
+
+        return self._stage("dynamics", solve, self.linkage, self.shape, self.loading, self.omega)
+
+    @property
+    def _unit_loads(self) -> UnitLoads:
+        """Reactions to unit loads, which neither the loads nor the speed change."""
+        loading = self.loading
+        pairs = tuple(friction.pair for friction in loading.frictions)
+        units: UnitLoads = self._cached(
+            "unit loads", dynamics.unit_loads, self.linkage, self.shape, loading.contact_friction, pairs
+        )
+        return units
 
     @cached_property
     def free_bodies(self) -> Mapping[str, tuple[ForceOnBody, ...]]:

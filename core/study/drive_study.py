@@ -248,15 +248,19 @@ class DriveStudy:
     # -- stages ---------------------------------------------------------------------------------------------
 
     def _stage(self, name: str, function: Callable[..., Any], *parts: Any) -> Any:
-        """Result of function(*parts), counted; cached by its parts where the angles are those of a full turn."""
+        """Result of function(*parts), counted as a solution of a stage and cached as by ``_cached``."""
 
-        def compute() -> Any:
+        def compute(*parts: Any) -> Any:
             evaluations[name] += 1
             return function(*parts)
 
+        return self._cached(name, compute, *parts)
+
+    def _cached(self, name: str, function: Callable[..., Any], *parts: Any) -> Any:
+        """Result of function(*parts), cached by its parts where the angles are those of a full turn."""
         if not self.angles.cached:
-            return locked(compute())
-        return memory.get((name, "searched") if self.angles.search else name, parts, compute)
+            return locked(function(*parts))
+        return memory.get((name, "searched") if self.angles.search else name, parts, lambda: function(*parts))
 
     @contextmanager
     def with_exact_angles(self, stage: str) -> Iterator[None]:

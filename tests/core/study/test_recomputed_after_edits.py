@@ -10,6 +10,7 @@ from sampled import spread
 from core.design import Design, Entry, edited, entries, faults, get
 from core.project import load
 from core.study import Study, certificate_of, evaluations, extremes_of, findings_of
+from core.study.stages import memory
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 NAMES = ("transfer_lift", "card_picker", "kim_1990", "four_bar_coupler_cam", "slider_crank")
@@ -188,3 +189,27 @@ def test_other_loads_leave_the_extremes_of_what_moves_as_they_are(name: str) -> 
         before = Counter(evaluations)
         _ = extremes_of(Study(heavier, 72), stage), findings_of(Study(heavier, 72), (stage,))
         assert Counter(evaluations) - before == {}, stage
+
+
+UNIT_LOADS = {
+    "shaft.speed_rpm": 0,
+    "loads.arm_mass_kg": 0,
+    "loads.external_force_n": 0,
+    "loads.friction": 0,  # its coefficient; which pairs rub stays the same
+    "follower.rod_mm": 1,
+    "cam.base_radius_mm": 1,
+    "motion.start_mm": 1,
+}
+
+
+@pytest.mark.parametrize("path", UNIT_LOADS)
+def test_reactions_to_unit_loads_are_computed_again_where_positions_change(path: str) -> None:
+    design = DESIGNS["transfer_lift"]
+    _ = Study(design, 72).dynamics
+    changed = edited(design, path, get(design, path) * 1.003 + 0.001)
+    before = memory.computed["unit loads"]
+    again = Study(changed, 72).dynamics
+    assert memory.computed["unit loads"] - before == UNIT_LOADS[path]
+    there = Study(changed, 72)
+    fresh = there.at_theta(there.theta).dynamics  # nothing of it is cached
+    assert (again.contact.tobytes(), again.torque.tobytes()) == (fresh.contact.tobytes(), fresh.torque.tobytes())

@@ -1,0 +1,116 @@
+"""Unit loads: reactions to one newton of contact force or friction, which neither the loads nor the speed change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from core.cam import CamShape, Flank
+from core.dynamics.elements import Load
+from core.dynamics.friction import JAMMED, JAMS
+from core.dynamics.walk import Walk
+from core.frozen import frozen
+from core.mechanism.kinematics import REVOLUTE, Kinematics
+from core.numerics.derivatives import negated, replace_nan, spread
+
+
+@frozen(eq=False)
+class UnitLoads:
+    """Reactions of a mechanism to unit loads at n cam angles, which change neither with the loads nor with the speed.
+
+    Attributes
+    ----------
+    contacts : tuple of Walk
+        By flank: reactions to one newton of contact force.
+    directions : tuple of ndarray (n,) complex, dimensionless
+        By flank: force on the cam per newton of contact, n + μ v̂.
+    contact_jam : ndarray (n,), dimensionless
+        Share of the lever of the contact's normal force that its friction cancels.
+    frictions : mapping of str to Walk
+        Pair -> reactions to one newton of friction, or one newton metre in a pin.
+    slip_signs : mapping of str to ndarray (n,), dimensionless
+        Pair -> sign of its slip where the shaft turns forward.
+    points : dict
+        Points of the pairs and constants of the dyads, shared by all walks at these positions.
+    """
+
+    contacts: tuple[Walk, ...]
+    directions: tuple[np.ndarray, ...]
+    contact_jam: np.ndarray
+    frictions: Mapping[str, Walk]
+    slip_signs: Mapping[str, np.ndarray]
+    points: dict[Any, Any]
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def unit_loads(
+    kinematics: Kinematics, shape: CamShape | None, contact_friction: float, pairs: tuple[str, ...]
+) -> UnitLoads:
+    """Reactions to one newton of contact force on each flank, and to one newton of friction in each of these pairs.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        At n cam angles.
+    shape : CamShape or None
+        The cam; None without one.
+    contact_friction : float
+        Coefficient of friction of a face that slides on the cam.
+    pairs : tuple of str
+        Pairs with friction.
+
+    Returns
+    -------
+    UnitLoads
+    """
+    flanks = () if shape is None else shape.flanks
+    directions = tuple(_contact_direction(flank, shape.rotation_sign, contact_friction) for flank in flanks if shape)
+    points: dict[Any, Any] = {}
+    contacts = tuple(
+        Walk(kinematics, [Load(flank.body, flank.contact, negated(direction))], points)
+        for flank, direction in zip(flanks, directions, strict=True)
+    )
+    n = kinematics.theta.shape[-1]
+    contact_jam = np.zeros(n)
+    if contact_friction and shape is not None:
+        normal_load = Load(kinematics.carrier, shape.flank.contact, negated(shape.flank.normal))
+        frictionless = Walk(kinematics, [normal_load], points).effort
+        contact_jam = spread(replace_nan(1.0 - contacts[0].effort / frictionless, nan=0.0), n)
+        if (jams := contact_jam >= JAMS).any():
+            contacts[0].effort = np.where(jams, frictionless / JAMMED, contacts[0].effort)
+    return UnitLoads(
+        contacts,
+        directions,
+        contact_jam,
+        {pair: Walk(kinematics, unit_friction(kinematics, pair), points) for pair in pairs},
+        {pair: _slip_sign(kinematics, pair) for pair in pairs},
+        points,
+    )
+
+
+def _contact_direction(flank: Flank, rotation_sign: float, friction: float) -> np.ndarray:
+    """Force on the cam per newton of contact, n + μ v̂ (n,), v̂ = ± i d n the direction of the relative motion."""
+    if not friction:
+        return flank.normal
+    tangential = rotation_sign * friction * np.sign(flank.sliding)
+    factor = np.empty(np.shape(tangential), dtype=complex)
+    factor.real, factor.imag = 1.0, tangential
+    # a named factor: numpy swaps products with large temporaries, which changes their last bits
+    return flank.normal * factor
+
+
+def unit_friction(kinematics: Kinematics, name: str) -> list[Load]:
+    """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, the opposite on ``on``."""
+    pair = kinematics.pairs[name]
+    at = kinematics.bodies[pair.body].position(pair.point)
+    force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -kinematics.line(pair)
+    couple = -1.0 if pair.kind == REVOLUTE else 0.0
+    return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
+
+
+def _slip_sign(kinematics: Kinematics, name: str) -> np.ndarray:
+    """Sign of a pair's slip (n,): -1, 0, 1, from the motion's segment, so that it is exact near a dwell."""
+    forward = kinematics.driver_sign * kinematics.motion.velocity_sign
+    return forward if name == kinematics.driver_name else np.asarray(forward * np.sign(kinematics.slip(name)))
