@@ -52,6 +52,13 @@ def resources() -> Path:
     return installed if installed.is_dir() else _ROOT / "resources"
 
 
+def user_cache() -> Path:
+    """The program's folder in the user's cache, by the convention of the desktop."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home()) / "KINDYNA"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "KINDYNA"
+
+
 # -- terminal output --------------------------------------------------------------------------------------------
 
 

@@ -6,7 +6,6 @@ import hashlib
 import io
 import os
 import re
-import sys
 import time
 import warnings
 import zipfile
@@ -25,7 +24,7 @@ from core import __version__
 from core.design import Design, Info, edited, faults
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
-from core.process import resources
+from core.process import resources, user_cache
 from core.project import dumps, dumps_table
 from core.project.files import OwnFolder, is_folder, write_all
 from core.study.batch import FAULTY
@@ -288,6 +287,7 @@ BLOCK = 1024  # designs
 MAX_DESIGNS = 10_000_000
 PROBE = 256  # designs from which the time of too many is estimated
 CACHE = ".kindyna-studies"
+STUDIES = "studies"  # the same in the user's cache
 MAX_RUNS = 8  # saved next to a design
 TRIES = 3  # of a block whose process died
 
@@ -474,20 +474,13 @@ def cache_folder(study: StudyOfMany) -> Path:
     local = folder / CACHE
     existing = local if os.path.lexists(local) else folder
     is_shipped = folder.is_relative_to(resources().resolve())
-    return local if not is_shipped and is_folder(existing) and os.access(existing, os.W_OK) else user_cache()
-
-
-def user_cache() -> Path:
-    """Folder of results in the user's cache, by the convention of the desktop."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home()) / "KINDYNA" / "studies"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "KINDYNA" / "studies"
+    return local if not is_shipped and is_folder(existing) and os.access(existing, os.W_OK) else user_cache() / STUDIES
 
 
 def _run_folder(study: StudyOfMany, folder: Path | None) -> OwnFolder:
     """Folder of a run; in the user's cache where something else has its name. Raises FileError."""
     key = study_key(study)
-    for base in (cache_folder(study) if folder is None else folder, user_cache()):
+    for base in (cache_folder(study) if folder is None else folder, user_cache() / STUDIES):
         run = OwnFolder(base / key)
         if run.is_usable():
             return run

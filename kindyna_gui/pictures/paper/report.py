@@ -6,22 +6,29 @@ with its caption, and a table repeats its header on each page. Lengths are in mm
 
 from __future__ import annotations
 
+import hashlib
 import math
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from types import MappingProxyType
 
 from PySide6.QtCore import QByteArray, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 from PySide6.QtSvg import QSvgRenderer
 
+from core import __version__
+from core.errors import FileError
 from core.frozen import frozen
 from core.output.report.document import ENDINGS, PAPERS, Document, html
 from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
+from core.process import user_cache
+from core.project.files import read_own, write_all
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper.pictures import WIDTH as PIXELS
 from kindyna_gui.pictures.paper.pictures import Vector, svg, vector
@@ -48,15 +55,40 @@ class Typeset:
 
 @cache
 def typeset(mathml: str) -> Typeset:
-    """Typeset a MathML element."""
+    """Typeset a MathML element; its outlines are saved in the user's cache, because the typesetter is slow."""
+    key = hashlib.sha256(f"{__version__} {SIZE} {mathml}".encode()).hexdigest()
+    path = user_cache() / "equations" / f"{key}.svg"
+    saved = _saved_equation(path)
+    if saved is None:
+        width, height, outlines = saved = _typeset(mathml)
+        text = f"{width!r} {height!r}\n{outlines}"
+        with suppress(FileError):  # without a cache the equation is typeset again next time
+            write_all(path.parent, {path.name: f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}"})
+    width, height, outlines = saved
+    return Typeset(width / SIZE, height / SIZE, QSvgRenderer(QByteArray(outlines.encode())))
+
+
+def _saved_equation(path: Path) -> tuple[float, float, str] | None:
+    """Width, height and outlines of a saved equation; None where the file is missing or damaged."""
+    with suppress(OSError, ValueError):
+        digest, text = read_own(path).decode().split("\n", 1)
+        if hashlib.sha256(text.encode()).hexdigest() == digest:
+            size, outlines = text.split("\n", 1)
+            width, height = map(float, size.split())
+            return width, height, outlines
+    return None
+
+
+def _typeset(mathml: str) -> tuple[float, float, str]:
+    """Width, height and outlines (SVG) of a MathML element."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # ziamath looks up its fonts with a deprecated function
-        import ziamath  # slow to load, so only when a report has equations
+        import ziamath  # slow to load, so only when an equation is not in the cache
 
     ziamath.config.svg2 = False  # Qt does not draw symbols that are defined elsewhere in the file
     equation = ziamath.Math(mathml, size=SIZE)
     width, height = equation.getsize()
-    return Typeset(width / SIZE, height / SIZE, QSvgRenderer(QByteArray(equation.svg().encode())))
+    return float(width), float(height), str(equation.svg())
 
 
 # -- page and fonts ------------------------------------------------------------------------------------
