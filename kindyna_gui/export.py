@@ -252,7 +252,8 @@ class Exports(QObject):
     def handover(self) -> None:
         """Write all files of a design into one archive."""
         from core.output.handover import handover
-        from kindyna_gui.export_dialogs import ask_handover, paint_handover
+        from kindyna_gui.export_dialogs import ask_handover
+        from kindyna_gui.pictures.paper.report import paint_handover
 
         request = ask_handover(self._window)
         if request is None:
@@ -263,9 +264,7 @@ class Exports(QObject):
         design = self._session.full_design
         study = Study(design)
         try:
-            archive = background.in_background(
-                self._window, f"Computing {path.name}", lambda: handover(design, request)
-            )
+            archive = background.in_background(self._window, f"Computing {path.name}", lambda: handover(study, request))
             with background.progress(self._window, f"Painting {path.name}", 12) as go_on, in_file_units():
                 painted = paint_handover(study, request, go_on) if archive is not None else None
             if archive is None or painted is None:

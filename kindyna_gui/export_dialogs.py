@@ -24,22 +24,17 @@ from PySide6.QtWidgets import (
 )
 
 from core.commands.export import ExportArguments
-from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.controllers.rows import controllers
 from core.output.export import FORMATS, Film, file_names
-from core.output.files.cam_drawing import drawing
-from core.output.files.sheet import DrawingRequest
-from core.output.handover import HandoverFile, HandoverRequest, drive_folders
-from core.output.report.document import PAPERS, PARTS, Cover, document
+from core.output.handover import HandoverRequest
+from core.output.report.document import PAPERS, PARTS, Cover
 from core.requests import build_request, command_words
 from core.study import Study
 from kindyna_gui.dialogs import file_to_save, give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
-from kindyna_gui.pictures.paper.report import GoOn, report_file
-from kindyna_gui.pictures.paper.sheets import sheet_file
 from kindyna_gui.settings import Settings
 
 # -- tables and animation --------------------------------------------------------------------------------
@@ -138,40 +133,6 @@ def ask_animation(parent: QWidget, folder: Path, name: str, seconds: float) -> t
     suggestion = folder / f"{name}{film.ending}"
     path = file_to_save(parent, suggestion, "Export animation", {film.ending: FORMATS[film.ending]})
     return None if path is None else (path, film)
-
-
-# -- painted files of a hand-over ------------------------------------------------------------------------
-
-
-def paint_handover(
-    study: Study, request: HandoverRequest, go_on: GoOn = lambda done: True
-) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
-    """Return the painted files, and the missing ones with the reason; None where cancelled.
-
-    Raises NoSolution where the report cannot be calculated.
-    """
-    content = document(study, cover=request)
-    report = report_file(content, ".pdf", go_on)
-    if report is None:
-        return None
-    files = [HandoverFile("report.pdf", "the report", report)]
-    left_out = [("logo", content.lacking)] if content.lacking else []
-    title = {name: getattr(request, name) for name in ("author", "company", "logo", "date")}
-    for folder, name, drive in drive_folders(study):
-        if "cam" not in drive.stages:
-            continue
-        of_drive = f" of {name}" if name else ""
-        try:
-            files.append(
-                HandoverFile(
-                    f"{folder}drawing.pdf",
-                    f"workshop drawing of the cam{of_drive}",
-                    sheet_file(drawing(drive, DrawingRequest(**title)), ".pdf"),
-                )
-            )
-        except KindynaError as error:
-            left_out.append((f"drawing{of_drive}", str(error)))
-    return files, left_out
 
 
 # -- report dialog ---------------------------------------------------------------------------------------

@@ -230,11 +230,10 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     from core.requests import require_in_range
 
     require_in_range(arguments.request)
-    design = load(arguments.design)
-    study = studied(design)
-    result = files_of(design, arguments.request)
+    study = studied(load(arguments.design))
+    result = files_of(study, arguments.request)
     hide_windows()
-    from kindyna_gui.export_dialogs import paint_handover
+    from kindyna_gui.pictures.paper.report import paint_handover
 
     with quiet():
         more = paint_handover(study, arguments.request)

@@ -16,6 +16,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, CompiledMotion
 from core.motion.extremes import Extreme, find_extremes, find_highest, piecewise_angles
+from core.numerics.roots import BracketEnds, bracketed_root
 
 ROUNDING = 1e-12  # of the largest force at standstill: a smaller force counts as 0
 SLOW = 1e-6  # of the design's speed: friction has a direction, but inertia forces are negligible
@@ -24,6 +25,7 @@ SPEEDS = 9  # of a range, at which a follower with friction is evaluated
 SPEED_TOLERANCE = 1e-9  # of the highest speed, for the speed of the least force
 GROWTH = 1.25  # factor between successive speeds of the search for lift-off
 FIRST = 0.2  # of the design's speed: the first speed of this search
+NEAR, LAST = 1e-4, 1e-13  # accuracy of the root of the samples and of the refined root, by the speed
 
 At = Callable[[Angles], tuple[Kinematics, CamShape]]
 Position = tuple[Kinematics, CamShape, UnitLoads]
@@ -270,19 +272,25 @@ class ContactForce:
         return LiftOff(1.0 / top.value, top.theta) if top.value * HIGHEST_SPEED > 1.0 else None
 
     def _lift_off_with_friction(self, level: float) -> LiftOff | None:
+        """Root of the least force over the speed: first of the least of the samples, then of the refined least."""
         angles = piecewise_angles(self.program)
-        slow, fast = 0.0, FIRST * self.omega
-        while self.at_speed(angles, fast).min() > level:
-            slow, fast = fast, GROWTH * fast
-            if fast > HIGHEST_SPEED:
-                return None
+
+        def sampled(omega: float) -> float:
+            return float(self.at_speed(angles, omega).min()) - level
 
         def margin(omega: float) -> float:
             return self.least_at_speed(omega).value - level
 
-        from scipy.optimize import brentq
-
-        root = float(brentq(margin, max(slow / GROWTH, SLOW * self.omega), fast))
+        slow, fast = SLOW * self.omega, FIRST * self.omega
+        while (value := sampled(fast)) > 0.0:
+            slow, fast = fast, GROWTH * fast
+            if fast > HIGHEST_SPEED:
+                return None
+        near = bracketed_root(sampled, BracketEnds(slow, sampled(slow), fast, value), NEAR * fast).b
+        below, step = near, NEAR * near  # the refined least is below that of the samples, and so is its root
+        while (least := margin(below)) <= 0.0:  # it is positive at the slowest speed
+            near, value, below, step = below, least, max(below - step, SLOW * self.omega), 4.0 * step
+        root = bracketed_root(margin, BracketEnds(below, least, near, value), LAST * near).b
         return LiftOff(root, self.least_at_speed(root).theta)
 
 

@@ -395,7 +395,7 @@ def _zip_bytes(files: dict[str, str | bytes]) -> bytes:
     return target.getvalue()
 
 
-def handover(design: Design, request: HandoverRequest) -> Handover:
+def handover(study: Study, request: HandoverRequest) -> Handover:
     """Files without fonts: profiles, inspection tables, tables of a controller, web page, the design.
 
     Raises KindynaError for an unknown controller, NoSolution where the design has none.
@@ -403,12 +403,13 @@ def handover(design: Design, request: HandoverRequest) -> Handover:
     if request.controller:
         controller(request.controller)
     files = [
-        HandoverFile("design.toml", "the design, to open in KINDYNA", dumps(with_unlinked_motions(design)).encode())
+        HandoverFile(
+            "design.toml", "the design, to open in KINDYNA", dumps(with_unlinked_motions(study.design)).encode()
+        )
     ]
     left_out: list[tuple[str, str]] = []
-    study = Study(design)
     for folder, name, drive in drive_folders(study):
-        for description, build in _file_builders(design, folder, name, drive, request):
+        for description, build in _file_builders(study.design, folder, name, drive, request):
             try:
                 files += build()
             except KindynaError as error:

@@ -32,11 +32,12 @@ __all__ = [
 
 @frozen
 class Paper:
-    """A paper: slug of its module, label in a list, and full title."""
+    """A paper: slug of its module, label in a list, full title, and names of the example files of its claims."""
 
     slug: str
     label: str
     title: str
+    examples: tuple[str, ...]
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -50,10 +51,26 @@ _ALL = (
         "shin1995",
         "Shin, Kim and Ha 1995",
         "A Study on the Kinetodynamic Analysis for General Disk Cam Driving Slider Mechanisms",
+        ("transfer_lift", "transfer_unit"),
     ),
-    Paper("yang", "Yang and Shon", "Study on Blended Cam Design"),
-    Paper("velocity", "Lecture, chapter 6", "Velocity Analysis"),
-    Paper("kim1990", "Kim, Jeon, Lee and Park 1990", "Dynamic Stability Analysis of a Single Cam Drive Mechanism"),
+    Paper(
+        "yang",
+        "Yang and Shon",
+        "Study on Blended Cam Design",
+        ("card_picker", "dwell_rise_dwell", "card_picker_peak_250"),
+    ),
+    Paper(
+        "velocity",
+        "Lecture, chapter 6",
+        "Velocity Analysis",
+        ("lecture_six_bar", "four_bar", "slider_crank", "rear_suspension"),
+    ),
+    Paper(
+        "kim1990",
+        "Kim, Jeon, Lee and Park 1990",
+        "Dynamic Stability Analysis of a Single Cam Drive Mechanism",
+        ("kim_1990",),
+    ),
 )
 PAPERS: Mapping[str, Paper] = MappingProxyType({paper.slug: paper for paper in _ALL})
 

@@ -248,6 +248,11 @@ def test_the_command_writes_every_row_with_its_table(
         assert {len(line) for line in lines} == {len(names)}, name
 
 
+@pytest.mark.parametrize("paper", PAPERS)
+def test_a_paper_lists_the_examples_of_its_claims(paper: str) -> None:
+    assert set(PAPERS[paper].examples) == {row.example for row in PAPERS[paper].rows}
+
+
 def test_the_papers_own_figures_are_all_there() -> None:
     names = {paper: {claim.name for claim in every_claim() if claim.paper == paper} for paper in PAPERS}
     assert {f"figure_{n}" for n in (1, 2, 14, 16, 17, 18, 19, 20)} | {f"table_{n}" for n in (1, 2, 3)} <= names[

@@ -86,10 +86,10 @@ def paper_claims(design: Design) -> list[Section]:
 
     examples, sections = Examples(), list[Section]()
     for slug, paper in PAPERS.items():
-        names = {row.example for row in paper.rows if examples.design(row.example) == design}
+        names = [name for name in paper.examples if examples.design(name) == design]
         rows = [
             (claim.where, claim.says, claim.here, claim.verdict)
-            for claim in claims(slug, examples)
+            for claim in (claims(slug, examples) if names else ())
             if claim.row.example in names
         ]
         title = Sentences((f"{paper.label}: {paper.title}.",))

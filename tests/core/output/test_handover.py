@@ -28,11 +28,11 @@ PICKER = EXAMPLES / "card_picker.toml"
 @pytest.fixture(scope="module")
 def made() -> Handover:
     """The picker's, as it is without further words."""
-    return handover(load(PICKER), HandoverRequest())
+    return handover(Study(load(PICKER)), HandoverRequest())
 
 
 def test_each_file_is_listed_with_its_deviation_and_its_hash(tmp_path: Path) -> None:
-    made = handover(load(PICKER), HandoverRequest(controller="codesys-xyva"))
+    made = handover(Study(load(PICKER)), HandoverRequest(controller="codesys-xyva"))
     made.write(tmp_path / "out")
     listed = json.loads((tmp_path / "out" / CONTENTS).read_text("utf-8"))
     rows = {row["name"]: row for row in listed["files"]}
@@ -75,7 +75,9 @@ def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(made: Han
 @pytest.mark.stress
 def test_the_transfer_unit_leaves_as_four_folders_with_what_each_of_its_readers_asks_for(tmp_path: Path) -> None:
     """Each file is the one that is listed, and a profile that was unpacked is the cam's."""
-    handover(load(EXAMPLES / "transfer_unit.toml"), HandoverRequest(controller="sew-tab")).write(tmp_path / "a.zip")
+    handover(Study(load(EXAMPLES / "transfer_unit.toml")), HandoverRequest(controller="sew-tab")).write(
+        tmp_path / "a.zip"
+    )
     with zipfile.ZipFile(tmp_path / "a.zip") as archive:
         archive.extractall(tmp_path / "out")
     listed = json.loads((tmp_path / "out" / CONTENTS).read_text("utf-8"))
@@ -101,7 +103,7 @@ def test_the_transfer_unit_leaves_as_four_folders_with_what_each_of_its_readers_
 @pytest.mark.parametrize("name", ["card_picker", stressed("transfer_unit")])
 def test_a_design_is_handed_over_in_the_same_bytes_each_time(tmp_path: Path, name: str) -> None:
     for file in ("a.zip", "b.zip"):
-        handover(load(EXAMPLES / f"{name}.toml"), HandoverRequest()).write(tmp_path / file)
+        handover(Study(load(EXAMPLES / f"{name}.toml")), HandoverRequest()).write(tmp_path / file)
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
 
 
@@ -109,7 +111,7 @@ def test_what_cannot_be_made_is_said_and_the_rest_is_there() -> None:
     """Where the velocity jumps the profile has a corner, which nobody can cut."""
     design = load(EXAMPLES / "dwell_rise_dwell.toml")
     moving = next(i for i, each in enumerate(design.drive.motion.segments) if each.rise)
-    made = handover(put(design, f"motion.segments[{moving}].law", "constant-velocity"), HandoverRequest())
+    made = handover(Study(put(design, f"motion.segments[{moving}].law", "constant-velocity")), HandoverRequest())
     assert "profile" in {what for what, _ in made.left_out}
     assert {"design.toml", "machine.html"} <= {each.name for each in made.files}
 

@@ -1,8 +1,10 @@
 """The report to hand on with its pictures: HTML and PDF by the command, its pages, its text, the same bytes again."""
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
@@ -12,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from pdf_reader import page_texts
-from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtCore import QPoint, QRectF, Qt, QTimer
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
@@ -26,7 +28,7 @@ from kindyna_gui import export_dialogs
 from kindyna_gui.__main__ import main
 from kindyna_gui.export_dialogs import ReportDialog
 from kindyna_gui.pictures.paper.pictures import vector
-from kindyna_gui.pictures.paper.report import BODY, SCALE, Pen, pages, report_file, strips_of, width
+from kindyna_gui.pictures.paper.report import BODY, SCALE, Pen, pages, report_file, strips_of, typeset, width
 from kindyna_gui.pictures.paper.sheets import UNITS_PER_MM
 from kindyna_gui.places import example
 
@@ -310,3 +312,38 @@ def test_a_report_that_is_cancelled_is_not_written(lift: Study, app: QApplicatio
     asked: list[int] = []
     assert report_file(made, ".pdf", lambda done: asked.append(done) or done < 1) is None  # type: ignore[func-returns-value]
     assert asked == [0, 1]
+
+
+def drawn_equation(mathml: str) -> tuple[float, float, bytes]:
+    """Width, height and pixels of an equation, as a new process would draw it."""
+    typeset.cache_clear()
+    equation = typeset(mathml)
+    image = QImage(200, 100, QImage.Format.Format_Grayscale8)
+    image.fill(255)
+    painter = QPainter(image)
+    equation.paint(painter, QRectF(0.0, 0.0, 200.0, 100.0))
+    painter.end()
+    return equation.width, equation.height, bytes(image.constBits())
+
+
+def test_an_equation_is_typeset_once_and_then_read_from_the_cache(
+    app: QApplication, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mathml = "<math><mi>p</mi><mo>=</mo><msqrt><mfrac><mi>F</mi><mi>b</mi></mfrac></msqrt></math>"
+    first = drawn_equation(mathml)
+    assert 0 < first[2].count(0) < 200 * 100, "something is drawn"
+    (saved,) = (Path(os.environ["XDG_CACHE_HOME"]) / "KINDYNA").rglob("*.svg")
+    content = saved.read_bytes()
+    with monkeypatch.context() as without_typesetter:
+        without_typesetter.setitem(sys.modules, "ziamath", None)
+        assert drawn_equation(mathml) == first
+    for damaged in (content[: len(content) // 2], content.replace(b" L ", b" M ", 1), b"", b"\xff\n1 1\n<svg/>"):
+        saved.write_bytes(damaged)
+        assert drawn_equation(mathml) == first
+        assert saved.read_bytes() == content, "it is saved again"
+    folder = saved.parent
+    saved.unlink()
+    folder.rmdir()
+    folder.write_text("a file of the user where the folder would be")
+    assert drawn_equation(mathml) == first
+    assert folder.read_text().startswith("a file of the user")
