@@ -253,7 +253,7 @@ class Exports(QObject):
         """Write all files of a design into one archive."""
         from core.output.handover import handover
         from kindyna_gui.export_dialogs import ask_handover
-        from kindyna_gui.pictures.paper.report import paint_handover
+        from kindyna_gui.pictures.paper.handover import paint_handover
 
         request = ask_handover(self._window)
         if request is None:

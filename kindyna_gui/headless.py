@@ -233,7 +233,7 @@ def handover(arguments: Any, painter: Painter | None) -> int:
     study = studied(load(arguments.design))
     result = files_of(study, arguments.request)
     hide_windows()
-    from kindyna_gui.pictures.paper.report import paint_handover
+    from kindyna_gui.pictures.paper.handover import paint_handover
 
     with quiet():
         more = paint_handover(study, arguments.request)

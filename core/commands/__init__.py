@@ -72,7 +72,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         ),
         "find": _row(
             "a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring",
-            "designs",
+            "find",
             "find",
         ),
         "optimise": _row(

@@ -1,22 +1,17 @@
-"""Commands about designs: compare, explain, find, report and scale."""
+"""Commands about designs: compare, explain, report and scale."""
 
 from __future__ import annotations
 
-import argparse
-import math
 import sys
-import time
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 
-from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
+from core.commands import DONE, Painter
 from core.commands.common import (
     as_json,
     design_file,
     drive_name,
     ending_with,
-    in_file,
     one_studied,
     out_folder,
     pictures,
@@ -24,11 +19,9 @@ from core.commands.common import (
     studied,
     verdict,
 )
-from core.design import only, rescaled, scale_text, with_only
-from core.design.fields import choice, flag, number
+from core.design import rescaled, scale_text
+from core.design.fields import flag, number
 from core.errors import KindynaError, NoSolution
-from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
-from core.findings import ERROR
 from core.frozen import frozen
 from core.output.compare import (
     ComparedDesign,
@@ -42,16 +35,13 @@ from core.output.compare import (
 from core.output.explain import as_row, explained
 from core.output.explain import as_text as explain_as_text
 from core.output.export import bounded_study
-from core.output.lines import finding_line
 from core.output.report import report
 from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
 from core.output.summary import summary, to_json
-from core.project import load, number_of, save
+from core.project import load, save
 from core.project.files import write, write_into
 from core.requests import option, text_option
-from core.shaft import AIMS
-from core.study import Study, findings_of
-from core.study.limits import FieldBound, Limit
+from core.study import Study
 
 # -- the command ``compare`` ------------------------------------------------------------------------------------
 
@@ -118,139 +108,6 @@ def run_explain(arguments: ExplainArguments, painter: Painter | None) -> int:
     explanation = explained(study, arguments.quantity, arguments.at)
     print(to_json(as_row(explanation)) if arguments.json else explain_as_text(explanation), end="")
     return DONE
-
-
-# -- the command ``find`` ---------------------------------------------------------------------------------------
-
-
-PATIENCE = 2.0  # seconds between two lines of progress
-
-
-def _limit(text: str) -> tuple[str, float | None]:
-    key, equals, value = text.partition("=")
-    if equals and value == "none":
-        return key, None
-    try:
-        number = float(value)
-    except ValueError:
-        number = math.nan
-    if not equals or not math.isfinite(number):
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: must be KEY=VALUE, the value a number with a decimal point, or none"
-        )
-    return key, number
-
-
-def _limits_help() -> str:
-    keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
-    table: Mapping[str, Limit | FieldBound] = {**LIMITS, **BOUNDS}
-    typical = "; ".join(f"{key} {row.help}" for key, row in table.items() if row.help)
-    return f"{keys}. A limit that is not given is that of the design, else the typical one: {typical}. none: no limit"
-
-
-@frozen(kw_only=True)
-class FindArguments:
-    """Arguments of ``find``: a design, a dimension and its limits."""
-
-    design: Path = design_file()
-    drive: str = drive_name()
-    what: str = text_option("; ".join(f"{name}: {words}" for name, words in SEARCHES.items()), "WHAT")
-    limit: tuple[tuple[str, float | None], ...] = text_option(
-        _limits_help(), default=(), action="append", type=_limit, metavar="KEY=VALUE"
-    )
-    aim: str = option(
-        choice("Aim", tuple(AIMS), default="peak", help="property of the torque that the phases minimise"), "--for"
-    )
-    into: Path | None = text_option("write the design with the solution", default=None, type=Path, metavar="FILE")
-    json: bool = as_json()
-
-
-def run_find(arguments: FindArguments, painter: Painter | None) -> int:
-    """Print the solution, or the best value and the limits that it violates."""
-    machine, what = load(arguments.design), arguments.what
-    if what in SHAFT_SEARCHES and arguments.drive:
-        raise KindynaError(f"--drive {arguments.drive}: {what} belongs to the whole shaft; omit --drive")
-    number = 0 if what in SHAFT_SEARCHES else number_of(machine, arguments.drive)
-    design = machine if what in SHAFT_SEARCHES else only(machine, number)
-    solution = find(
-        design,
-        what,
-        _limits(arguments.limit),
-        aim=arguments.aim,
-        notify=_Progress().report,
-        machine=same_design if what in SHAFT_SEARCHES else partial(with_only, machine, number),
-    )
-    print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
-    if not solution.is_valid:
-        print(
-            f"no value satisfies every limit; the best one violates: {'; '.join(solution.violations)}", file=sys.stderr
-        )
-        return NOTHING_DONE
-    if arguments.into is not None:
-        save(solution.machine, arguments.into)
-    is_contact_search = what in CAM_SEARCHES and CAM_SEARCHES[what].seeks_contact
-    study, stages = studied(solution.design), ("dynamics",) if what in SHAFT_SEARCHES or is_contact_search else ("cam",)
-    errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
-    for finding in errors if what in SHAFT_SEARCHES else in_file(errors, machine, number):
-        print(finding_line(finding, study.angle_name), file=sys.stderr)
-    return DONE_WITH_ERRORS if errors else DONE
-
-
-class _Progress:
-    """Prints the number of designs tried, every ``PATIENCE`` seconds, on a terminal."""
-
-    def __init__(self) -> None:
-        self._last = time.monotonic()
-
-    def report(self, count: int) -> None:
-        now = time.monotonic()
-        if now - self._last > PATIENCE and sys.stderr.isatty():
-            self._last = now
-            print(f"{count} designs tried ...", file=sys.stderr)
-
-
-def _limits(given: Sequence[tuple[str, float | None]]) -> StatedLimits:
-    """Limits by key. Raises KindynaError for a key with two values."""
-    limits = dict(given)
-    for key, value in given:
-        if value != limits[key]:
-            both = (f"{key} = {'none' if bound is None else f'{bound:g}'}" for bound in (value, limits[key]))
-            raise KindynaError(f"limit {', '.join(both)}: a limit has one value; give one")
-    return limits
-
-
-def _data(solution: Solution) -> dict[str, object]:
-    return {
-        "answer": dict(solution.answer),
-        "reached": dict(solution.reached),
-        "curve": [list(point) for point in solution.curve],
-        "limits": dict(solution.limits),
-        "reasons": dict(solution.reasons),
-        "curve_of": solution.curve_of,
-        "against": list(solution.violations),
-        "end": solution.end,
-        "held_by": list(solution.next_findings),
-        "besides": list(solution.notes),
-        "taken": dict(solution.applied),
-        "assumed": dict(solution.assumed),
-    }
-
-
-def _text(solution: Solution) -> str:
-    heading = f"{solution.target}:" if solution.is_valid else "the best value, which violates limits:"
-    lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
-    for key, value in solution.reached.items():
-        number = f"{value:.7g}" if math.isfinite(value) else "none"
-        limit, reason = solution.limits.get(key), solution.reasons.get(key)
-        against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:.6g}"
-        lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
-    lines += [f"it depends on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
-    if solution.end:
-        lines.append(f"no limit determines it: it is at the end of its range, {solution.end}")
-    lines += [f"beyond it: {text}" for text in solution.next_findings]
-    lines += [f"comes with it: {text}" for text in solution.notes]
-    lines += [f"set in the design: {path} = {value:.12g}" for path, value in solution.applied.items()]
-    return "\n".join(lines) + "\n"
 
 
 # -- the command ``report`` -------------------------------------------------------------------------------------

@@ -9,9 +9,9 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from html import escape
 from itertools import combinations
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -239,7 +239,7 @@ def _svg_lines(comment: Sequence[str], layers: Layers) -> Iterator[str]:
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     size = f'width="{width:.6g}mm" height="{height:.6g}mm" viewBox="{x:.9g} {y:.9g} {width:.9g} {height:.9g}"'
     yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="none" stroke-width="{0.003 * max(width, height):.4g}">'
-    yield f"<title>{escape(comment[0])}</title>"
+    yield f"<title>{escape(comment[0], quote=False)}</title>"
     for i, (name, shapes) in enumerate(layers.items()):
         yield f'<g id="{escape(name)}" stroke="{STROKES[i % len(STROKES)]}">'
         for line, closed in shapes.lines:

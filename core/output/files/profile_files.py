@@ -10,12 +10,12 @@ from contextlib import contextmanager
 from dataclasses import field, replace
 from datetime import datetime
 from functools import partial
+from html import escape
 from itertools import pairwise
 from math import atan, ceil, sin, sqrt
 from types import MappingProxyType
 from typing import Any, TypeAlias
 from unicodedata import name, normalize
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -600,8 +600,8 @@ def _svg_lines(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) ->
     yield from ("<!--", *(re.sub("-(?=-)", "- ", line) for line in comment), "-->")  # two hyphens end a comment
     size = f'width="{2.0 * half:g}mm" height="{2.0 * half:g}mm" viewBox="{-half:g} {-half:g} {2.0 * half:g} {2.0 * half:g}"'
     yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="none" stroke-width="{STROKE:g}">'
-    yield f"<title>{escape(comment[0])}</title>"
-    yield f"<desc>{escape('; '.join(comment[1:]))}</desc>"
+    yield f"<title>{escape(comment[0], quote=False)}</title>"
+    yield f"<desc>{escape('; '.join(comment[1:]), quote=False)}</desc>"
     for layer, shapes in layers.items():
         row = LAYERS[layer]
         dashes = f' stroke-dasharray="{DASHES[row.line]}"' if row.line in DASHES else ""

@@ -9,9 +9,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Mapping
+from html import escape
 from types import MappingProxyType
 from typing import NamedTuple
-from xml.sax.saxutils import escape, quoteattr
 
 ACCENTS: Mapping[str, str] = MappingProxyType(
     {"\u0307": "˙", "\u0308": "¨", "\u20db": "⃛", "\u0304": "¯", "\u0302": "^", "\u20d7": "→"}
@@ -102,7 +102,7 @@ class _Reader:
             elif sign in ")]}" or unicodedata.category(sign).startswith("M"):
                 raise ValueError(f"{self.text!r}: {sign!r} at {self.at} has no letter on its left")
             else:
-                parts += [*(factor.xml for factor in product), f"<mo>{escape(self.take())}</mo>"]
+                parts += [*(factor.xml for factor in product), f"<mo>{escape(self.take(), quote=False)}</mo>"]
                 product = []
         return "".join([*parts, *(factor.xml for factor in product)])
 
@@ -129,7 +129,7 @@ class _Reader:
         sign = self.take()
         if sign in CLOSING:
             content = self.row(CLOSING[sign])
-            fences = (f'<mo fence="true">{escape(fence)}</mo>' for fence in (sign, CLOSING[sign]))
+            fences = (f'<mo fence="true">{escape(fence, quote=False)}</mo>' for fence in (sign, CLOSING[sign]))
             opening, closing = fences
             return _Node(f"<mrow>{opening}{content}{closing}</mrow>", content if sign == "(" else None)
         if sign.isdigit() and sign not in RAISED and sign not in LOWERED:
@@ -183,7 +183,7 @@ class _Reader:
 def mathml(line: str) -> str:
     """The line as a MathML element, with the line itself as its alternative text. Raises ValueError where it cannot be read."""
     row = _Reader(line).row()
-    text = f'xmlns="http://www.w3.org/1998/Math/MathML" display="block" alttext={quoteattr(line)}'
+    text = f'xmlns="http://www.w3.org/1998/Math/MathML" display="block" alttext="{escape(line)}"'
     return f"<math {text}><mrow>{row}</mrow></math>"
 
 

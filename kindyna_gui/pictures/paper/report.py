@@ -23,20 +23,16 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
 from PySide6.QtSvg import QSvgRenderer
 
 from core import __version__
-from core.errors import FileError, KindynaError
+from core.errors import FileError
 from core.frozen import frozen
-from core.output.files.cam_drawing import drawing
-from core.output.files.sheet import DrawingRequest
-from core.output.handover import HandoverFile, HandoverRequest, drive_folders
-from core.output.report.document import ENDINGS, PAPERS, Document, document, html
+from core.output.report.document import ENDINGS, PAPERS, Document, html
 from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
 from core.process import user_cache
 from core.project.files import read_own, write_all
-from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper.pictures import WIDTH as PIXELS
 from kindyna_gui.pictures.paper.pictures import Vector, svg, vector
-from kindyna_gui.pictures.paper.sheets import UNITS_PER_MM, paint_logo, sheet_file, vector_pdf
+from kindyna_gui.pictures.paper.sheets import UNITS_PER_MM, paint_logo, vector_pdf
 from kindyna_gui.pictures.style import LIGHT, SERIF, font
 
 # -- equations -----------------------------------------------------------------------------------------
@@ -607,37 +603,3 @@ def report_file(document: Document, ending: str, go_on: GoOn = lambda done: True
             return None
         drawn[picture] = vector(picture, file_type.scale)
     return file_type.write(document, drawn) if go_on(len(drawn)) else None
-
-
-# -- painted files of a hand-over ----------------------------------------------------------------------
-
-
-def paint_handover(
-    study: Study, request: HandoverRequest, go_on: GoOn = lambda done: True
-) -> tuple[list[HandoverFile], list[tuple[str, str]]] | None:
-    """Return the painted files, and the missing ones with the reason; None where cancelled.
-
-    Raises NoSolution where the report cannot be calculated.
-    """
-    content = document(study, cover=request)
-    report = report_file(content, ".pdf", go_on)
-    if report is None:
-        return None
-    files = [HandoverFile("report.pdf", "the report", report)]
-    left_out = [("logo", content.lacking)] if content.lacking else []
-    title = {name: getattr(request, name) for name in ("author", "company", "logo", "date")}
-    for folder, name, drive in drive_folders(study):
-        if "cam" not in drive.stages:
-            continue
-        of_drive = f" of {name}" if name else ""
-        try:
-            files.append(
-                HandoverFile(
-                    f"{folder}drawing.pdf",
-                    f"workshop drawing of the cam{of_drive}",
-                    sheet_file(drawing(drive, DrawingRequest(**title)), ".pdf"),
-                )
-            )
-        except KindynaError as error:
-            left_out.append((f"drawing{of_drive}", str(error)))
-    return files, left_out

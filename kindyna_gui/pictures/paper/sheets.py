@@ -11,9 +11,9 @@ import uuid
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 from PySide6.QtCore import (
@@ -274,7 +274,7 @@ def without_dates(data: bytes) -> bytes:
 
 def _xmp(title: str, about: str) -> QByteArray:
     """Metadata with title and description; Qt's metadata would contain the time."""
-    title, about = escape(title), escape(about)
+    title, about = escape(title, quote=False), escape(about, quote=False)
     text = (
         '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">'
         '<rdf:Description rdf:about="" xmlns:dc="http://purl.org/dc/elements/1.1/">'
