@@ -31,6 +31,8 @@ AT_ONCE = 128  # points per pass for a quantity and sign: so many cost little mo
 PASSES = 24
 DEGREE = 16  # of the polynomial that interpolates a bracket
 TAIL = 2e-14  # the interpolation is exact if its last two Chebyshev coefficients are below this fraction of the largest value
+CREASE_TAIL = 1e-11  # the same for g of a crease c - |g|; next to a change point there is more rounding
+LEAST_CREASE = 1e-3  # of the range of the values: least fall on either side of a crease
 NEWTON = 4  # iterations
 FINEST = 1e-4  # final half width of a bracket where the quantity is smooth, as a fraction of the piece
 FINEST_RAD = 2e-5  # [rad] its upper limit
@@ -214,7 +216,7 @@ class _Bracket:
         """Narrow the bracket around its highest sample; ``vertex``: top of the polynomial, where it is exact."""
         if not self._is_fitted:
             self._is_fitted = True
-            vertex = _top_at_zero(value) if vertex is None and np.isfinite(value).all() else vertex
+            vertex = _top_at_crease(value) if vertex is None and np.isfinite(value).all() else vertex
             if vertex is not None:
                 self.theta = 0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * vertex[0]
                 self.value = max(self.value, *vertex[1:])
@@ -267,18 +269,42 @@ def _smooth_tops(values: np.ndarray) -> list[Top | None]:
     return [row if is_smooth else None for row, is_smooth in zip(rows, smooth.tolist(), strict=True)]
 
 
-def _top_at_zero(value: np.ndarray) -> Top | None:
-    """Zero of a quantity whose negative magnitude the values are; None where the values are no such magnitude."""
-    top = int(np.argmax(value))
-    halves = np.array([np.where(is_beyond, -value, value) for is_beyond in (top < _ORDER, top <= _ORDER)])
-    coefficients = _in_chebyshev(halves)
-    smooth = np.abs(coefficients[:, -2:]).max(axis=1) <= TAIL * np.abs(value).max()
-    if not smooth.any():
+def _top_at_crease(value: np.ndarray) -> Top | None:
+    """Top of a quantity c - |g| with a smooth g, at the zero of g; None where the values are of no such quantity.
+
+    A magnitude has c = 0, the angle between two lines c = π/2. With the signs of g the values have the Chebyshev coefficients of
+    g and c times those of the signs, and the last coefficients of g vanish.
+    """
+    top, size = int(np.argmax(value)), np.abs(value).max()
+    signs = np.array([np.where(is_beyond, -1.0, 1.0) for is_beyond in (top < _ORDER, top <= _ORDER)])
+    signed, steps = _in_chebyshev(signs * value), _in_chebyshev(signs)
+
+    def zero(coefficients: np.ndarray) -> float:
+        start = np.array([np.pi * (1.0 - top / DEGREE)])
+        return float(_newton(coefficients[None], -_ORDER * coefficients[None], np.cos, np.sin, start)[0])
+
+    smooth = np.abs(signed[:, -2:]).max(axis=1) <= TAIL * size
+    if smooth.any():
+        g = signed[smooth.argmax()]
+        phi = zero(g)
+        return float(np.cos(phi)), -abs(float((g * np.cos(_ORDER * phi)).sum())), float(value[top])
+    neighbours = value[[max(top - 2, 0), min(top + 2, DEGREE)]]
+    if (value[top] - neighbours).min() <= LEAST_CREASE * np.ptp(value):
         return None
-    coefficients = coefficients[smooth.argmax()][None]
-    phi = _newton(coefficients, -_ORDER * coefficients, np.cos, np.sin, np.array([np.pi * (1.0 - top / DEGREE)]))
-    height = -abs(float((coefficients * np.cos(_ORDER * phi[:, None])).sum()))
-    return float(np.cos(phi[0])), height, float(value[top])
+    for c in (np.zeros(2), _crease_heights(signed, steps)):
+        coefficients = signed - c[:, None] * steps
+        smooth = (np.abs(coefficients[:, -3:]).max(axis=1) <= CREASE_TAIL * size) & (c >= value[top] - TAIL * size)
+        if smooth.any():
+            row = int(smooth.argmax())
+            return float(np.cos(zero(coefficients[row]))), float(c[row]), float(value[top])
+    return None
+
+
+def _crease_heights(signed: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Heights c (b,) with which the last coefficients of signed - c steps (b, DEGREE + 1) are least; NaN where no sign changes."""
+    a, b = signed[:, -3:], steps[:, -3:]
+    square = (b * b).sum(axis=1)
+    return np.where(square > 0.0, (a * b).sum(axis=1) / np.where(square > 0.0, square, 1.0), np.nan)
 
 
 def _in_chebyshev(values: np.ndarray) -> np.ndarray:

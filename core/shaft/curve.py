@@ -155,6 +155,26 @@ def panel_angles(
     return start, width, Angles(theta.ravel(), np.repeat(np.arange(len(edges)), [(e.size - 1) * NODES for e in edges]))
 
 
+@lru_cache(maxsize=32)
+def uncut_panels(program: CompiledMotion, even_at_rest: bool = False) -> tuple[np.ndarray, np.ndarray, Angles]:
+    """Panels without cuts inside the pieces; equal programs return the same nodes, whose results may be cached.
+
+    Parameters
+    ----------
+    program : CompiledMotion
+    even_at_rest : bool
+        Whether a dwell needs fewer panels.
+
+    Returns
+    -------
+    start, width : ndarray (m,) [rad]
+    angles : Angles
+        The nodes, (m NODES,).
+    """
+    start, width, angles = panel_angles(program, even_at_rest=even_at_rest)
+    return start, width, Angles(angles.theta, angles.piece, cached=True, search=True)
+
+
 def load_curve(
     load: Load, program: CompiledMotion, *switches: Callable[[Angles], np.ndarray] | None, even_at_rest: bool = False
 ) -> LoadCurve:
@@ -179,7 +199,7 @@ def load_curve(
     NoSolution
         Where the torque is infinite.
     """
-    start, width, angles = panel_angles(program, even_at_rest=even_at_rest)
+    start, width, angles = uncut_panels(program, even_at_rest)
     values = load(angles)
     cuts = [crossings(switch, angles, switch(angles)) for switch in switches if switch is not None]
     theta = np.concatenate([cut.theta for cut in cuts]) if cuts else np.zeros(0)

@@ -432,7 +432,10 @@ def _position(study: DriveForces, phase_deg: float) -> ShaftPosition:
 
 
 def _at_machine_angles(study: D, position: ShaftPosition, samples: int, theta: np.ndarray | None) -> D:
-    """Study of a drive at machine angles (n,) [rad]; at equally spaced ones (theta None) the angles are cached."""
+    """Study of a drive at machine angles (n,) [rad]; at equally spaced ones (theta None) the angles are cached.
+
+    Where the grids of machine and drive coincide, its results are those of the drive in another order.
+    """
     turn = MachineTurn([(study.program, position)])
     if theta is not None:
         return study.at(turn.drive_angles(0, turn.angles(theta)))
@@ -440,7 +443,11 @@ def _at_machine_angles(study: D, position: ShaftPosition, samples: int, theta: n
     def compute() -> Any:
         return turn.drive_angles(0, turn.angles(np.deg2rad(degrees(samples))), cached=True)
 
-    return study.at(memory.get("grid", (study.program, samples, position), compute))
+    angles = memory.get("grid", (study.program, samples, position), compute)
+    order = _grid_order(position, samples)
+    if order is None or study.theta.size != samples or position.rotation_sign < 0.0:  # then joins have the other limit
+        return study.at(angles)
+    return study.part(angles, order)
 
 
 def _grid_order(position: ShaftPosition, samples: int) -> np.ndarray | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property, lru_cache
@@ -29,6 +29,7 @@ from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.program import SubdividedTurn
 from core.numerics.lazy import locked
+from core.numerics.parts import part_of
 from core.study.stages import (
     crank_grid,
     crank_state,
@@ -41,6 +42,8 @@ from core.study.stages import (
 )
 
 SAMPLES = 3600
+_ATTRIBUTES = {"motion": "drive", "cam centres": "cam_centres"}
+"""Stage -> attribute of a study with its result, where the name is another."""
 
 
 @lru_cache(maxsize=64)
@@ -66,6 +69,20 @@ def _require_agreement(driver_ranges: DriverRanges) -> None:
     raise NoPosition(problem, "linkage", "make their lengths agree, or remove one")
 
 
+class _NotSolvedError(Exception):
+    """A stage is not cached."""
+
+
+def _union(sets: tuple[Angles, ...]) -> Angles:
+    """Angles of several sets, one set after the other; equal arguments return the same object."""
+
+    def compute() -> Angles:
+        theta, piece = (np.concatenate([getattr(angles, name) for angles in sets]) for name in ("theta", "piece"))
+        return Angles(theta, piece, cached=True, search=True)
+
+    return memory.get("union", sets, compute)
+
+
 class DriveStudy:
     """One drive from its motion to its cam, at equally spaced angles of its cam or crank, or at given angles.
 
@@ -76,6 +93,13 @@ class DriveStudy:
 
     A crank that cannot turn fully is sampled within its ranges: then there are fewer angles than samples.
     """
+
+    _larger: tuple[Self, slice | np.ndarray] | None = None
+    """Study of which the results are a part, and the numbers of its angles."""
+    _solves = True
+    """Whether stages may be solved, and not only read from the cache."""
+    _names_ranges = True
+    """Whether errors name the exact ranges of angles."""
 
     def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
         self.design = design
@@ -236,6 +260,24 @@ class DriveStudy:
         """
         return self.at(self.program.angles(np.atleast_1d(theta)))
 
+    def part(self, angles: Angles, selected: slice | np.ndarray) -> Self:
+        """Study at some of the angles of this study, whose results are parts of the results here.
+
+        Parameters
+        ----------
+        angles : Angles
+            The k angles.
+        selected : slice or ndarray (k,) of int, dimensionless
+            Their numbers among the angles of this study.
+
+        Returns
+        -------
+        DriveStudy
+        """
+        study = self.at(angles)
+        study._larger = self, selected
+        return study
+
     def with_design(self, design: Design) -> Self:
         """Study of another design with the same number of samples."""
         return type(self)(design, self.samples)
@@ -251,6 +293,9 @@ class DriveStudy:
         """Result of function(*parts), counted as a solution of a stage and cached as by ``_cached``."""
 
         def compute(*parts: Any) -> Any:
+            if self._larger is not None:
+                larger, selected = self._larger
+                return part_of(getattr(larger, _ATTRIBUTES.get(name, name)), selected, larger.theta.size)
             evaluations[name] += 1
             return function(*parts)
 
@@ -260,7 +305,44 @@ class DriveStudy:
         """Result of function(*parts), cached by its parts where the angles are those of a full turn."""
         if not self.angles.cached:
             return locked(function(*parts))
-        return memory.get((name, "searched") if self.angles.search else name, parts, lambda: function(*parts))
+        kind = (name, "searched") if self.angles.search else name
+        if not self._solves and not memory.has(kind, parts):
+            raise _NotSolvedError
+        return memory.get(kind, parts, lambda: function(*parts))
+
+    def solve_together(self, stages: Sequence[str], sets: Sequence[Angles]) -> None:
+        """Solve stages at several sets of cached angles at once; studies at these angles then read their part from the cache.
+
+        Sets that are solved already are left out. Where a stage has no solution, it and those after it are left to the study that
+        reads them, which raises the error.
+        """
+        try:
+            missing = [angles for angles in sets if not self._is_solved(stages, angles)]
+            if len(missing) < 2:
+                return
+            union = self.at(_union(tuple(missing)))
+            union._names_ranges = False
+            ends = np.cumsum([angles.theta.size for angles in missing]).tolist()
+            parts = [
+                union.part(angles, slice(end - angles.theta.size, end))
+                for angles, end in zip(missing, ends, strict=True)
+            ]
+            for stage in stages:
+                for part in parts:
+                    getattr(part, stage)
+        except KindynaError:
+            return
+
+    def _is_solved(self, stages: Sequence[str], angles: Angles) -> bool:
+        """Whether the results of stages at these angles are cached."""
+        study = self.at(angles)
+        study._solves = False
+        try:
+            for stage in stages:
+                getattr(study, stage)
+        except _NotSolvedError:
+            return False
+        return True
 
     @contextmanager
     def with_exact_angles(self, stage: str) -> Iterator[None]:
@@ -268,7 +350,7 @@ class DriveStudy:
         try:
             yield
         except NoSolution as error:
-            if not error.cam_angles or error.exact or not self.angles.cached:
+            if not error.cam_angles or error.exact or not self.angles.cached or not self._names_ranges:
                 raise
             raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 

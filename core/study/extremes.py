@@ -5,15 +5,16 @@ It does so at a cusp of the profile, at a dead centre of a crank and at a change
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
-from functools import partial
+from collections.abc import Container, Hashable, Mapping
+from contextlib import suppress
+from typing import NamedTuple
 
 import numpy as np
 
 from core import cam
 from core.errors import NoSolution
 from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Extremes, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
 from core.study.drive_forces import load_ratings, pairings
 from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
@@ -28,6 +29,7 @@ PROFILE_CURVATURES = {
 
 _NEAR_END = 1e-9  # [rad] from a dead centre: an extreme so near to it is the limit at the dead centre
 _NEAR_CHANGE = 1e-3  # [rad] from a change point, which no sample meets exactly
+_STEPS = np.array([1e-7, 1e-5])  # [rad] from a singular angle: where growth without limit shows
 
 
 def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Extremes]:
@@ -55,8 +57,13 @@ def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping
     study.require_stage(stage)
     if stage == "stability":
         return _steady_turn_extremes(study)
-    kind, key = _cache_key(study, stage, only)
-    extremes: Mapping[str, Extremes] = memory.get(kind, key, lambda: _turn_extremes(study, stage, only))
+
+    def compute() -> Mapping[str, Extremes]:
+        rows = _rows(study, stage, only)
+        with study.with_exact_angles(stage):
+            return _searched(study, rows)
+
+    extremes: Mapping[str, Extremes] = memory.get(("extremes", stage, only), _key(study, stage, only), compute)
     return extremes
 
 
@@ -65,31 +72,26 @@ def search_together(study: Study, requested: Mapping[str, tuple[str, ...]]) -> N
 
     Stages without a solution are left to ``extremes_of``, which raises their error.
     """
-    keys = {stage: _cache_key(study, stage, only) for stage, only in requested.items()}
-    missing = {stage: only for stage, only in requested.items() if not memory.has(*keys[stage])}
-    if len(missing) < 2:
-        return
-    rows = {stage: _rows(study, stage, only) for stage, only in missing.items()}
-    try:
-        extremes = _searched(study, {name: row for stage_rows in rows.values() for name, row in stage_rows.items()})
-    except NoSolution:
-        return
-    for stage, stage_rows in rows.items():
-        memory.get(*keys[stage], partial(_with_infinite, study, stage, {name: extremes[name] for name in stage_rows}))
+    rows = {name: row for stage, only in requested.items() if only for name, row in _rows(study, stage, only).items()}
+    with suppress(NoSolution):
+        _searched(study, rows)
 
 
-def _cache_key(study: Study, stage: str, only: tuple[str, ...]) -> tuple[Hashable, Hashable]:
-    """Kind and key by which the extremes of a stage are cached."""
-    with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
-    with_speed = stage == "cam" and (not only or not OF_SPEED.isdisjoint(only))
-    with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
-    contact = (tuple(pairings(study).items()), *load_ratings(study)) if with_contact else ()
+def _key(study: Study, stage: str, names: Container[str]) -> tuple[Hashable, ...]:
+    """Parts of the design on which the named quantities of a stage depend, all of the stage where none is named."""
+
+    def has_any(group: frozenset[str]) -> bool:
+        return not names or any(name in names for name in group)
+
+    with_motor = stage == "dynamics" and has_any(OF_MOTOR)
+    with_speed = stage == "cam" and has_any(OF_SPEED)
+    with_contact = stage == "dynamics" and has_any(OF_CONTACT)
     design = study.design
-    return ("extremes", stage, only), (
+    return (
         study.depends_on(stage),
         design.shaft if with_motor else None,
         design.speed_rpm if with_speed else None,
-        contact,
+        (tuple(pairings(study).items()), *load_ratings(study)) if with_contact else (),
     )
 
 
@@ -128,13 +130,6 @@ def _steady_turn_extremes(study: Study) -> Mapping[str, Extremes]:
     return {"wind_up": wind_up, **errors, "shaft_torque": Extremes(*sides)}
 
 
-def _turn_extremes(study: Study, stage: str, only: tuple[str, ...]) -> Mapping[str, Extremes]:
-    rows = _rows(study, stage, only)
-    with study.with_exact_angles(stage):
-        extremes = _searched(study, rows)
-    return _with_infinite(study, stage, extremes)
-
-
 def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity]:
     return {
         name: row
@@ -143,23 +138,38 @@ def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity
     }
 
 
-@np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
 def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Extremes]:
+    """Extremes of quantities; those that are not cached are searched together, so that a pass costs one solution."""
+    rows = {**rows, **_cusp_rows(study, rows)}
+    keys = {name: (("extremes", name), _key(study, row.stage, (name,))) for name, row in rows.items()}
+    missing = {name: row for name, row in rows.items() if not memory.has(*keys[name])}
+    if missing:
+        extremes = {name: memory.get(*key, dict) for name, key in keys.items() if name not in missing}
+        for name, range_ in _search(study, missing, extremes).items():
+            memory.get(*keys[name], lambda range_=range_: range_)  # type: ignore[misc]
+    return {name: memory.get(*key, dict) for name, key in keys.items()}
+
+
+def _cusp_rows(study: Study, rows: Mapping[str, Quantity]) -> Mapping[str, Quantity]:
+    """Quantities from which an undercut follows, where the rows contain a curvature, which grows without limit at its cusps."""
+    if rows.keys().isdisjoint(PROFILE_CURVATURES.values()):
+        return {}
+    limits = cam.limits_of(study.design.drive.face, study.design.drive.cam)
+    return {name: row for name, row in quantities_of(study, "cam").items() if name in limits}
+
+
+@np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
+def _search(study: Study, rows: Mapping[str, Quantity], known: Mapping[str, Extremes]) -> dict[str, Extremes]:
+    """Extremes of quantities, infinite where a quantity grows without limit; ``known``: extremes of further quantities."""
+
     def values(angles: Angles) -> Mapping[str, np.ndarray]:
         at_angles = study.at(angles)
         return {name: row.value(at_angles) for name, row in rows.items()}
 
     extremes = find_extremes(values, study.program)
     if study.design.drive.motion is not None and study.design.drive.motion.gain:
-        extremes = _at_turn_end(extremes, values(study.program.angles(np.zeros(1))))
-    return extremes
-
-
-@np.errstate(invalid="ignore", over="ignore")
-def _with_infinite(study: Study, stage: str, extremes: dict[str, Extremes]) -> Mapping[str, Extremes]:
-    """Extremes of a stage, infinite where the quantity grows without limit."""
-    if stage == "cam":
-        extremes |= _cusp_curvatures(study, extremes)
+        extremes = _at_turn_end(extremes, values(piecewise_angles(study.program)))
+    extremes |= _cusp_curvatures(study, {**known, **extremes})
     if not study.by_crank:
         return extremes
     return {name: Extremes(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in extremes.items()}
@@ -185,13 +195,9 @@ def _cusp_curvatures(study: Study, extremes: Mapping[str, Extremes]) -> dict[str
     A curvature grows without limit at a cusp, and returns from below where the profile runs backwards.
     """
     drive = study.design.drive
-    flanks = [(flank, name) for flank, name in PROFILE_CURVATURES.items() if name in extremes]
-    if not flanks:
-        return {}
-    limits = extremes if extremes.keys() >= set(cam.limits_of(drive.face, drive.cam)) else cam_extremes(study)
     result = {}
-    for flank, name in flanks:
-        if cam.undercut(limits, flank, drive.face, drive.cam):
+    for flank, name in PROFILE_CURVATURES.items():
+        if name in extremes and cam.undercut(extremes, flank, drive.face, drive.cam):
             low, high = extremes[name].low, extremes[name].high
             low = Extreme(-np.inf, low.theta) if low.value < 0.0 else low
             result[name] = Extremes(low, Extreme(np.inf, high.theta))
@@ -200,31 +206,63 @@ def _cusp_curvatures(study: Study, extremes: Mapping[str, Extremes]) -> dict[str
 
 def _limit(study: Study, name: str, extreme: Extreme) -> Extreme:
     """The extreme; infinite where it is at a dead centre or change point towards which the quantity grows without limit."""
-    for theta, near, inwards in _singular_angles(study):
-        if abs(extreme.theta - theta) < near and _grows(study, name, theta, inwards):
-            return Extreme(float(np.copysign(np.inf, extreme.value)), theta)
+    for number, singular in enumerate(_singular_angles(study)):
+        if abs(extreme.theta - singular.theta) < singular.near and _grows(study, name, number):
+            return Extreme(float(np.copysign(np.inf, extreme.value)), singular.theta)
     return extreme
 
 
 def is_unlimited(study: Study, name: str, theta: float) -> bool:
     """Whether a quantity grows without limit towards an angle [rad], a dead centre or change point of a crank."""
     angles = _singular_angles(study) if study.by_crank else []
-    return any(abs(theta - at) < _NEAR_END and _grows(study, name, at, inwards) for at, _, inwards in angles)
+    return any(abs(theta - at.theta) < _NEAR_END and _grows(study, name, number) for number, at in enumerate(angles))
 
 
-def _singular_angles(study: Study) -> list[tuple[float, float, float]]:
-    """Dead centres and change points of a crank: angle [rad], distance that counts as at it [rad], direction into the range."""
+class _SingularAngle(NamedTuple):
+    """Dead centre or change point of a crank.
+
+    Attributes
+    ----------
+    theta, near : float [rad]
+        Its angle, and the distance that counts as at it.
+    inwards : float
+        Direction ±1 into the range.
+    """
+
+    theta: float
+    near: float
+    inwards: float
+
+
+def _singular_angles(study: Study) -> list[_SingularAngle]:
     if study.swings:  # it locks where the cycle begins, and where it reverses
-        return [(0.0, _NEAR_END, 1.0), (np.pi, _NEAR_END, -1.0), (TURN, _NEAR_END, -1.0)]
-    driver_ranges = study.driver_ranges
+        return [
+            _SingularAngle(*row) for row in ((0.0, _NEAR_END, 1.0), (np.pi, _NEAR_END, -1.0), (TURN, _NEAR_END, -1.0))
+        ]
+    driver_ranges, turns = study.driver_ranges, study.turns
     angles = [(r.low, _NEAR_END, 1.0) for r in driver_ranges.ranges if r.low_joint]
     angles += [(r.high, _NEAR_END, -1.0) for r in driver_ranges.ranges if r.high_joint]
     angles += [(change.at, _NEAR_CHANGE, 1.0) for change in driver_ranges.changes]
-    return [(at / study.turns, near, inwards) for at, near, inwards in angles]
+    return [_SingularAngle(at / turns, near, inwards) for at, near, inwards in angles]
 
 
-def _grows(study: Study, name: str, theta: float, inwards: float) -> bool:
-    """Whether a quantity grows without limit towards an angle: a hundred times nearer it is more than five times as large."""
-    steps = theta + inwards * np.array([1e-7, 1e-5])
-    nearer, near = np.abs(quantity(name).value(study.at(study.program.angles(steps))))
+def near_singular(study: Study) -> Angles | None:
+    """Two angles next to every dead centre and change point of a crank; None where it has none."""
+
+    def compute() -> Angles | None:
+        steps = [at.theta + at.inwards * _STEPS for at in _singular_angles(study)]
+        if not steps:
+            return None
+        angles = study.program.angles(np.concatenate(steps))
+        return Angles(angles.theta, angles.piece, cached=True, search=True)
+
+    result: Angles | None = memory.get("near singular", study.driver_ranges, compute) if study.by_crank else None
+    return result
+
+
+def _grows(study: Study, name: str, number: int) -> bool:
+    """Whether a quantity grows without limit towards a singular angle: a hundred times nearer it is more than five times as large."""
+    angles = near_singular(study)
+    assert angles is not None, "a singular angle"
+    nearer, near = np.abs(quantity(name).value(study.at(angles)))[2 * number : 2 * number + 2]
     return bool(nearer > 5.0 * near)

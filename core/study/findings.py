@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from math import degrees, pi
 from typing import TYPE_CHECKING
@@ -18,10 +19,10 @@ from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
 from core.study.drive_forces import has_servo, servo_part, servo_turn
-from core.study.extremes import cam_extremes, extremes_of, search_together
+from core.study.extremes import cam_extremes, extremes_of, near_singular, search_together
 from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
-from core.study.stages import memory
+from core.study.stages import load_nodes, memory
 from core.study.study import Study
 
 if TYPE_CHECKING:
@@ -82,6 +83,7 @@ def servo_findings(study: Study) -> Iterator[Finding]:
 
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
+_SOLVED = ("motion", "linkage", "cam", "dynamics")
 _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
@@ -98,7 +100,8 @@ def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]
 
 
 def _stage_findings(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
-    _search_together(study, stages or study.stages)
+    with suppress(KindynaError):  # the stages report it
+        _solve_together(study, stages or study.stages, study.levels_torque)
     for name in stages or study.stages:
         yield from _FINDINGS[name](study)
         yield from limit_findings(study, name)
@@ -113,8 +116,26 @@ def _motion_findings(study: Study) -> list[Finding]:
     return motion.findings(program(study.design.drive.motion))
 
 
-def _search_together(study: Study, stages: Sequence[str]) -> None:
-    """Search the extremes of all quantities that these findings need at once, in one pass over the turn."""
+def _solve_together(study: Study, stages: Sequence[str], has_load: bool) -> None:
+    """Solve all angles at which findings and certificate read a study at once, and search all their extremes in one pass.
+
+    ``has_load``: whether the load on the shaft is read too.
+    """
+    solved = [stage for stage in study.stages if stage in _SOLVED and (stage in stages or stage != "dynamics")]
+    if study.loading.is_empty:
+        solved = [stage for stage in solved if stage != "dynamics"]
+    sets = [study.angles] if set(stages) >= set(study.stages) else []
+    sets.append(piecewise_angles(study.program))
+    if has_load and "dynamics" in solved:
+        sets.append(load_nodes(study.program))
+    if singular := near_singular(study):
+        sets.append(singular)
+    study.solve_together(solved, sets)
+    search_together(study, _requested(study, stages))
+
+
+def _requested(study: Study, stages: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
+    """Stage -> quantities of which the findings of the stages need extremes."""
     drive, names = study.design.drive, {}
     if "linkage" in stages:
         names["linkage"] = _singular(study)
@@ -122,7 +143,7 @@ def _search_together(study: Study, stages: Sequence[str]) -> None:
         names["cam"] = cam.limits_of(drive.face, drive.cam)
     if {"cam", "dynamics"} <= set(stages) and not study.is_form_closed:
         names["dynamics"] = _CONTACT
-    search_together(study, {stage: only for stage, only in names.items() if only})
+    return names
 
 
 def _singular(study: Study) -> tuple[str, ...]:
@@ -260,6 +281,8 @@ def _camshaft_findings(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iter
 
 def _drive_findings(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
     """Findings of a drive, stage by stage up to the first that has no solution."""
+    with suppress(KindynaError):  # the stages report it
+        _solve_together(study, stages or study.stages, study.loads_shaft)
     for stage in study.stages:
         if stages and stage not in stages:
             continue

@@ -22,6 +22,7 @@ from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
+from core.shaft.curve import uncut_panels
 
 # -- load on the shaft, fitted between the angles at which it breaks ---------------------------------------------
 
@@ -73,6 +74,11 @@ def fit_load_curve(
 
     switches = map(at_angles, friction_switches(loading, slides, is_form_closed))
     return load_curve(load, program, *switches, even_at_rest=True)
+
+
+def load_nodes(program: Any) -> Angles:
+    """Angles at which the load of a drive is first solved; equal programs return the same object."""
+    return uncut_panels(program, True)[2]
 
 
 def friction_switches(loading: Loading, slides: Sequence[Friction], is_form_closed: bool) -> list[Switch]:
