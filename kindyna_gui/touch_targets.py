@@ -15,6 +15,8 @@ from core.design import Design, get, split_unit
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.study import Study
+from core.units import Unit
+from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.labels import name_of
 from kindyna_gui.labels import value_text as shown_value
 from kindyna_gui.pictures.plots.quantities import limits_on, rows_of
@@ -150,9 +152,14 @@ def open_menu(
 # -- read-out next to the mouse -----------------------------------------------------------------------------------
 
 
-def extended_input(typed: str, event: QKeyEvent) -> str | None:
-    """Typed number after one more key; None if the key does not belong to a number."""
+def typed_key(typed: str, event: QKeyEvent, unit: Unit, enter: Callable[[float | None], bool]) -> str | None:
+    """Typed number of a drag after one more key; None if the key does not belong to a number.
+
+    Return passes the number to ``enter``, None where the text is no number, which returns whether the text is used up.
+    """
     text = event.text()
+    if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+        return "" if enter(parsed(typed, unit) if typed else None) else typed
     if event.key() == Qt.Key.Key_Backspace:
         return typed[:-1]
     return typed + text if text and (text in "+-*/(). ," or text.isalnum()) else None
@@ -250,5 +257,5 @@ def _radius(values: np.ndarray, limits: list[float]) -> ReadoutLine:
 
 
 __all__ = [
-    "MouseReadout", "MouseTarget", "ReadoutLine", "extended_input", "menu_entries", "open_menu", "paint_readout", "readout_lines",
+    "MouseReadout", "MouseTarget", "ReadoutLine", "menu_entries", "open_menu", "paint_readout", "readout_lines", "typed_key",
 ]  # fmt: skip

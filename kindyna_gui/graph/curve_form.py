@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPainter, QPixmap
+from PySide6.QtGui import QColor, QKeyEvent
 from PySide6.QtWidgets import (
     QCheckBox,
     QGridLayout,
@@ -47,6 +47,7 @@ from core.output.graph import (
 from core.units import KINDS
 from kindyna_gui.forms.load_rows import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.graph.graph_choice import swatch
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
@@ -342,7 +343,7 @@ class CurveForm(QWidget):
         boxes["mark"].show_choices([(mark, mark) for mark in MARKS], curve.mark)
         boxes["colour"].show_choices((("automatic", ""), *((colour, colour) for colour in _COLOURS)), curve.colour)
         for i in range(1, boxes["colour"].count()):
-            boxes["colour"].setItemIcon(i, _patch(str(boxes["colour"].itemData(i))))
+            boxes["colour"].setItemIcon(i, swatch(str(boxes["colour"].itemData(i))))
         if self.name.text() != curve.name and not self.name.isModified():
             self.name.setText(curve.name)
         self.name.setPlaceholderText("from source and column")
@@ -419,13 +420,6 @@ def name_of_row(curve: GraphCurve) -> str:
     """Return the name of a curve, else its column, drive and file."""
     column = column_label(curve.y) if curve.y else "first column"
     return curve.name or ", ".join(part for part in (column, curve.drive, Path(curve.source).stem) if part)
-
-
-def _patch(colour: str) -> QIcon:
-    image = QPixmap(QSize(36, 20))
-    image.setDevicePixelRatio(2.0)
-    image.fill(QColor(colour))
-    return QIcon(image)
 
 
 # -- list of curves --------------------------------------------------------------------------------------
@@ -563,22 +557,10 @@ class CurveRows(QWidget):
         item.setCheckState(Qt.CheckState.Checked if row.shown else Qt.CheckState.Unchecked)
         normal = item.listWidget().palette().text().color() if row.shown and not row.is_missing else SCREEN.quiet
         item.setForeground(QColor(SCREEN.limit if row.fault else normal))
-        item.setIcon(_swatch(row.colour))
+        item.setIcon(swatch(row.colour, 16))
 
     def _choose(self, row: int) -> None:
         self.selected.emit(row)
 
     def _tick(self, item: QListWidgetItem) -> None:
         self.ticked.emit(self.list.row(item), item.checkState() == Qt.CheckState.Checked)
-
-
-def _swatch(colour: str) -> QIcon:
-    """Icon of a short line; empty without a colour."""
-    image = QPixmap(QSize(36, 20))
-    image.setDevicePixelRatio(2.0)
-    image.fill(Qt.GlobalColor.transparent)
-    if colour:
-        painter = QPainter(image)
-        painter.fillRect(1, 4, 16, 2, QColor(colour))
-        painter.end()
-    return QIcon(image)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ from core.design import UNITS, Design, is_assumed, require_motion
 from core.dynamics import ContactMap, Flight, Flights
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.output.subject_files import (
     SPECTRUM_SPEEDS,
     contact_force_map,
@@ -216,24 +217,55 @@ class FlywheelView(View):
 # -- contact over speed ----------------------------------------------------------------------------------
 
 
-class ContactView(BackgroundView):
-    """Contact force over angle and speed, or the flight after lift-off, computed in the background."""
+class PagedView(BackgroundView):
+    """A view that draws the selected one of several pages, computed in the background, with a text next to the choice.
+
+    Parameters
+    ----------
+    name : accessible name of the choice
+    pages : name and text of each page
+    width : least width of the choice [pixels]
+    """
+
+    def __init__(
+        self, session: Session, player: Player, name: str, pages: Mapping[str, str], width: int, plot: XYPlot
+    ) -> None:
+        super().__init__(session, player)
+        self.page, self.text, self.plot = WordBox(), QLabel(wordWrap=True), plot
+        self.page.setAccessibleName(name)
+        fill_choices(self.page, pages)
+        self.page.setMinimumWidth(width)
+        self.plot.setMinimumSize(220, 100)
+        self._work.result.connect(self._show_result)
+        self.page.activated.connect(self._choose)
+
+    def _choose(self, _: int) -> None:
+        self._stale = True
+        self.pull()
+
+    def _start(self, study: Study, compute: Callable[[Design, str], Any]) -> None:
+        """Compute the selected page, a function of the design and the page."""
+        page = str(self.page.currentData())
+        self._work.start([((page, study.design), partial(compute, study.design, page))])
+
+    def _show_result(self, key: tuple[str, Design], result: Any) -> None:
+        """Show the result for a page and a design, or the reason for a missing one."""
+        raise NotImplementedError
+
+    def settle(self) -> None:
+        super().settle()
+        self._work.wait(WAIT_S)
+
+
+class ContactView(PagedView):
+    """Contact force over angle and speed, or the flight after lift-off."""
 
     stages = ("linkage", "cam", "dynamics")
     pause_ms = 150
 
     def __init__(self, session: Session, player: Player) -> None:
-        super().__init__(session, player)
-        self.page, self.text = WordBox(), QLabel(wordWrap=True)
-        self.page.setAccessibleName("Plot")
-        fill_choices(self.page, CONTACT_PAGES)
-        self.page.setMinimumWidth(CONTACT_PAGE_WIDTH)
-        self.plot = XYPlot(ACROSS, "")
-        self.plot.setMinimumSize(220, 100)
-        self._work.result.connect(self._show_result)
-        self.page.activated.connect(self._choose)
-        row = row_with_text(self.page, self.text)
-        self.set_column(row, self.plot, grows=self.plot)
+        super().__init__(session, player, "Plot", CONTACT_PAGES, CONTACT_PAGE_WIDTH, XYPlot(ACROSS, ""))
+        self.set_column(row_with_text(self.page, self.text), self.plot, grows=self.plot)
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
@@ -241,13 +273,11 @@ class ContactView(BackgroundView):
         if study.is_form_closed:
             raise Unavailable(FORM_CLOSED)
         study.contact_force  # noqa: B018 - raises the reason if there is none
-        page = str(self.page.currentData())
-        self._work.start([((page, study.design), partial(_COMPUTATIONS[page], study.design))])
+        self._start(study, lambda design, page: _COMPUTATIONS[page](design))
 
-    def _choose(self, _: int) -> None:
+    def _choose(self, page: int) -> None:
         self.plot.show_message("")
-        self._stale = True
-        self.pull()
+        super()._choose(page)
 
     def _show_result(self, key: tuple[str, Design], result: Any) -> None:
         _, design = key
@@ -284,10 +314,6 @@ class ContactView(BackgroundView):
         self.plot.name_axes(ACROSS, f"Displacement, {unit.symbol}")
         self.plot.show_lines(lines, tuple(marks))
 
-    def settle(self) -> None:
-        super().settle()
-        self._work.wait(WAIT_S)
-
 
 def _force_map(design: Design) -> tuple[list[str], ContactMap]:
     study = Study(design)
@@ -323,30 +349,26 @@ _COMPUTATIONS = {MAP: _force_map, FLIGHT: _flights}
 # -- vibration over speed --------------------------------------------------------------------------------
 
 
-class VibrationView(BackgroundView):
+class VibrationView(PagedView):
     """Vibration of an elastic follower over the machine speed, computed in the background while it is visible."""
 
+    plot: CursorPlot
+
     def __init__(self, session: Session, player: Player) -> None:
-        super().__init__(session, player)
-        self.page, self.text = WordBox(), QLabel(wordWrap=True)
-        self.page.setAccessibleName("Quantity over speed")
-        fill_choices(self.page, VIBRATION_PAGES)
+        plot = CursorPlot(SPEED, reads=True)
+        super().__init__(session, player, "Quantity over speed", VIBRATION_PAGES, VIBRATION_PAGE_WIDTH, plot)
         for i, tip in enumerate(TIPS.values()):
             self.page.setItemData(i, tip, Qt.ItemDataRole.ToolTipRole)
-        self.page.setMinimumWidth(VIBRATION_PAGE_WIDTH)
-        self.plot, self.table = CursorPlot(SPEED, reads=True), RowsTable(VIBRATION_HEADINGS)
-        self.plot.setMinimumSize(220, 100)
+        self.table = RowsTable(VIBRATION_HEADINGS)
         self.table.setMinimumHeight(40)
-        self._summary, self._curves = "", _SpeedCurves()
-        self._work.result.connect(self._show_result)
-        self.page.activated.connect(self._choose)
-        self.plot.read.connect(self._show_values)
-        row = row_with_text(self.page, self.text)
+        self._summary = ""
+        self._curves: _SpeedCurves | None = None
+        plot.read.connect(self._show_values)
         splitter = QSplitter(Qt.Orientation.Vertical)
         splitter.addWidget(self.plot)
         splitter.addWidget(self.table)
         splitter.setSizes([3000, 1000])
-        self.set_column(row, splitter, grows=splitter)
+        self.set_column(row_with_text(self.page, self.text), splitter, grows=splitter)
 
     def refresh(self, study: Study) -> None:
         if study.design.drive.cam is None:
@@ -354,24 +376,19 @@ class VibrationView(BackgroundView):
         if not study.is_elastic:
             raise Unavailable(RIGID_FOLLOWER)
         study.elasticity  # noqa: B018 - raises the reason if nothing vibrates
-        page = str(self.page.currentData())
-        self._work.start([((page, study.design), partial(_vibration, study.design, page))])
+        self._start(study, _vibration)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Hide the table in a low dock; the names of the curves contain its values, too."""
         super().resizeEvent(event)
         self.table.setVisible(self.height() >= TABLE_HEIGHT)
 
-    def _choose(self, _: int) -> None:
-        self._stale = True
-        self.pull()
-
     def _show_result(
         self, key: tuple[str, Design], result: tuple[tuple[ResidualVibration, ...], Spectrum] | KindynaError
     ) -> None:
         page, design = key
         if isinstance(result, KindynaError):
-            self._summary, self._curves = "", _SpeedCurves()
+            self._summary, self._curves = "", None
             self.table.show_rows([])
             self.plot.show_message(reason(design, result))
             self._show_values(None)
@@ -399,7 +416,7 @@ class VibrationView(BackgroundView):
             values = spectrum.residual[(FROM_REST, STEADY).index(page)] * size
             current = [_in_mm(getattr(residual, page) * size) for residual in residuals]
         else:
-            self._curves = _SpeedCurves()
+            self._curves = None
             self.plot.show_message(NO_DWELL)
             return
         finite = np.where(np.isfinite(values), values, np.nan)
@@ -422,33 +439,23 @@ class VibrationView(BackgroundView):
 
     def _show_values(self, rpm: float | None) -> None:
         """Show the values at the mouse, or the summary if the mouse is outside the plot."""
-        self.text.setText((self._curves.text(rpm) if rpm is not None else "") or self._summary)
-
-    def settle(self) -> None:
-        super().settle()
-        self._work.wait(WAIT_S)
+        self.text.setText(self._summary if rpm is None or self._curves is None else self._curves.text(rpm))
 
 
+@frozen(eq=False)
 class _SpeedCurves:
     """Values of k curves (k, n) over speeds (n,) [rpm], with their names and display unit."""
 
-    def __init__(
-        self,
-        rpm: np.ndarray | None = None,
-        values: np.ndarray | None = None,
-        names: tuple[str, ...] = (),
-        display_unit: DisplayUnit | None = None,
-    ) -> None:
-        self._rpm, self._values, self._names, self._rung = rpm, values, names, display_unit
+    rpm: np.ndarray
+    values: np.ndarray
+    names: tuple[str, ...]
+    unit: DisplayUnit
 
     def text(self, rpm: float) -> str:
-        """Return the values at a speed, interpolated linearly; empty if there are no curves."""
-        if self._rpm is None or self._values is None or self._rung is None:
-            return ""
-        symbol = self._rung.symbol
+        """Return the values at a speed, interpolated linearly."""
         values = [
-            f"{name}: {measure(float(np.interp(rpm, self._rpm, row)) / self._rung.size, symbol, 3)}"
-            for name, row in zip(self._names, self._values, strict=True)
+            f"{name}: {measure(float(np.interp(rpm, self.rpm, row)) / self.unit.size, self.unit.symbol, 3)}"
+            for name, row in zip(self.names, self.values, strict=True)
         ]
         return f"{digits(rpm, 4)} rpm, " + ", ".join(values)
 

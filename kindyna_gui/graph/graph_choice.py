@@ -203,20 +203,21 @@ def _item(group: QTreeWidgetItem, row: Quantity) -> QTreeWidgetItem:
     item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsUserCheckable | Qt.ItemFlag.ItemIsSelectable)
     item.setCheckState(0, Qt.CheckState.Unchecked)
     item.setSizeHint(0, QSize(0, ROW_HEIGHT))
-    item.setIcon(0, _swatch(SCREEN.family(row.family)))
+    item.setIcon(0, swatch(SCREEN.family(row.family), 11, 12))
     for column in range(len(HEADINGS)):
         item.setToolTip(column, tip_of(row))
     return item
 
 
-def _swatch(colour: str) -> QIcon:
-    """Icon of a short line in the colour of a family."""
-    image = QPixmap(QSize(24, 20))
+def swatch(colour: str, line: int = 0, width: int = 18) -> QIcon:
+    """Icon in a colour, or of a line of a length in it [pixels]; empty without a colour."""
+    image = QPixmap(QSize(2 * width, 20))
     image.setDevicePixelRatio(2.0)
-    image.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(image)
-    painter.fillRect(1, 4, 11, 2, QColor(colour))
-    painter.end()
+    image.fill(QColor("transparent" if line or not colour else colour))
+    if line and colour:
+        painter = QPainter(image)
+        painter.fillRect(1, 4, line, 2, QColor(colour))
+        painter.end()
     return QIcon(image)
 
 

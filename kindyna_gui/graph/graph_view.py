@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
-from PySide6.QtGui import QAction, QKeyEvent, QPainter, QPaintEvent, QPalette, QResizeEvent, QShowEvent
+from PySide6.QtGui import QPainter, QPaintEvent, QPalette, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QButtonGroup, QGridLayout, QHBoxLayout, QScrollArea, QSplitter, QToolButton, QWidget
 
 from core.errors import KindynaError
@@ -18,13 +18,13 @@ from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import DEFAULT_WIDTH, ChannelTree, PlotSelection
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
-from kindyna_gui.graph.marked_view import MarkedView
+from kindyna_gui.graph.marked_view import PlotsView
 from kindyna_gui.look import icon, text_button
 from kindyna_gui.pictures.painter import curves_file
 from kindyna_gui.pictures.paper.sheets import columns_for, polar_file
 from kindyna_gui.pictures.plots.quantities import first_graph, stages_of, why_missing
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.player import Player, obey
+from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.saving import save_numbers, save_picture
 
@@ -87,25 +87,6 @@ class Panel(QWidget):
         if isinstance(self.plot, LivePlot):  # in a polar plot they never overlap
             self.plot.reserve_corner(float(self.close_button.sizeHint().width()) if on else 0.0)
 
-    def name_angle(self, study: Study) -> None:
-        """Name the axis of angles, also if no curve is drawn."""
-        if isinstance(self.plot, LivePlot):
-            self.plot.name_angle(study)
-
-    @property
-    def lacks_extremes(self) -> bool:
-        """Whether the extremes of the curves are not marked yet."""
-        return self.plot.lacks_extremes
-
-    def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
-        """Mark the extremes, by quantity; None removes the marks."""
-        self.plot.show_extremes(extremes)
-
-    def set_active(self, on: bool) -> None:
-        """Mark the plot as the active one, or not."""
-        self.active = on
-        self.update()
-
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         size = self.close_button.sizeHint()
@@ -123,7 +104,7 @@ class Panel(QWidget):
 # -- page ------------------------------------------------------------------------------------------------
 
 
-class GraphView(MarkedView):
+class GraphView(PlotsView):
     """The page Graph: the tree of channels, and the plots."""
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -213,8 +194,9 @@ class GraphView(MarkedView):
         self.tree.show_rows(rows, self._reasons)
         self._rebuild()
         for panel, names in zip(self.panels, self.selection.plots, strict=True):
-            drawable = [self._rows[name] for name in names if name not in self._reasons]
-            panel.name_angle(study)
+            drawable = self._drawable(names)
+            if isinstance(panel.plot, LivePlot):  # also where no curve is drawn
+                panel.plot.name_angle(study)
             if drawable:
                 panel.plot.set_curves(study, drawable, bands=self.bands.read(drawable))
             else:
@@ -222,11 +204,11 @@ class GraphView(MarkedView):
         self.request_extremes(study)
 
     def lacking(self, study: Study) -> list[Quantity]:
-        return self.drawn if any(panel.lacks_extremes for panel in self.panels) else []
+        return self.drawn if any(panel.plot.lacks_extremes for panel in self.panels) else []
 
     def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
         for panel in self.panels:
-            panel.show_extremes(extremes)
+            panel.plot.show_extremes(extremes)
 
     def follow(self, theta: float) -> None:
         self.extremes.resume()
@@ -238,9 +220,10 @@ class GraphView(MarkedView):
     @property
     def drawn(self) -> list[Quantity]:
         """Channels that are drawn, in the order of the plots."""
-        return [
-            self._rows[name] for name in self.selection.quantities if name in self._rows and name not in self._reasons
-        ]
+        return self._drawable(self.selection.quantities)
+
+    def _drawable(self, names: Sequence[str]) -> list[Quantity]:
+        return [self._rows[name] for name in names if name in self._rows and name not in self._reasons]
 
     def _rebuild(self) -> None:
         """Create the plots if their number or form has changed; mark the active one, tick the tree."""
@@ -255,31 +238,24 @@ class GraphView(MarkedView):
             self._arrange()
             self._paper.replace(paper)
         for index, panel in enumerate(self.panels):
-            panel.set_active(count > 1 and index == self.selection.active)
+            panel.active = count > 1 and index == self.selection.active
+            panel.update()
         self.tree.show_ticks(self.selection.quantities)
 
     def _panel(self, index: int, count: int) -> Panel:
         plot = FORMS[self.form].make(index, count)
         panel = Panel(plot, partial(self.remove_plot, index))
         panel.offer_close(count > 1)
-        plot.angle_moved.connect(self._turn)
         plot.installEventFilter(self)
         (plot.viewport() if isinstance(plot, LivePlot) else plot).installEventFilter(self)
         plot.setMinimumHeight(FORMS[self.form].least)
-        self.offer_actions(plot, partial(self._rows_of, index))
-        for text, slot in (("Export picture...", self.export_picture), ("Export numbers...", self.export_numbers)):
-            action = QAction(text, plot)
-            action.triggered.connect(slot)
-            plot.addAction(action)
-        plot.addAction(self.marks)
-        if isinstance(plot, LivePlot):
-            plot.addAction(plot.full_range_action)
+        exports = ("Export picture...", self.export_picture), ("Export numbers...", self.export_numbers)
+        self.offer_actions(plot, partial(self._rows_of, index), exports)
         return panel
 
     def _rows_of(self, index: int) -> list[Quantity]:
         """Channels drawn in a plot."""
-        names = self.selection.plots[index] if index < len(self.selection.plots) else ()
-        return [self._rows[name] for name in names if name in self._rows and name not in self._reasons]
+        return self._drawable(self.selection.plots[index] if index < len(self.selection.plots) else ())
 
     def _arrange(self) -> None:
         """Arrange the plots in a column, polar ones in the grid in which they are largest."""
@@ -353,10 +329,6 @@ class GraphView(MarkedView):
             self._has_sizes = True
             tree_width = min(DEFAULT_WIDTH, round(TREE_SHARE * self.width()))
             self._splitter.setSizes([tree_width, self.width() - tree_width])
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if not obey(self.player, event):
-            super().keyPressEvent(event)
 
     # -- export -------------------------------------------------------------------------------------------
 

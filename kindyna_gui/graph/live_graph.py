@@ -14,11 +14,13 @@ from PySide6.QtWidgets import QWidget
 from core.output.graph import Graph, GraphData, GraphPoint, point_at
 from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import GraphRange, narrowed, shifted, zoomed
+from kindyna_gui.pictures.plots.mouse import PlotMouse
 
 CLICK = 4.0  # pixels: a shorter drag is a click
 NOTCH = 0.8  # factor of the range for one notch of the wheel
 WHEEL_MS = 400  # notches within this time are one step
 MOST_STEPS = 100
+SHIFT = Qt.KeyboardModifier.ShiftModifier
 TIP = (
     "Drag: zoom. Click on a curve: point A, then point B. Wheel: zoom, over an axis this axis only. "
     "Middle button or Shift: move. Double click: show all. Backspace: back. Esc: remove the points. "
@@ -26,7 +28,7 @@ TIP = (
 )
 
 
-class LiveGraph(GraphPlot):
+class LiveGraph(PlotMouse, GraphPlot):
     """The graph on the screen. Signals: ``points_changed``; ``part_changed``, the visible part has changed."""
 
     points_changed = Signal()
@@ -34,7 +36,7 @@ class LiveGraph(GraphPlot):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         self._past: list[GraphRange] = []
-        self._pressed: QPointF | None = None
+        self._pressed = QPointF()
         self._moved_from: GraphRange | None = None  # visible part at the start of a move
         super().__init__(parent)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -48,7 +50,7 @@ class LiveGraph(GraphPlot):
         super().show_graph(graph, data, keep and bool(self._past), message, bands)
         if self.shown != before:
             self._past.clear()
-            self._pressed = self._moved_from = None  # the graph under the mouse has changed
+            self.let_go()  # the graph under the mouse has changed
             self.show_rubber(None)
             self.part_changed.emit()
 
@@ -107,10 +109,6 @@ class LiveGraph(GraphPlot):
         if self.data.series:
             self._step(self.full_range())
 
-    def _zoomed(self, box: QRectF) -> GraphRange:
-        x = narrowed(self.shown.x, box.left(), box.right())
-        return GraphRange(x, tuple(narrowed(ends, box.top(), box.bottom()) for ends in self.shown.values))
-
     def _wheeled(self, at: QPointF, factor: float) -> GraphRange:
         """Zoom about a point of the plot; over an axis zoom this axis only."""
         x = zoomed(self.shown.x, at.x(), factor) if 0.0 <= at.x() <= 1.0 else self.shown.x
@@ -135,19 +133,14 @@ class LiveGraph(GraphPlot):
 
     # -- mouse ----------------------------------------------------------------------------------------------
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-        if not self.data.series:
-            return
-        is_move = event.button() == Qt.MouseButton.MiddleButton or bool(
-            event.modifiers() & Qt.KeyboardModifier.ShiftModifier
-        )
-        if is_move or event.button() == Qt.MouseButton.LeftButton:
-            self._pressed, self._moved_from = event.position(), self.shown if is_move else None
+    def press(self, event: QMouseEvent) -> bool:
+        is_move = event.button() == Qt.MouseButton.MiddleButton or bool(event.modifiers() & SHIFT)
+        if not self.data.series or not (is_move or event.button() == Qt.MouseButton.LeftButton):
+            return False
+        self._pressed, self._moved_from = event.position(), self.shown if is_move else None
+        return True
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._pressed is None:
-            return
+    def drag(self, event: QMouseEvent) -> None:
         begin, end = self.fraction(self._pressed), self.fraction(event.position())
         if self._moved_from is not None:
             x = shifted(self._moved_from.x, begin.x() - end.x())
@@ -158,7 +151,6 @@ class LiveGraph(GraphPlot):
             self.show_rubber(self._box(begin, end))
 
     def _is_drag(self, at: QPointF) -> bool:
-        assert self._pressed is not None
         distance = at - self._pressed
         return max(abs(distance.x()), abs(distance.y())) >= CLICK
 
@@ -171,25 +163,20 @@ class LiveGraph(GraphPlot):
         y = [0.0, 1.0] if high < 3.0 * CLICK else y
         return QRectF(x[0], y[0], x[1] - x[0], y[1] - y[0])
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-        if self._pressed is None:
-            return
-        is_drag, begin, moved_from = self._is_drag(event.position()), self.fraction(self._pressed), self._moved_from
-        end = self.fraction(event.position())
-        self._pressed = self._moved_from = None
+    def drop(self, event: QMouseEvent) -> None:
         self.show_rubber(None)
-        if moved_from is not None:
-            shown, self.shown = self.shown, moved_from
+        if self._moved_from is not None:
+            shown, self.shown = self.shown, self._moved_from
             self._step(shown)
-        elif is_drag:
-            self._step(self._zoomed(self._box(begin, end)))
+        elif self._is_drag(event.position()):
+            box = self._box(self.fraction(self._pressed), self.fraction(event.position()))
+            x = narrowed(self.shown.x, box.left(), box.right())
+            self._step(GraphRange(x, tuple(narrowed(ends, box.top(), box.bottom()) for ends in self.shown.values)))
         else:
             self._point_to(event.position())
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-        self._pressed = None
+        super().mouseDoubleClickEvent(event)
         self.show_all()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -214,7 +201,7 @@ class LiveGraph(GraphPlot):
         elif key in (Qt.Key.Key_Left, Qt.Key.Key_Right) and self.points:
             self._shift_point(-1.0 if key == Qt.Key.Key_Left else 1.0)
         else:
-            event.ignore()
+            super().keyPressEvent(event)
 
     # -- points ---------------------------------------------------------------------------------------------
 

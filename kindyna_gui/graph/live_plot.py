@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QAction, QCursor, QKeyEvent, QMouseEvent
@@ -15,8 +14,8 @@ from kindyna_gui.labels import no_number, sentence, value_text
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
+from kindyna_gui.pictures.plots.mouse import AngleMouse
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.plots.xy import AngleMouse
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.pictures.units import UNSEEN, measure
 from kindyna_gui.player import Player
@@ -108,27 +107,23 @@ class PeakDrag:
 
     def key(self, event: QKeyEvent) -> bool:
         """Handle a key: Escape cancels the drag, Return sets the peak to the typed number. False: not a key of the drag."""
-        from kindyna_gui.touch_targets import extended_input
+        from kindyna_gui.touch_targets import typed_key
 
-        trade = self._trade
-        if trade is None:
+        if self._trade is None:
             return False
         if event.key() == Qt.Key.Key_Escape:
             self.release(cancel=True)
-        elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            from kindyna_gui.forms.number_box import parsed
+            return True
+        typed = typed_key(self._typed, event, split_unit(self._trade.key.partition(":")[0])[1], self._enter)
+        self._typed = self._typed if typed is None else typed
+        return typed is not None
 
-            peak = parsed(self._typed, split_unit(trade.key.partition(":")[0])[1]) if self._typed else None
-            if peak is None:
-                self._show_effect(sentence(no_number(self._typed)))
-            elif self._put(trade.exact_field_value(peak, self._current), peak, 12):
-                self.release()
-            self._typed = ""
-        else:
-            typed = extended_input(self._typed, event)
-            if typed is None:
-                return False
-            self._typed = typed
+    def _enter(self, peak: float | None) -> bool:
+        assert self._trade is not None
+        if peak is None:
+            self._show_effect(sentence(no_number(self._typed)))
+        elif self._put(self._trade.exact_field_value(peak, self._current), peak, 12):
+            self.release()
         return True
 
     def release(self, cancel: bool = False) -> None:
@@ -153,18 +148,6 @@ class PeakDrag:
 
 
 # -- plots -----------------------------------------------------------------------------------------------
-
-
-class _AnglePlot(AngleMouse):
-    """A plot whose curves set the cam angle with the mouse."""
-
-    readings: Any
-    angle_at: Any
-    angle_moved: Any
-
-    def _set_angle_at(self, event: QMouseEvent) -> None:
-        if self.readings():
-            self.angle_moved.emit(radians(self.angle_at(event.position())))
 
 
 @frozen
@@ -200,7 +183,7 @@ class PeakGrip:
     core: tuple[float, float]
 
 
-class LivePlot(_AnglePlot, CurvePlot):
+class LivePlot(AngleMouse, CurvePlot):
     """Curves over one turn, with mouse and keys.
 
     Signals: ``angle_moved`` (float), the user has set the cam angle [rad]; ``limit_chosen`` (str), the user has
@@ -255,24 +238,15 @@ class LivePlot(_AnglePlot, CurvePlot):
             QRectF(frame.width - size.width() - 1.0, frame.height - size.height() - 1.0, size.width(), size.height())
         ]
 
-    def angle_at(self, pixel: QPointF) -> float:
-        """Return the cam angle [deg] at a position in the widget [pixels], limited to 0 ... 360."""
-        point = self.getViewBox().mapSceneToView(self.mapToScene(pixel.toPoint()))
-        return min(max(float(point.x()), 0.0), 360.0)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if (
-            event.button() == Qt.MouseButton.LeftButton
-            and self.is_spike_at(event.position())
-            and self.full_range_action is not None
-        ):
+    def press(self, event: QMouseEvent) -> bool:
+        is_left, pixel = event.button() == Qt.MouseButton.LeftButton, event.position()
+        if is_left and self.is_spike_at(pixel) and self.full_range_action is not None:
             self.full_range_action.trigger()
-            event.accept()
-        elif event.button() == Qt.MouseButton.LeftButton and (field := self.limit_at(event.position())):
+            return False
+        if is_left and (field := self.limit_at(pixel)):
             self.limit_chosen.emit(field)
-            event.accept()
-        elif event.button() != Qt.MouseButton.LeftButton or not self._grab_peak(event.position()):
-            super().mousePressEvent(event)
+            return False
+        return (is_left and self._grab_peak(pixel)) or super().press(event)
 
     # -- peaks ----------------------------------------------------------------------------------------------
 
@@ -285,7 +259,7 @@ class LivePlot(_AnglePlot, CurvePlot):
             name = next(
                 (c.channel.name for c in self._curves if c.colour == extreme.colour and not c.channel.approximates), ""
             )
-            at = self.mapFromScene(self.getViewBox().mapViewToScene(QPointF(extreme.angle, extreme.value)))
+            at = self.to_pixel(QPointF(extreme.angle, extreme.value))
             is_hit = abs(complex(at.x() - pixel.x(), at.y() - pixel.y())) <= REACH
             if is_hit and extreme.refined and not mark.outside and self.peaks.can_grab(name):
                 return Peak(name, extreme)
@@ -307,26 +281,26 @@ class LivePlot(_AnglePlot, CurvePlot):
         before = core if self._grip is None else self._grip.core
         return super()._reach((min(core[0], before[0]), max(core[1], before[1])))
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def drag(self, event: QMouseEvent) -> None:
         grip, peaks = self._grip, self.peaks
-        if grip is None or peaks is None:
-            if not event.buttons():
-                self.viewport().setCursor(self._cursor_at(event.position()))
-            super().mouseMoveEvent(event)
-        elif peaks.active:
+        if grip is not None and peaks is not None and peaks.active:
             peaks.drag(grip.size * (grip.value + (grip.start.y() - event.position().y()) * grip.per_pixel))
             peaks.show_lines(event.globalPosition().toPoint())
 
-    def _cursor_at(self, pixel: QPointF) -> Qt.CursorShape:
-        if self.limit_at(pixel):
-            return Qt.CursorShape.PointingHandCursor
-        return Qt.CursorShape.SizeVerCursor if self.peak_at(pixel) is not None else Qt.CursorShape.ArrowCursor
+    def hover(self, event: QMouseEvent | None) -> None:
+        if event is not None and not event.buttons():
+            pixel, shape = event.position(), Qt.CursorShape.ArrowCursor
+            if self.limit_at(pixel):
+                shape = Qt.CursorShape.PointingHandCursor
+            elif self.peak_at(pixel) is not None:
+                shape = Qt.CursorShape.SizeVerCursor
+            self.viewport().setCursor(shape)
+        super().hover(event)
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._grip is not None and self.peaks is not None:
+    def drop(self, event: QMouseEvent) -> None:
+        if self.peaks is not None:
             self.peaks.release()
             self._end_peak_drag()
-        super().mouseReleaseEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if self._grip is None or self.peaks is None or not self.peaks.key(event):
@@ -338,13 +312,14 @@ class LivePlot(_AnglePlot, CurvePlot):
 
     def _end_peak_drag(self) -> None:
         """Fit the axis to its curves again."""
+        self.let_go()
         self._grip = None
         if self.peaks is not None:
             self.peaks.show_lines(QPoint())
         self.draw_again()
 
 
-class LivePolar(_AnglePlot, PolarPlot):
+class LivePolar(AngleMouse, PolarPlot):
     """Curves in polar form, with the mouse."""
 
     unseen = UNSEEN

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QHideEvent
+from PySide6.QtGui import QAction, QHideEvent, QKeyEvent
 
 from core.errors import KindynaError
 from core.motion.extremes import Extremes
@@ -16,7 +16,7 @@ from kindyna_gui.documents.pins import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar, PeakDrag
 from kindyna_gui.pictures.plots.quantities import channel_extremes
-from kindyna_gui.player import Player
+from kindyna_gui.player import Player, obey
 from kindyna_gui.view import View
 
 PAUSE_MS = 250  # without a change, before extremes are computed
@@ -110,36 +110,10 @@ class MarkedView(View):
         self.bands = Bands.of(session)
         self.bands.changed.connect(self.invalidate)
 
-    def offer_actions(self, plot: LivePlot | LivePolar, rows: Callable[[], Sequence[Quantity]]) -> None:
-        """Add the context menu for the first quantity of a plot, the drag of its peaks, and the click on a limit."""
-
-        def open_at(at: QPoint) -> None:
-            from core.find import traded_field
-            from kindyna_gui.touch_targets import MouseTarget, open_menu
-
-            if self._host is None:
-                return
-            shown, target = [] if self.in_trouble else rows(), None
-            if shown:
-                path = traded_field(self.session.design, shown[0].name)
-                target = MouseTarget(shown[0].label, path, value=next(iter(plot.readings()), ""))
-            area = plot.viewport() if isinstance(plot, LivePlot) else plot
-            open_menu(target, self, self._host, area.mapToGlobal(at), plot)
-
-        if isinstance(plot, LivePlot):
-            plot.peaks = PeakDrag(self, self.player)
-            plot.limit_chosen.connect(self._open_field)
-        plot.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        plot.customContextMenuRequested.connect(open_at)
-
     def _turn(self, theta: float) -> None:
         """Stop playing, and set the cam angle [rad]."""
         self.player.play(False)
         self.player.set_theta(theta)
-
-    def _open_field(self, path: str) -> None:
-        if self._host is not None:
-            self._host.focus_field(path)
 
     def lacking(self, study: Study) -> Sequence[Quantity]:
         """Return the channels whose extremes are not marked yet."""
@@ -172,3 +146,52 @@ class MarkedView(View):
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
         self.extremes.stop()
+
+
+class PlotsView(MarkedView):
+    """A view whose plots over one turn set the cam angle and open menus; the keys control the player."""
+
+    def offer_actions(
+        self,
+        plot: LivePlot | LivePolar,
+        rows: Callable[[], Sequence[Quantity]],
+        exports: Sequence[tuple[str, Callable[[], object]]] = (),
+    ) -> None:
+        """Connect a plot of these quantities: its angle, the drag of its peaks, the click on a limit, its context menu.
+
+        exports: text and function of the entries of the menu before the marks.
+        """
+
+        def open_at(at: QPoint) -> None:
+            from core.find import traded_field
+            from kindyna_gui.touch_targets import MouseTarget, open_menu
+
+            if self._host is None:
+                return
+            shown, target = [] if self.in_trouble else rows(), None
+            if shown:
+                path = traded_field(self.session.design, shown[0].name)
+                target = MouseTarget(shown[0].label, path, value=next(iter(plot.readings()), ""))
+            area = plot.viewport() if isinstance(plot, LivePlot) else plot
+            open_menu(target, self, self._host, area.mapToGlobal(at), plot)
+
+        for text, slot in exports:
+            action = QAction(text, plot)
+            action.triggered.connect(slot)
+            plot.addAction(action)
+        plot.addAction(self.marks)
+        if isinstance(plot, LivePlot):
+            plot.peaks = PeakDrag(self, self.player)
+            plot.limit_chosen.connect(self._open_field)
+            plot.addAction(plot.full_range_action)
+        plot.angle_moved.connect(self._turn)
+        plot.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        plot.customContextMenuRequested.connect(open_at)
+
+    def _open_field(self, path: str) -> None:
+        if self._host is not None:
+            self._host.focus_field(path)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QKeyEvent, QPalette
+from PySide6.QtGui import QAction, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
 from core.errors import KindynaError
@@ -19,13 +19,13 @@ from core.study import Camshaft, Quantity, Study
 from kindyna_gui.documents.pins import Bands, Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot
-from kindyna_gui.graph.marked_view import MarkedView
+from kindyna_gui.graph.marked_view import PlotsView
 from kindyna_gui.look import Note
 from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import readable
-from kindyna_gui.player import Player, obey
+from kindyna_gui.player import Player
 from kindyna_gui.requirements import Unavailable, suggestions_for
 from kindyna_gui.saving import save_numbers, save_picture
 from kindyna_gui.view import ExplainableNumber
@@ -100,7 +100,7 @@ def _closed(machine_angle: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.nd
 # -- one plot --------------------------------------------------------------------------------------------
 
 
-class PlotView(MarkedView):
+class PlotView(PlotsView):
     """Plot of a few quantities of one unit; quantities that the design does not have are listed with the reason."""
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
@@ -118,17 +118,12 @@ class PlotView(MarkedView):
         self.set_column(self._pages, self.note, grows=self._pages)
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
-        self.plot.angle_moved.connect(self._turn)
         self.offer_explanation(self.plot)
-        for text, slot in (
+        exports = (
             ("Export picture...", lambda: save_picture(self, self.names[0])),
             ("Export numbers...", lambda: save_numbers(self, self.rows, self.names[0])),
-        ):
-            action = QAction(text, self.plot)
-            action.triggered.connect(slot)
-            self.plot.addAction(action)
-        self.plot.addActions([self.marks, self.plot.full_range_action])
-        self.offer_actions(self.plot, lambda: self.rows)
+        )
+        self.offer_actions(self.plot, lambda: self.rows, exports)
         self.all_drives = QAction("All drives", self, checkable=True, visible=session.has_several_drives)
         self.all_drives.setToolTip("Show all drives of the shaft over the machine angle, and the sum of torques")
         self.all_drives.toggled.connect(self.invalidate)
@@ -256,15 +251,11 @@ class PlotView(MarkedView):
         bands = self.bands.read(self.rows)
         return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked(), bands)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if not obey(self.player, event):
-            super().keyPressEvent(event)
-
 
 # -- stack of plots --------------------------------------------------------------------------------------
 
 
-class StackView(MarkedView):
+class StackView(PlotsView):
     """A plot for each quantity of ``SHARES``; a plot without a curve shows the reason."""
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -274,10 +265,8 @@ class StackView(MarkedView):
         self._drawn: dict[str, list[Quantity]] = {}
         for plot in self.plots.values():
             plot.setMinimumHeight(1)
-            plot.angle_moved.connect(self._turn)
             self.offer_explanation(plot)
             self.offer_actions(plot, partial(self._rows_of, plot))
-            plot.addActions([self.marks, plot.full_range_action])
         self.set_column(*self.plots.values(), grows=self.plots[first])
         for index, share in enumerate(SHARES.values()):
             self.content.layout().setStretch(index, share)  # type: ignore[union-attr]
@@ -329,7 +318,3 @@ class StackView(MarkedView):
         drawn = [rows for rows in self._drawn.values() if rows]
         bands = self.bands.read([row for rows in drawn for row in rows])
         return curves_file(self.session.study, drawn, ending, self.marks.isChecked(), bands)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if not obey(self.player, event):
-            super().keyPressEvent(event)

@@ -25,7 +25,7 @@ from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.units import measure, short
 from kindyna_gui.player import Player
 from kindyna_gui.timing_canvas import FINE, STEP, DraggedDrive
-from kindyna_gui.touch_targets import MouseReadout, MouseTarget, ReadoutLine, extended_input, open_menu
+from kindyna_gui.touch_targets import MouseReadout, MouseTarget, ReadoutLine, open_menu, typed_key
 from kindyna_gui.view import View
 
 READ_REACH = 8.0  # distance within which a profile is read, pixels
@@ -205,23 +205,19 @@ class DrivesMouse:
 
     def key(self, event: QKeyEvent) -> bool:
         """Type a phase during a drag, accepted with Return; False if the key has another meaning."""
-        from kindyna_gui.forms.number_box import parsed
-
         drag = self._drag
         if drag is None:
             return False
-        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            value = parsed(self._typed, split_unit(drag.path)[1]) if self._typed else None
+
+        def enter(value: float | None) -> bool:
             if value is not None and self._put(value - drag.at):
                 self.end_drag()
-            self._typed = ""
-        else:
-            typed = extended_input(self._typed, event)
-            if typed is None:
-                return False
-            self._typed = typed
+            return True
+
+        typed = typed_key(self._typed, event, split_unit(drag.path)[1], enter)
+        self._typed = self._typed if typed is None else typed
         self._show_readout()
-        return True
+        return typed is not None
 
     def end_drag(self, back: bool = False) -> None:
         """End the drag; with ``back`` the drive returns to its phase before the drag."""

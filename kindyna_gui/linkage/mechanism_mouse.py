@@ -189,26 +189,23 @@ class MechanismMouseView(View):
 
     def _type(self, event: QKeyEvent) -> bool:
         """Type a number during a drag, set with Return; False if the key has another meaning."""
-        from kindyna_gui.touch_targets import extended_input
+        from kindyna_gui.touch_targets import typed_key
 
         drag = self.drag
         if drag is None:
             return False
-        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            from kindyna_gui.forms.number_box import parsed
 
-            value = parsed(drag.typed, split_unit(drag.field)[1]) if drag.typed else None
+        def enter(value: float | None) -> bool:
             if value is None:
                 self.session.refuse(drag.field, no_number(drag.typed))
             elif self._set_field(drag, value, 12):
                 self._end_drag()
-        else:
-            typed = extended_input(drag.typed, event)
-            if typed is None:
-                return False
-            drag.typed = typed
+            return False  # a number that was refused can be corrected
+
+        typed = typed_key(drag.typed, event, split_unit(drag.field)[1], enter)
+        drag.typed = drag.typed if typed is None else typed
         self.canvas.viewport().update()
-        return True
+        return typed is not None
 
     def _end_drag(self, back: bool = False) -> None:
         """End the drag; with ``back`` the design returns to its state before the drag."""

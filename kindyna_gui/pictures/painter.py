@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import radians
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -33,8 +33,11 @@ from kindyna_gui.pictures.units import UNSEEN
 
 if TYPE_CHECKING:
     from core.stability import Chart
+    from kindyna_gui.pictures.plots.polar import PolarPlot
+    from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 
 
+Paint = Callable[[QPainter], None]
 MARGIN = 8  # around the plots, pixels
 RATIO = 2.0  # dots per pixel of a PNG
 PNG_QUALITY = 70  # of Qt's 0 ... 100: zlib's level 3 instead of the default 6
@@ -61,12 +64,22 @@ class PaperSheet(QWidget):
         self.setAutoFillBackground(True)
 
 
+def paper_theme(ending: str) -> Theme:
+    """Theme of a file with this ending."""
+    return replace(LIGHT, ratio=RATIO) if ending == ".png" else LIGHT
+
+
+def widget_file(widget: QWidget, ending: str, title: str) -> bytes:
+    """Widget in the theme of ``paper_theme`` as a file, ``.png`` or ``.svg``."""
+    return svg(widget, title) if ending == ".svg" else png(widget)
+
+
 def png(widget: QWidget, ratio: float = RATIO) -> bytes:
     """Widget as PNG with ``ratio`` dots per pixel; its theme must have the same ratio."""
     image = QImage(widget.size() * ratio, QImage.Format.Format_RGB32)
     image.setDevicePixelRatio(ratio)
     image.fill(QColor("white"))
-    _draw(widget, image)
+    paint_on(image, _painting(widget))
     return png_bytes(image)
 
 
@@ -83,27 +96,37 @@ def png_bytes(image: QImage) -> bytes:
 
 def svg(widget: QWidget, title: str = "") -> bytes:
     """Widget as SVG."""
+    return svg_bytes(widget.size(), widget.logicalDpiX(), title, "", _painting(widget))
+
+
+def svg_bytes(size: QSize, resolution: int, title: str, about: str, paint: Paint) -> bytes:
+    """Write what a function paints as SVG, in dots of a resolution [1/in]."""
     data = QByteArray()
     buffer = QBuffer(data)
     generator = QSvgGenerator()
     generator.setOutputDevice(buffer)
-    generator.setResolution(widget.logicalDpiX())
-    generator.setSize(QSize(widget.width(), widget.height()))
-    generator.setViewBox(QRect(0, 0, widget.width(), widget.height()))
+    generator.setResolution(resolution)
+    generator.setSize(size)
+    generator.setViewBox(QRect(QPoint(), size))
     generator.setTitle(title)
-    generator.setDescription("")
-    _draw(widget, generator)
+    generator.setDescription(about)
+    paint_on(generator, paint)
     return bytes(data.data())
 
 
-def _draw(widget: QWidget, device: QPaintDevice) -> None:
-    """Draw a widget as on the screen; a graphics view's own ``render`` would omit items measured in pixels."""
-    widget.grab(QRect(0, 0, 1, 1))  # drawing once determines the sizes of its contents
+def paint_on(device: QPaintDevice, paint: Paint) -> None:
+    """Call a function with a painter on a device."""
     painter = QPainter(device)
     try:
-        QWidget.render(widget, painter, QPoint())
+        paint(painter)
     finally:
         painter.end()
+
+
+def _painting(widget: QWidget) -> Paint:
+    """Function that paints a widget as on the screen; a graphics view's own ``render`` would omit items measured in pixels."""
+    widget.grab(QRect(0, 0, 1, 1))  # drawing once determines the sizes of its contents
+    return lambda painter: QWidget.render(widget, painter, QPoint())
 
 
 class MechanismSheet(QGraphicsView):
@@ -169,15 +192,27 @@ class PlotStack(PaperSheet):
         self.plots: list[CurvePlot] = []
         for number, row in enumerate(rows):
             plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)
-            plot.unseen = unseen
             if marks:
                 plot.text_room = TEXT_ROOM
-            plot.set_curves(study, row, bands=bands)
-            plot.show_extremes(channel_extremes(study, row) if marks else None)
-            plot.show_cursor(False)
+            fill_plot(plot, study, row, unseen, marks, bands)
             column.addWidget(plot)
             self.plots.append(plot)
         self.resize(PLOT_WIDTH, max(PLOT_HEIGHT * len(rows), LEAST_HEIGHT) + PLOT_EDGES)
+
+
+def fill_plot(
+    plot: CurvePlot | PolarPlot,
+    study: Study,
+    row: Sequence[Quantity],
+    unseen: float,
+    marks: bool,
+    bands: Mapping[str, np.ndarray],
+) -> None:
+    """Draw the quantities of one plot for a file; parameters as for `PlotStack`."""
+    plot.unseen = unseen
+    plot.set_curves(study, row, bands=bands)
+    plot.show_extremes(channel_extremes(study, row) if marks else None)
+    plot.show_cursor(False)
 
 
 # -- images of a report ----------------------------------------------------------------------------------
@@ -191,12 +226,9 @@ def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismS
     return scene
 
 
-def _mechanism_png(study: Study) -> bytes:
-    return png(MechanismSheet(report_scene(study, replace(LIGHT, ratio=RATIO)), *SHEET))
-
-
-def _mechanism_svg(study: Study) -> bytes:
-    return svg(MechanismSheet(report_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
+def _mechanism_file(ending: str, study: Study) -> bytes:
+    scene = report_scene(study, paper_theme(ending), ENLARGED if ending == ".svg" else 1.0)
+    return widget_file(MechanismSheet(scene, *SHEET), ending, study.design.name)
 
 
 def plot_rows(study: Study, rows: Sequence[Sequence[str]]) -> list[list[Quantity]]:
@@ -220,17 +252,17 @@ def curves_file(
     ending: str,
     marks: bool = True,
     bands: Mapping[str, np.ndarray] = NO_BANDS,
+    sheet: Callable[..., PaperSheet] = PlotStack,
 ) -> bytes:
-    """Stack of plots as a file, ``.png`` or ``.svg``; parameters as for `PlotStack`.
+    """Plots over one turn as a file, ``.png`` or ``.svg``; parameters as for `PlotStack`.
 
     Raises
     ------
     NoSolution
         Where a quantity has no solution.
     """
-    if ending == ".svg":
-        return svg(PlotStack(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
-    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))
+    unseen = 0.0 if ending == ".svg" else UNSEEN / RATIO
+    return widget_file(sheet(study, rows, paper_theme(ending), unseen, marks, bands), ending, study.design.name)
 
 
 MOTION = (("displacement",), ("velocity",), ("acceleration",), ("jerk",))
@@ -239,8 +271,8 @@ FORCES = (("contact_force",), ("drive_torque", "motor_torque", "linear_motor_tor
 
 PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
     {
-        "mechanism.png": _mechanism_png,
-        "mechanism.svg": _mechanism_svg,
+        "mechanism.png": partial(_mechanism_file, ".png"),
+        "mechanism.svg": partial(_mechanism_file, ".svg"),
         "motion.png": _plots(*MOTION),
         "cam.png": _plots(*CAM),
         "forces.png": _plots(*FORCES),
@@ -250,15 +282,19 @@ PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
 
 def chart_file(chart: Chart, ending: str) -> bytes:
     """Stability chart as a file, ``.png`` or ``.svg``."""
-    from kindyna_gui.pictures.plots.stability_chart import ChartPlot
+    return widget_file(chart_plot(chart, paper_theme(ending), *SHEET_OF_CHART), ending, chart.name)
 
-    vector = ending == ".svg"
-    plot = ChartPlot(theme=LIGHT if vector else replace(LIGHT, ratio=RATIO))
-    plot.resize(*SHEET_OF_CHART)
+
+def chart_plot(chart: Chart, theme: Theme, width: int, height: int) -> ChartPlot:
+    """Plot of a stability chart for files, of a size in pixels."""
+    from kindyna_gui.pictures.plots.stability_chart import ChartPlot  # slow to load, and needed for charts only
+
+    plot = ChartPlot(theme=theme)
+    plot.resize(width, height)
     plot.show_chart(chart)
     plot.grab()  # drawing once determines the sizes of the axes
     plot.show_chart(chart)
-    return svg(plot, chart.name) if vector else png(plot)
+    return plot
 
 
 # -- images of a snapshot --------------------------------------------------------------------------------
@@ -266,29 +302,29 @@ def chart_file(chart: Chart, ending: str) -> bytes:
 
 def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
     """Mechanism with all instant centres, their construction lines, and the velocity ratios from link to link."""
-    vector = ending == ".svg"
-    theme, closest = (LIGHT, ENLARGED) if vector else (replace(LIGHT, ratio=RATIO), 1.0)
-    scene = MechanismScene(None, theme, closest, still=True)
+    scene = MechanismScene(None, paper_theme(ending), ENLARGED if ending == ".svg" else 1.0, still=True)
     for layer in ("centres", "kennedy", "velocities", "chain"):
         scene.set_layer(layer, True)
     scene.update_study(snapshot.study)
     scene.set_angle(radians(snapshot.angle_deg))
-    sheet = MechanismSheet(scene, *SHEET)
-    return svg(sheet, snapshot.study.design.name) if vector else png(sheet)
+    return widget_file(MechanismSheet(scene, *SHEET), ending, snapshot.study.design.name)
 
 
 def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
     """Velocity polygon."""
-    study = snapshot.study
+    sheet = polygon_sheet(snapshot.study, snapshot.angle_deg)
+    return widget_file(sheet, ending, snapshot.study.design.name)
+
+
+def polygon_sheet(study: Study, angle_deg: float) -> PolygonSheet:
+    """Velocity polygon at an angle, with its scale for the full turn."""
     sheet = PolygonSheet()
     sheet.resize(*SHEET_OF_POLYGON)
     sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
-    at_angle = study.at_theta(np.array([radians(snapshot.angle_deg)]))
-    name = study.angle_name.capitalize()
-    sheet.show_diagram(
-        velocity_diagram(velocity_polygon(at_angle.linkage), study.omega), f"{name} {snapshot.angle_deg:.1f}°"
-    )
-    return svg(sheet, study.design.name) if ending == ".svg" else png(sheet)
+    at_angle = study.at_theta(np.array([radians(angle_deg)]))
+    name = f"{study.angle_name.capitalize()} {angle_deg:.1f}°"
+    sheet.show_diagram(velocity_diagram(velocity_polygon(at_angle.linkage), study.omega), name)
+    return sheet
 
 
 SNAPSHOTS: Mapping[str, Callable[[Snapshot, str], bytes]] = MappingProxyType(
@@ -334,6 +370,6 @@ def thumbnail(design: Design, width: int, height: int, ratio: float = 1.0) -> QI
         sheet = (_drives if design.listed else _mechanism)(design, width, height)
     except KindynaError:
         return image
-    _draw(sheet, image)
+    paint_on(image, _painting(sheet))
     sheet.deleteLater()
     return image

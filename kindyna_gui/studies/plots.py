@@ -11,7 +11,8 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 from core.frozen import frozen
 from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plots.xy import REACH, Dots, DraggablePoint, Line, Rule, XYPlot
+from kindyna_gui.pictures.plots.mouse import REACH, DraggablePoint, PlotMouse
+from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
 from kindyna_gui.pictures.units import short, ticks, with_unit
 
@@ -140,26 +141,26 @@ class SurveyPlot(DraggablePoint, XYPlot):
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
         if not self._filled:
             return None
-        at = self._view.mapSceneToView(self.mapToScene(pixel.toPoint()))
+        at = self.to_axes(pixel)
         (low, high), (bottom, top) = self._view.viewRange()
         inside = low <= at.x() <= high and bottom <= at.y() <= top
-        if self._is_dragging:  # outside the plot the point remains at its edge
+        if self.is_dragging:  # outside the plot the point remains at its edge
             return min(max(at.x(), low), high), min(max(at.y(), bottom), top)
         return (at.x(), at.y()) if inside else None
 
     def pixel(self, x: float, y: float) -> QPointF:
         """Return the position of a point in the widget."""
-        return QPointF(self.mapFromScene(self._view.mapViewToScene(QPointF(x, y))))
+        return self.to_pixel(QPointF(x, y))
 
     def own_pixel(self) -> QPointF | None:
         shown = self._line if self._upright else self._cross
         return self.pixel(*self.design_point) if self.design_point is not None and shown.isVisible() else None
 
-    def _is_over_point(self, place: QPointF) -> bool:
-        pixel = self.own_pixel()
-        if pixel is None or not self._upright:
-            return super()._is_over_point(place)
-        return abs(pixel.x() - place.x()) <= REACH
+    def is_over_point(self, pixel: QPointF) -> bool:
+        point = self.own_pixel()
+        if point is None or not self._upright:
+            return super().is_over_point(pixel)
+        return abs(point.x() - pixel.x()) <= REACH
 
     def show_curve(self, x: np.ndarray, y: np.ndarray, quantity: SurveyQuantity, x_title: str) -> None:
         """Show a quantity y (n,) over one number x (n,), with its limits."""
@@ -304,7 +305,7 @@ def _map_image(z: np.ndarray, within: np.ndarray, colour: str) -> np.ndarray:
 # -- parallel coordinates --------------------------------------------------------------------------------
 
 
-class ParallelPlot(XYPlot):
+class ParallelPlot(PlotMouse, XYPlot):
     """Parallel coordinates: an axis for each number and each quantity, a line across all axes for each design.
 
     Dragging along an axis selects the lines that cross this part; a click on the axis selects all.
@@ -329,7 +330,7 @@ class ParallelPlot(XYPlot):
         self._ends = np.zeros((0, 2))
         self._selected = np.zeros(0, dtype=bool)
         self._axis_titles: tuple[str, ...] = ()
-        self._brush_start: tuple[int, float] | None = None
+        self._brush_start = 0, 0.0  # axis, and its value at the press
         self._bars = self._outline(SCREEN.ink, Z_DESIGN)
         self._bars.setPen(self._theme.pen(self._theme.ink, 5.0))
         self._bars.setOpacity(0.45)
@@ -441,24 +442,21 @@ class ParallelPlot(XYPlot):
     def pixel(self, axis: int, value: float) -> QPointF:
         """Return the position of a value of an axis in the widget."""
         low, high = self._ends[axis]
-        return QPointF(self.mapFromScene(self._view.mapViewToScene(QPointF(float(axis), (value - low) / (high - low)))))
-
-    def _point(self, event: QMouseEvent) -> QPointF:
-        return self._view.mapSceneToView(self.mapToScene(event.position().toPoint()))
+        return self.to_pixel(QPointF(float(axis), (value - low) / (high - low)))
 
     def _axis_at(self, event: QMouseEvent) -> int | None:
-        axis = round(self._point(event).x())
+        axis = round(self.to_axes(event.position()).x())
         if not 0 <= axis < len(self._axis_titles):
             return None
         return axis if abs(self.pixel(axis, self._ends[axis, 0]).x() - event.position().x()) <= REACH else None
 
     def _value(self, axis: int, event: QMouseEvent) -> float:
         low, high = self._ends[axis]
-        return float(low + min(max(self._point(event).y(), 0.0), 1.0) * (high - low))
+        return float(low + min(max(self.to_axes(event.position()).y(), 0.0), 1.0) * (high - low))
 
     def _line_at(self, event: QMouseEvent) -> int | None:
         """Index of the selected design whose line is next to the mouse."""
-        at, selected = self._point(event), self.selected
+        at, selected = self.to_axes(event.position()), self.selected
         i = int(np.floor(at.x()))
         if not (selected.size and 0 <= i < len(self._axis_titles) - 1):
             return None
@@ -469,36 +467,30 @@ class ParallelPlot(XYPlot):
         nearest = int(np.nanargmin(distance))
         return int(selected[nearest]) if distance[nearest] * self.frame().height <= 2.0 * REACH else None
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        event.accept()
+    def press(self, event: QMouseEvent) -> bool:
         if event.button() != Qt.MouseButton.LeftButton or not self._axis_titles:
-            return
-        axis = self._axis_at(event)
+            return False
+        axis, line = self._axis_at(event), self._line_at(event)
         if axis is not None:
             self._brush_start = axis, self._value(axis, event)
-            return
-        line = self._line_at(event)
-        if line is not None:
+        elif line is not None:
             self.picked.emit(line)
+        return axis is not None
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._brush_start is None:
-            self.viewport().setCursor(
-                Qt.CursorShape.SizeVerCursor if self._axis_at(event) is not None else Qt.CursorShape.CrossCursor
-            )
+    def hover(self, event: QMouseEvent | None) -> None:
+        if event is not None:
+            is_over_axis = self._axis_at(event) is not None
+            self.viewport().setCursor(Qt.CursorShape.SizeVerCursor if is_over_axis else Qt.CursorShape.CrossCursor)
             self.hovered.emit(self._line_at(event))
-            return
+
+    def drag(self, event: QMouseEvent) -> None:
         axis, start = self._brush_start
         now = self._value(axis, event)
         self.brushes[axis] = min(start, now), max(start, now)
         self._draw_brushes()
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-        if self._brush_start is None:
-            return
+    def drop(self, event: QMouseEvent) -> None:
         axis, start = self._brush_start
-        self._brush_start = None
         if self._value(axis, event) == start:
             self.brushes.pop(axis, None)
         self.brushed.emit()
@@ -507,7 +499,7 @@ class ParallelPlot(XYPlot):
 # -- front of two goals ----------------------------------------------------------------------------------
 
 
-class FrontPlot(XYPlot):
+class FrontPlot(PlotMouse, XYPlot):
     """Designs none of which is worse in both of two goals. Signal ``picked`` (int): a design is clicked."""
 
     picked = Signal(int)
@@ -532,21 +524,21 @@ class FrontPlot(XYPlot):
 
     def pixel(self, number: int) -> QPointF:
         """Return the position of a design in the widget."""
-        return QPointF(self.mapFromScene(self._view.mapViewToScene(QPointF(*self.points[:, number].tolist()))))
+        return self.to_pixel(QPointF(*self.points[:, number].tolist()))
 
     def _at(self, event: QMouseEvent) -> int | None:
         distances = [(self.pixel(i) - event.position()).manhattanLength() for i in range(self.points.shape[1])]
         nearest = int(np.argmin(distances)) if distances else 0
         return nearest if distances and distances[nearest] <= 2.0 * REACH else None
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        event.accept()
+    def press(self, event: QMouseEvent) -> bool:
         number = self._at(event)
         if event.button() == Qt.MouseButton.LeftButton and number is not None:
             self.picked.emit(number)
+        return False
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        is_over = self._at(event) is not None
+    def hover(self, event: QMouseEvent | None) -> None:
+        is_over = event is not None and self._at(event) is not None
         self.viewport().setCursor(Qt.CursorShape.PointingHandCursor if is_over else Qt.CursorShape.CrossCursor)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
 from math import radians
 from types import MappingProxyType
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
-from core.instant_centres import CHAINS, ratio_arms, velocity_polygon
+from core.instant_centres import CHAINS, ratio_arms
 from core.mechanism import body_name
 from core.papers import Drawing, FigureTable, MechanismPicture, MechanismRow, Polygon, ShaftPicture
 from core.plot import Figure
@@ -22,13 +21,21 @@ from kindyna_gui.pictures.drawing import mechanism
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.centre_parts import CircleDiagram, construction_text
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.drawing.polygons import PolygonSheet, velocity_box, velocity_diagram
-from kindyna_gui.pictures.painter import ENLARGED, MARGIN, RATIO, SHEET_OF_CHART, MechanismSheet, PaperSheet, png, svg
+from kindyna_gui.pictures.painter import (
+    ENLARGED,
+    MARGIN,
+    SHEET_OF_CHART,
+    MechanismSheet,
+    PaperSheet,
+    chart_plot,
+    paper_theme,
+    polygon_sheet,
+    widget_file,
+)
 from kindyna_gui.pictures.paper.sheets import TableSheet, figure_file
-from kindyna_gui.pictures.plots.stability_chart import ChartPlot
-from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
+from kindyna_gui.pictures.style import SMALL, Theme
 
-MECHANISM, POLYGON, SMALL_MECHANISM = (900, 640), (640, 560), (270, 250)  # sizes, pixels
+MECHANISM, SMALL_MECHANISM = (900, 640), (270, 250)  # sizes, pixels
 CIRCLE_DIAGRAM = 300  # width and height, pixels
 OMITTED_LAYERS = ("labels", "scale", "normal", "centre", "loads")  # layers that would clutter a small drawing
 NEAR = 6.0  # centres farther away than this many sizes of the mechanism are not in the view
@@ -63,21 +70,13 @@ def _line(text: str, theme: Theme, height: int) -> QLabel:
     return label
 
 
-def _file(widget: QWidget, ending: str, title: str) -> bytes:
-    return svg(widget, title) if ending == ".svg" else png(widget)
-
-
-def _theme(ending: str) -> Theme:
-    return LIGHT if ending == ".svg" else replace(LIGHT, ratio=RATIO)
-
-
 def _table(table: FigureTable, ending: str) -> bytes:
-    return _file(TableSheet(table), ending, table.title)
+    return widget_file(TableSheet(table), ending, table.title)
 
 
 def _mechanism(picture: MechanismPicture, ending: str) -> bytes:
     """Mechanism at an angle; a step of the construction adds the circle diagram and a sentence."""
-    theme = _theme(ending)
+    theme = paper_theme(ending)
     scene = MechanismScene(None, theme, ENLARGED if ending == ".svg" else 1.0, still=True)
     for layer in picture.layers:
         scene.set_layer(layer, True)
@@ -93,17 +92,17 @@ def _mechanism(picture: MechanismPicture, ending: str) -> bytes:
         rect = _with_centres(rect, study, picture.layers)
     sheet = MechanismSheet(scene, *MECHANISM, mechanism.fitted(rect, *MECHANISM))
     if picture.step is None:
-        return _file(_Titled(picture.title, theme, sheet), ending, picture.title)
+        return widget_file(_Titled(picture.title, theme, sheet), ending, picture.title)
     plan = study.centres.construction
     diagram = CircleDiagram()
     diagram.setFixedSize(CIRCLE_DIAGRAM, CIRCLE_DIAGRAM)
     diagram.show_step(study.centres.bodies, plan, min(picture.step, len(plan.steps)))
     below = construction_text(plan, min(picture.step, len(plan.steps)))
-    return _file(_Titled(picture.title, theme, sheet, diagram, below), ending, picture.title)
+    return widget_file(_Titled(picture.title, theme, sheet, diagram, below), ending, picture.title)
 
 
 def _mechanism_grid(row: MechanismRow, ending: str) -> bytes:
-    theme = _theme(ending)
+    theme = paper_theme(ending)
     grid = QWidget()
     cells = QGridLayout(grid)
     cells.setContentsMargins(0, 0, 0, 0)
@@ -121,7 +120,7 @@ def _mechanism_grid(row: MechanismRow, ending: str) -> bytes:
         cells.addWidget(_line(picture.title, theme, SMALL), 2 * line, column)
         cells.addWidget(sheet, 2 * line + 1, column)
     grid.adjustSize()
-    return _file(_Titled(row.title, theme, grid), ending, row.title)
+    return widget_file(_Titled(row.title, theme, grid), ending, row.title)
 
 
 def _with_centres(rect: QRectF, study: Study, layers: Collection[str]) -> QRectF:
@@ -143,32 +142,22 @@ def _with_centres(rect: QRectF, study: Study, layers: Collection[str]) -> QRectF
 
 
 def _chart(chart: Chart, ending: str) -> bytes:
-    theme = _theme(ending)
-    plot = ChartPlot(theme=theme)
-    plot.resize(*SHEET_OF_CHART)
-    plot.show_chart(chart)
-    plot.grab()  # the axes compute their sizes
-    plot.show_chart(chart)
-    return _file(_Titled(chart.name, theme, plot), ending, chart.name)
+    theme = paper_theme(ending)
+    plot = chart_plot(chart, theme, *SHEET_OF_CHART)
+    return widget_file(_Titled(chart.name, theme, plot), ending, chart.name)
 
 
 def _polygon(polygon: Polygon, ending: str) -> bytes:
-    study = polygon.study
-    sheet = PolygonSheet()
-    sheet.resize(*POLYGON)
-    sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
-    posed = study.at_theta(np.array([radians(polygon.angle_deg)]))
-    angle_text = f"{study.angle_name.capitalize()} {polygon.angle_deg:.1f}°"
-    sheet.show_diagram(velocity_diagram(velocity_polygon(posed.linkage), study.omega), angle_text)
-    return _file(_Titled(polygon.title, _theme(ending), sheet), ending, polygon.title)
+    sheet = polygon_sheet(polygon.study, polygon.angle_deg)
+    return widget_file(_Titled(polygon.title, paper_theme(ending), sheet), ending, polygon.title)
 
 
 def _shaft(picture: ShaftPicture, ending: str) -> bytes:
-    theme = _theme(ending)
+    theme = paper_theme(ending)
     scene = Assembly(theme)
     scene.show_shaft(picture.study, 0, False)
     scene.set_machine(radians(picture.angle_deg))
-    return _file(_Titled(picture.title, theme, MechanismSheet(scene, *MECHANISM)), ending, picture.title)
+    return widget_file(_Titled(picture.title, theme, MechanismSheet(scene, *MECHANISM)), ending, picture.title)
 
 
 PAINTERS: Mapping[type, Callable[[Any, str], bytes]] = MappingProxyType(

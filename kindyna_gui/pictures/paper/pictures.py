@@ -8,9 +8,8 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QBuffer, QByteArray, QPoint, QRect, QSize
+from PySide6.QtCore import QPoint, QRect, QSize
 from PySide6.QtGui import QColor, QPainter, QPalette
-from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 
 from core.design import UNITS
@@ -28,11 +27,12 @@ from kindyna_gui.pictures.painter import (
     MechanismSheet,
     PaperSheet,
     PlotStack,
+    chart_plot,
     plot_rows,
     report_scene,
+    svg_bytes,
 )
 from kindyna_gui.pictures.paper.timing_chart import DEGREES, ChartHighlights, TimingChart
-from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme
 
@@ -82,21 +82,8 @@ def vector(picture: ReportPicture, scale: float = 1.0, part: float = 1.0) -> Vec
 
 def svg(drawn: Vector, title: str) -> str:
     """Write a picture as SVG."""
-    data = QByteArray()
-    buffer = QBuffer(data)
-    generator = QSvgGenerator()
-    generator.setOutputDevice(buffer)
-    generator.setResolution(96)
-    generator.setSize(QSize(drawn.width, drawn.height))
-    generator.setViewBox(QRect(0, 0, drawn.width, drawn.height))
-    generator.setTitle(title)
-    generator.setDescription("")
-    painter = QPainter(generator)
-    try:
-        drawn.paint(painter)
-    finally:
-        painter.end()
-    return bytes(data.data()).decode().replace(*FALLBACK)
+    size = QSize(drawn.width, drawn.height)
+    return svg_bytes(size, 96, title, "", drawn.paint).decode().replace(*FALLBACK)
 
 
 def _widget_vector(widget: QWidget) -> Vector:
@@ -149,13 +136,8 @@ def _glance(study: Study, theme: Theme, part: float) -> Vector:
 def _chart(study: Study, theme: Theme, part: float) -> Vector:
     from core.output.stability_files import machine_chart  # slow to load, and only needed for a flexible shaft
 
-    drawn = machine_chart(study.flexible_shaft(), study.design.name)
-    plot = ChartPlot(theme=theme)
-    plot.resize(WIDTH, int(part * CHART))
-    plot.show_chart(drawn)
-    plot.grab()  # the axes compute their sizes
-    plot.show_chart(drawn)
-    return _widget_vector(plot)
+    chart = machine_chart(study.flexible_shaft(), study.design.name)
+    return _widget_vector(chart_plot(chart, theme, WIDTH, int(part * CHART)))
 
 
 def _timing(study: Study, theme: Theme, part: float) -> Vector:

@@ -9,8 +9,7 @@ import math
 import re
 import uuid
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -37,7 +36,6 @@ from PySide6.QtGui import (
     QFontMetricsF,
     QImage,
     QPageSize,
-    QPaintDevice,
     QPainter,
     QPainterPath,
     QPaintEvent,
@@ -45,7 +43,7 @@ from PySide6.QtGui import (
     QPen,
     QPolygonF,
 )
-from PySide6.QtSvg import QSvgGenerator, QSvgRenderer
+from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from core.output.files.cam_drawing import ENDINGS
@@ -65,15 +63,22 @@ from core.output.graph.curves import GraphImage
 from core.papers import FigureTable
 from core.study import Quantity, Study
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.painter import MARGIN, RATIO, PaperSheet, png, svg
+from kindyna_gui.pictures.painter import (
+    MARGIN,
+    PaperSheet,
+    curves_file,
+    fill_plot,
+    paint_on,
+    paper_theme,
+    svg_bytes,
+    widget_file,
+)
 from kindyna_gui.pictures.plots.curves import NO_BANDS
 from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import GraphRange
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, font
-from kindyna_gui.pictures.units import UNSEEN
 
 if TYPE_CHECKING:
     from core.stability import Figure
@@ -186,14 +191,6 @@ def _pen(kind: str) -> QPen:
     return pen
 
 
-def _paint_on(device: QPaintDevice, paint: Callable[[QPainter], None]) -> None:
-    painter = QPainter(device)
-    try:
-        paint(painter)
-    finally:
-        painter.end()
-
-
 def paint_sheet(painter: QPainter, sheet: DrawingSheet, room: QRect) -> None:
     """Paint the sheet as a white page, centred and as large as the space allows."""
     factor = min(room.width() / sheet.width, room.height() / sheet.height) / UNITS_PER_MM
@@ -208,18 +205,8 @@ def paint_sheet(painter: QPainter, sheet: DrawingSheet, room: QRect) -> None:
 
 def vector_svg(title: str, about: str, width: float, height: float, paint: Callable[[QPainter], None]) -> bytes:
     """Write a page of a size [mm] as SVG; ``paint`` paints in hundredths of a millimetre."""
-    data = QByteArray()
-    generator = QSvgGenerator()
-    buffer = QBuffer(data)
-    generator.setOutputDevice(buffer)
-    generator.setResolution(DPI)
     size = QSize(round(UNITS_PER_MM * width), round(UNITS_PER_MM * height))
-    generator.setSize(size)
-    generator.setViewBox(QRect(0, 0, size.width(), size.height()))
-    generator.setTitle(title)
-    generator.setDescription(about)
-    _paint_on(generator, paint)
-    return bytes(data.data())
+    return svg_bytes(size, DPI, title, about, paint)
 
 
 def vector_pdf(title: str, about: str, width: float, height: float, *pages: Callable[[QPainter], None]) -> bytes:
@@ -253,7 +240,7 @@ def _pdf(title: str, about: str, width: float, height: float, pages: Sequence[Ca
                 writer.newPage()
             paint_page(painter)
 
-    _paint_on(writer, paint)
+    paint_on(writer, paint)
     buffer.close()
     return bytes(data.data())
 
@@ -347,25 +334,13 @@ class PolarSheet(PaperSheet):
         columns = math.ceil(math.sqrt(len(rows)))
         for number, row in enumerate(rows):
             plot = PolarPlot(self, theme)
-            plot.unseen = unseen
-            plot.set_curves(study, row, bands=bands)
-            plot.show_extremes(channel_extremes(study, row) if marks else None)
-            plot.show_cursor(False)
+            fill_plot(plot, study, row, unseen, marks, bands)
             grid.addWidget(plot, number // columns, number % columns)
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
 
 
-def polar_file(
-    study: Study,
-    rows: Sequence[Sequence[Quantity]],
-    ending: str,
-    marks: bool = True,
-    bands: Mapping[str, np.ndarray] = NO_BANDS,
-) -> bytes:
-    """Write polar plots as a file, ``.png`` or ``.svg``; raises NoSolution where one has no values."""
-    if ending == ".svg":
-        return svg(PolarSheet(study, rows, LIGHT, marks=marks, bands=bands), study.design.name)
-    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks, bands))
+polar_file = partial(curves_file, sheet=PolarSheet)
+"""Write polar plots as a file; parameters as for `curves_file`."""
 
 
 class XYSheet(PaperSheet):
@@ -390,10 +365,9 @@ class XYSheet(PaperSheet):
 
 def figure_file(figure: Figure, ending: str) -> bytes:
     """Write a figure as a file, ``.png`` or ``.svg``."""
-    vector = ending == ".svg"
-    sheet = XYSheet(figure, LIGHT if vector else replace(LIGHT, ratio=RATIO))
+    sheet = XYSheet(figure, paper_theme(ending))
     sheet.grab()  # the axes compute their sizes
-    return svg(sheet, figure.title) if vector else png(sheet)
+    return widget_file(sheet, ending, figure.title)
 
 
 # -- tables --------------------------------------------------------------------------------------------
@@ -509,16 +483,13 @@ PIXEL = 0.26  # mm of paper per pixel
 def graph_file(picture: GraphImage, shown: GraphRange | None = None, bands: Bands = NO_CHANNEL_BANDS) -> bytes:
     """Write a graph as PNG, SVG or PDF; ``shown`` is the visible part, None for all, ``bands`` as in ``show_graph``."""
     ensure_app(offscreen=True)
-    raster = picture.ending == ".png"
-    plot = GraphPlot(theme=replace(LIGHT, ratio=RATIO) if raster else LIGHT)
+    plot = GraphPlot(theme=paper_theme(picture.ending))
     plot.resize(picture.width, picture.height)
     plot.show_graph(picture.graph, picture.data, bands=bands)
     plot.grab()  # the axes compute their sizes
     plot.show_range(shown or plot.shown)
-    if raster:
-        return png(plot)
-    if picture.ending == ".svg":
-        return svg(plot, picture.name)
+    if picture.ending != ".pdf":
+        return widget_file(plot, picture.ending, picture.name)
 
     def paint(painter: QPainter) -> None:
         painter.scale(PIXEL * UNITS_PER_MM, PIXEL * UNITS_PER_MM)

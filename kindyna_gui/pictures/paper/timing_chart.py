@@ -31,7 +31,7 @@ from core.design import (
 from core.frozen import frozen
 from core.output.timing import ENDINGS, MotionBand, bands, events_csv
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.painter import png_bytes
+from kindyna_gui.pictures.painter import paint_on, png_bytes
 from kindyna_gui.pictures.paper.sheets import FILES, UNITS_PER_MM
 from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, Theme, brush, font, rgb
 from kindyna_gui.pictures.units import brief, digits, short, ticks, with_unit
@@ -513,19 +513,11 @@ def timing_file(design: Design, ending: str, unit: str = DEGREES, pair: Sequence
         return lambda painter: _paint(painter, design, unit, tuple(pair), scale)
 
     if ending == ".png":
-        return _png(height, paint(DOTS))
+        image = QImage(round(WIDTH * DOTS), round(height * DOTS), QImage.Format.Format_RGB32)
+        paint_on(image, paint(DOTS))
+        return png_bytes(image)
     description = "Timing chart: motions of all drives over the machine angle"
     return FILES[ending](design.name, description, WIDTH * PIXEL, height * PIXEL, paint(PIXEL * UNITS_PER_MM))
-
-
-def _png(height: float, paint: Callable[[QPainter], None]) -> bytes:
-    image = QImage(round(WIDTH * DOTS), round(height * DOTS), QImage.Format.Format_RGB32)
-    painter = QPainter(image)
-    try:
-        paint(painter)
-    finally:
-        painter.end()
-    return png_bytes(image)
 
 
 def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], scale: float) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import degrees
+from collections.abc import Callable, Mapping, Sequence
+from math import degrees, radians
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -15,9 +16,8 @@ from core.design import motion_of
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
-from kindyna_gui.pictures.items import Outline, text_size
+from kindyna_gui.pictures.items import Outline
 from kindyna_gui.pictures.plots.lines import (
-    TOP_HEIGHT,
     Z_CURVE,
     Z_REFERENCE,
     Cursor,
@@ -36,6 +36,7 @@ from kindyna_gui.pictures.plots.plot import (
     Span,
     angle_ticks,
     axis_range,
+    fitting_title,
     name_ticks,
     readable_range,
     spans,
@@ -43,14 +44,14 @@ from kindyna_gui.pictures.plots.plot import (
     value_ticks,
 )
 from kindyna_gui.pictures.plots.quantities import Curve, drawn_alike, limits_of, moving, read_curves
-from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, THIN, Theme
+from kindyna_gui.pictures.style import DASHED, SCREEN, THIN, Theme
 from kindyna_gui.pictures.units import (
-    NOTHING_DRAWN,
     DisplayUnit,
     TurnSamples,
     curve_words,
     legible,
     line_of,
+    measure,
     nearest,
     readable,
     short,
@@ -64,7 +65,79 @@ NO_BANDS: Mapping[str, np.ndarray] = MappingProxyType({})
 CLIP_RANGES = 50.0  # values are cut off at so many ranges of the axis beyond its ends
 
 
-class CurvePlot(FixedPlot):
+class TurnCurves:
+    """Rows of a plot over one turn, straight or polar: curves of one unit, their extremes, their values at the cursor.
+
+    Attributes
+    ----------
+    unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
+    display_unit : unit that the values are shown in
+    angle_moved : signal (float), the user has set the cam angle [rad]
+    angle_at : method that returns the cam angle [deg] at a pixel of the widget
+    """
+
+    unseen = 0.0
+    display_unit = DisplayUnit("", 1.0, 0.0)
+    angle_moved: Any
+    angle_at: Callable[[QPointF], float]
+    _curves: Sequence[Curve] = ()
+    _theta = np.zeros(0)
+    _angle, _with_cursor = 0.0, True
+    _exact_values: Sequence[float] | None = None
+    _ranges: Mapping[str, Extremes] | None = None
+
+    @property
+    def lacks_extremes(self) -> bool:
+        """Whether the extremes of the current curves have not been shown yet."""
+        return bool(self._curves) and self._ranges is None
+
+    @property
+    def angle(self) -> float:
+        """Cam angle of the cursor [rad]."""
+        return self._angle
+
+    def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
+        """Move the cursor to a cam angle.
+
+        Parameters
+        ----------
+        theta : float [rad]
+        at_angle : Study, optional
+            The same study evaluated at this angle, for exact values; else those of the nearest sample are shown.
+        """
+        self._angle = theta
+        self._exact_values = (
+            None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
+        )
+        self._show_values()
+
+    def set_angle_at(self, pixel: QPointF) -> None:
+        """Report that the user has set the cam angle at a pixel of the widget, where there is a curve."""
+        if self._curves:
+            self.angle_moved.emit(radians(self.angle_at(pixel)))
+
+    def show_cursor(self, shown: bool) -> None:
+        """Show or hide the cursor and its values; images on paper have none."""
+        self._with_cursor = shown
+        self._show_values()
+
+    def _show_values(self) -> None:
+        """Draw the cursor, and the values next to it."""
+        raise NotImplementedError
+
+    def _values_at_cursor(self) -> list[float]:
+        """Values of the curves at the cursor, in the unit of the axis."""
+        at = nearest(self._theta, self._angle) if self._curves else 0
+        values = self._exact_values or [float(curve.values[at]) for curve in self._curves]
+        rows = zip(self._curves, values, strict=True)
+        return [curve.shown(value, self.display_unit.size) for curve, value in rows]
+
+    def readings(self) -> list[str]:
+        """Texts at the cursor, in the order of the curves."""
+        return [measure(value, self.display_unit.symbol) for value in self._values_at_cursor()]
+
+
+class CurvePlot(TurnCurves, FixedPlot):
     """Quantities of one unit over the cam angle, 0 ... 360°, with a cursor.
 
     Parameters
@@ -74,13 +147,10 @@ class CurvePlot(FixedPlot):
 
     Attributes
     ----------
-    unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
     text_room : room left free above and below the curves, for the texts of extremes [pixels]
     reference_name : name of the dashed reference in the legend
-    display_unit : unit that the values are shown in
     """
 
-    unseen = 0.0
     text_room = 0.0
     reference_name = "pinned variant"
 
@@ -93,14 +163,10 @@ class CurvePlot(FixedPlot):
         self.show_numbers(angles, angle_title("cam angle"))
         self._with_angles = angles
         self._cursor = Cursor(self._view, theme)
-        self._angle, self._with_cursor = 0.0, True
         self._spans: list[Span] = []
         self._samples: TurnSamples | None = None
-        self._theta = np.zeros(0)
-        self._curves: list[Curve] = []
         self._reference_curves: list[Curve] = []
         self._reference_samples: TurnSamples | None = None
-        self._exact_values: list[float] | None = None
         self._readings: list[Readout] = []
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
@@ -110,12 +176,10 @@ class CurvePlot(FixedPlot):
         self._request: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
         self._core: tuple[float, float] | None = None  # the range that the axis must show at least
         self._shows_spikes = self._has_spikes = False
-        self._ranges: Mapping[str, Extremes] | None = None
         self._extremes: list[Extreme] = []
         self._extreme_marks: list[ExtremeMark] = []
         self._boxes: list[QRectF] = []
         self._background_state: tuple[object, ...] = ()
-        self.display_unit = DisplayUnit("", 1.0, 0.0)
         self.show_message("")
 
     def _size_axes(self) -> None:
@@ -254,15 +318,8 @@ class CurvePlot(FixedPlot):
 
     def _describe(self) -> None:
         """Set name and description for screen readers."""
-        self.setAccessibleName(
-            f"Plot of {', '.join(curve.channel.label.lower() for curve in self._curves) or 'nothing'}"
-        )
-        self.setAccessibleDescription(self.description() or self._message_text or NOTHING_DRAWN)
-
-    @property
-    def lacks_extremes(self) -> bool:
-        """Whether the extremes of the current curves have not been shown yet."""
-        return bool(self._curves) and self._ranges is None
+        labels = ", ".join(curve.channel.label.lower() for curve in self._curves)
+        self.describe(f"Plot of {labels or 'nothing'}", self.description())
 
     def marked(self) -> list[Extreme]:
         """Extremes that are marked, in the unit of the axis."""
@@ -365,52 +422,31 @@ class CurvePlot(FixedPlot):
             rows += [band_entry(self._theme)] if has_bands else []
         self._name(rows)
 
+    def angle_at(self, pixel: QPointF) -> float:
+        """Cam angle [deg] at a pixel of the widget, limited to 0 ... 360."""
+        return min(max(self.to_axes(pixel).x(), 0.0), 360.0)
+
     # -- cursor ---------------------------------------------------------------------------------------------
 
-    @property
-    def angle(self) -> float:
-        """Cam angle of the cursor [rad]."""
-        return self._angle
-
-    def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
-        """Move the cursor to a cam angle.
-
-        Parameters
-        ----------
-        theta : float [rad]
-        at_angle : Study, optional
-            The same study evaluated at this angle, for exact values; else those of the nearest sample are shown.
-        """
-        self._angle = theta
-        self._exact_values = (
-            None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
-        )
-        self._cursor.setPos(degrees(theta), 0.0)
+    def _show_values(self) -> None:
+        self._cursor.setPos(degrees(self._angle), 0.0)
         self._write()
-
-    def show_cursor(self, shown: bool) -> None:
-        """Show or hide the cursor; images on paper have none."""
-        self._with_cursor = shown
-        self._write()
-
-    def readings(self) -> list[str]:
-        """Texts next to the cursor, in the order of the curves."""
-        return [reading.tag.text for reading in self._readings]
 
     def _write(self) -> None:
+        """Write the values next to the cursor."""
         self._cursor.setVisible(self._with_cursor and bool(self._curves))
-        frame = self.frame()
         written: list[QRectF] = []
         if not self._with_cursor:
             for reading in self._readings:
                 reading.hide()
         elif self._readings:
-            at = nearest(self._theta, self._angle)
-            exact_or_sampled = self._exact_values or [float(curve.values[at]) for curve in self._curves]
-            rows = zip(self._curves, exact_or_sampled, strict=True)
-            values = [curve.shown(value, self.display_unit.size) for curve, value in rows]
             written = place_readouts(
-                self._readings, degrees(self._angle), values, self.display_unit, frame, self._boxes
+                self._readings,
+                degrees(self._angle),
+                self._values_at_cursor(),
+                self.display_unit,
+                self.frame(),
+                self._boxes,
             )
         for mark in self._extreme_marks:  # in a low plot the values at the cursor may need the room of these texts
             mark.give_way(written)
@@ -485,11 +521,7 @@ class CurvePlot(FixedPlot):
         )
         shared = (family,) if len(families) == 1 else ()
         names = (row.label, legible(row.symbol)) if len(self._curves) == 1 else shared
-        for name in names:
-            text = f"{name}, {unit}" if unit else name
-            if text_size(text, TEXT)[0] <= height + sized(TOP_HEIGHT):
-                return text
-        return unit
+        return fitting_title((f"{name}, {unit}" if unit else name for name in names), unit, height)
 
     def _title_colour(self) -> str:
         return self._theme.text_colour(self._curves[0].colour) if len(self._curves) == 1 else self._theme.ink

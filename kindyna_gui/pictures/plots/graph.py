@@ -17,6 +17,7 @@ from PySide6.QtGui import QAccessible, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphData, GraphPoint, Series, angle_marks
+from core.units import conversion_factor
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.graph_ranges import (
     GraphRange,
@@ -26,10 +27,9 @@ from kindyna_gui.pictures.plots.graph_ranges import (
     is_outline,
     scaled,
     ticks_of,
-    with_one_scale,
 )
 from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, add_item, band_entry, band_items
-from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot
+from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot, with_one_scale
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
@@ -45,7 +45,7 @@ from kindyna_gui.pictures.style import (
     font,
     shade,
 )
-from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, lines_words, with_unit
+from kindyna_gui.pictures.units import DisplayUnit, lines_words, with_unit
 from kindyna_gui.settings import sized
 
 SYMBOLS = {"circle": "o", "square": "s", "triangle": "t1", "cross": "x", "plus": "+"}
@@ -181,7 +181,7 @@ class GraphPlot(FixedPlot):
                 lines_words([(series.name, series.x, series.y)], self._across(), self._upwards(self.axis_of(number)))
                 for number, series in enumerate(self.data.series)
             ]
-            self.setAccessibleDescription("; ".join(rows) or self._message_text or NOTHING_DRAWN)
+            self.describe(self.accessibleName(), "; ".join(rows))
 
     def _assign_slots(self) -> list[int]:
         """Slot of each axis of the graph, 0 on the left, 1, 2 ... on the right; hides the other axes."""
@@ -377,16 +377,14 @@ class GraphPlot(FixedPlot):
 
     def pixel_of(self, point: GraphPoint) -> QPointF:
         """Pixel of a point in the widget."""
-        view = self.view_of(self.axis_of(point.series))
-        return QPointF(self.mapFromScene(view.mapViewToScene(self.position(point))))
+        return self.to_pixel(self.position(point), self.view_of(self.axis_of(point.series)))
 
     def nearest(self, pixel: QPointF) -> GraphPoint | None:
         """Point of the nearest curve at a pixel of the widget; None where no curve is near."""
-        scene = self.mapToScene(pixel.toPoint())
         best: tuple[float, GraphPoint] | None = None
         for number, series in enumerate(self.data.series):
             view = self.view_of(self.axis_of(number))
-            at = view.mapSceneToView(scene)
+            at = self.to_axes(pixel, view)
             across, upwards = view.viewPixelSize()
             x, y = self._items[number].getOriginalDataset()
             if x is None or not len(x) or not (across and upwards):  # without a curve, or without an extent
@@ -426,8 +424,9 @@ class GraphPlot(FixedPlot):
         shown = full_range(replace(self.data, series=tuple(with_bands)), self.graph.x, self.display_units)
         if not is_outline(self.data, self.graph.x):
             return shown
-        frame = self.frame()
-        return with_one_scale(shown, self.data, self.display_units[0].size, frame.width, frame.height)
+        unit = self.display_units[0].size * conversion_factor(self.data.axes[0].unit, self.data.x_unit)
+        x, y = with_one_scale(shown.x, shown.values[0], self.frame(), unit)
+        return GraphRange(x, (y,))
 
     def fit(self) -> None:
         """Show the full graph; an outline is fitted again when the plot's size changes."""

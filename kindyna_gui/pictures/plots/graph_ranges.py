@@ -9,8 +9,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.output.graph import GraphAxis, GraphData, ValueAxis, quantity_kind
-from core.units import conversion_factor
-from kindyna_gui.pictures.plots.plot import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, value_ticks
+from kindyna_gui.pictures.plots.plot import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, Ends, value_ticks
 from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
 from kindyna_gui.settings import sized
 
@@ -19,7 +18,6 @@ FREE_ACROSS = 0.08  # of the range of x, left free on both sides of curves whose
 MOST_DECADES = 15.0  # below the largest value that a logarithmic axis shows without typed ends
 TINY = 1e-12  # of the values of an axis: no narrower range is shown
 LARGEST = 1e290  # end of an axis that can still be drawn
-Ends = tuple[float, float]
 
 # -- ranges -------------------------------------------------------------------------------------------------
 
@@ -75,29 +73,6 @@ def is_outline(data: GraphData, x: GraphAxis) -> bool:
     scales = (x, data.axes[0].scale) if lengths else ()
     is_free = all(s.low is None and s.high is None and not s.log for s in scales)
     return lengths and is_free and any(not series.is_ordered for series in data.series)
-
-
-def with_one_scale(shown: GraphRange, data: GraphData, size: float, width: float, height: float) -> GraphRange:
-    """Widen a range until both axes of an outline have the same scale.
-
-    Parameters
-    ----------
-    shown : GraphRange
-    data : GraphData
-    size : float
-        Display unit of the values in their unit.
-    width, height : float
-        Size of the plot [pixels].
-    """
-    (ends,) = shown.values
-    up = size * conversion_factor(data.axes[0].unit, data.x_unit)
-    per_pixel = max((shown.x[1] - shown.x[0]) / width, up * (ends[1] - ends[0]) / height)
-    return GraphRange(_with_width(shown.x, per_pixel * width), (_with_width(ends, per_pixel * height / up),))
-
-
-def _with_width(ends: Ends, width: float) -> Ends:
-    middle = 0.5 * (ends[0] + ends[1])
-    return middle - 0.5 * width, middle + 0.5 * width
 
 
 def _values_range(data: GraphData, axis: ValueAxis, unit: DisplayUnit) -> Ends:
@@ -216,6 +191,5 @@ __all__ = [
     "scaled",
     "shifted",
     "ticks_of",
-    "with_one_scale",
     "zoomed",
 ]

@@ -35,7 +35,7 @@ from kindyna_gui.pictures.plots.lines import (
     add_item,
 )
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.units import decimals_of, number, ticks
+from kindyna_gui.pictures.units import NOTHING_DRAWN, decimals_of, number, ticks
 from kindyna_gui.settings import sized
 
 ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
@@ -55,6 +55,7 @@ REST, CORE = 0.02, 0.05  # share of the lowest and highest values left out of th
 FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
 """Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
 Ticks = Sequence[tuple[float, str]]
+Ends = tuple[float, float]
 
 # -- axis with given ticks -------------------------------------------------------------------------------
 
@@ -480,11 +481,23 @@ class FixedPlot(pg.GraphicsView):
         (first, last), (low, high) = self._view.viewRange()
         return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0), first, last)
 
+    def to_pixel(self, at: QPointF, view: pg.ViewBox | None = None) -> QPointF:
+        """Pixel of the widget at a point on the axes, by default the left one."""
+        return QPointF(self.mapFromScene((view or self._view).mapViewToScene(at)))
+
+    def to_axes(self, pixel: QPointF, view: pg.ViewBox | None = None) -> QPointF:
+        """Point on the axes, by default the left one, at a pixel of the widget."""
+        return QPointF((view or self._view).mapSceneToView(self.mapToScene(pixel.toPoint())))
+
     def pixel_at(self, across: float) -> QPointF:
         """Pixel of the widget at a value of the x axis, in the middle of the plot's height."""
         frame = self.frame()
-        point = self._view.mapViewToScene(QPointF(across, 0.5 * (frame.low + frame.high)))
-        return QPointF(self.mapFromScene(point))
+        return self.to_pixel(QPointF(across, 0.5 * (frame.low + frame.high)))
+
+    def describe(self, name: str, text: str) -> None:
+        """Set name and description for screen readers; the message describes a plot without curves."""
+        self.setAccessibleName(name)
+        self.setAccessibleDescription(text or self._message_text or NOTHING_DRAWN)
 
     def draw_axes(self, frame: Frame, across: Ticks, upwards: Ticks, segments: Sequence[Span] = ()) -> None:
         """Draw grid, zero line, shaded segments and ticks, and the message in the middle."""
@@ -504,7 +517,23 @@ class FixedPlot(pg.GraphicsView):
         event.ignore()  # the axes are fixed; the surrounding view may scroll
 
 
-# -- range of an axis ------------------------------------------------------------------------------------
+# -- title and range of an axis --------------------------------------------------------------------------
+
+
+def fitting_title(titles: Iterable[str], unit: str, height: float) -> str:
+    """First title of an upward axis that is no longer than the axis [pixels]; else its unit alone."""
+    return next((title for title in titles if text_size(title, TEXT)[0] <= height + sized(TOP_HEIGHT)), unit)
+
+
+def with_one_scale(x: Ends, y: Ends, frame: Frame, unit: float = 1.0) -> tuple[Ends, Ends]:
+    """Widen the narrower of two ranges until lengths have one scale; ``unit`` is that of y in the unit of x."""
+    per_pixel = max((x[1] - x[0]) / frame.width, unit * (y[1] - y[0]) / frame.height)
+    return _with_width(x, per_pixel * frame.width), _with_width(y, per_pixel * frame.height / unit)
+
+
+def _with_width(ends: Ends, width: float) -> Ends:
+    middle = 0.5 * (ends[0] + ends[1])
+    return middle - 0.5 * width, middle + 0.5 * width
 
 
 def typical_range(values: np.ndarray) -> tuple[float, float]:

@@ -24,14 +24,14 @@ from core.design import motion_of
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.curves import NO_BANDS
+from kindyna_gui.pictures.plots.curves import NO_BANDS, TurnCurves
 from kindyna_gui.pictures.plots.lines import band_entry, band_outlines, closed_band
 from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, box_near, lay_polar_marks, paint_title
 from kindyna_gui.pictures.plots.plot import Span, peak, spans, typical_range
-from kindyna_gui.pictures.plots.quantities import Curve, read_curves
+from kindyna_gui.pictures.plots.quantities import read_curves
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.units import DisplayUnit, decimals_of, measure, nearest, needed, nice_step, number, readable
+from kindyna_gui.pictures.units import decimals_of, needed, nice_step, number, readable
 from kindyna_gui.settings import sized
 
 HOLE = 0.16  # of the radius: size of the innermost circle where values may be negative
@@ -42,7 +42,7 @@ TEXT_ANGLE = 15.0  # of the circles' texts, between two spokes, deg
 HINTS = QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing
 
 
-class PolarPlot(QWidget):
+class PolarPlot(TurnCurves, QWidget):
     """Quantities of one unit over the cam angle, with a ray at the current angle.
 
     Signals
@@ -51,14 +51,11 @@ class PolarPlot(QWidget):
 
     Attributes
     ----------
-    unseen : error of a curve that is allowed where it saves points [pixels]; 0 on paper
     message : text shown where nothing is drawn
     circles : values whose circles are drawn
-    display_unit : unit that the values are shown in
     """
 
     angle_moved = Signal(float)
-    unseen = 0.0
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
         super().__init__(parent)
@@ -67,13 +64,7 @@ class PolarPlot(QWidget):
         self._shaded: list[tuple[np.ndarray, np.ndarray, str]] = []
         self._spans: list[Span] = []
         self.message = ""
-        self._angle = 0.0
-        self._values: list[float] = []
-        self._curves: list[Curve] = []
-        self._ranges: Mapping[str, Extremes] | None = None
         self._marks: list[PolarMark] | None = None
-        self._with_cursor = True
-        self.display_unit = DisplayUnit("", 1.0, 0.0)
         self._range = (0.0, 1.0)
         self._low, self._high, self.circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
         self._paths: list[QPainterPath] | None = None
@@ -115,8 +106,7 @@ class PolarPlot(QWidget):
             for curve, band in shaded
         ]
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
-        self._ranges = self._marks = self._pixmap = None
-        self._read()
+        self._ranges = self._marks = self._pixmap = self._exact_values = None
         self.update()
 
     def update_style(self) -> None:
@@ -127,7 +117,7 @@ class PolarPlot(QWidget):
 
     def show_message(self, text: str) -> None:
         """Show only a text, such as the input that is missing."""
-        self._rows, self._curves, self._shaded, self._spans, self._values, self.message = [], [], [], [], [], text
+        self._rows, self._curves, self._shaded, self._spans, self.message = [], [], [], [], text
         self._ranges = self._marks = self._paths = self._pixmap = None
         self.update()
 
@@ -136,11 +126,6 @@ class PolarPlot(QWidget):
         self._ranges = extremes
         self._marks = self._pixmap = None
         self.update()
-
-    @property
-    def lacks_extremes(self) -> bool:
-        """Whether the extremes of the current curves have not been shown yet."""
-        return bool(self._rows) and self._ranges is None
 
     def marked(self) -> list[Extreme]:
         """Extremes that are marked, in the unit of the circles."""
@@ -165,41 +150,8 @@ class PolarPlot(QWidget):
         self.circles = [self._step * i for i in range(first, last + 1)]
         self._low, self._high = self.circles[0], self.circles[-1]
 
-    # -- cursor -------------------------------------------------------------------------------------------
-
-    def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
-        """Turn the ray to a cam angle.
-
-        Parameters
-        ----------
-        theta : float [rad]
-        at_angle : Study, optional
-            The same study evaluated at this angle, for exact values; else those of the nearest sample are shown.
-        """
-        self._angle = theta
-        self._read(at_angle)
+    def _show_values(self) -> None:
         self.update()
-
-    def show_cursor(self, shown: bool) -> None:
-        """Show or hide the ray and its values; images on paper have none."""
-        self._with_cursor = shown
-        self.update()
-
-    def readings(self) -> list[str]:
-        """Values at the ray, in the order of the curves."""
-        return [measure(value, self.display_unit.symbol) for value in self._values]
-
-    def _read(self, at_angle: Study | None = None) -> None:
-        if not self._rows:
-            return
-        at = nearest(self._theta, self._angle)
-        self._values = [
-            curve.shown(
-                float(curve.values[at] if at_angle is None else curve.channel.values(at_angle)[0]),
-                self.display_unit.size,
-            )
-            for curve in self._curves
-        ]
 
     # -- geometry -----------------------------------------------------------------------------------------
 
@@ -379,7 +331,7 @@ class PolarPlot(QWidget):
         left, occupied, room = math.cos(self._angle) > 0.0, [box for _, box in self.texts()], QRectF(self.rect())
         occupied += [mark.box for mark in self.marks]
         result = []
-        for value, text in zip(self._values, self.readings(), strict=True):
+        for value, text in zip(self._values_at_cursor(), self.readings(), strict=True):
             width, height = text_size(text)
             box = box_near(self._on_ray(value), QSizeF(width + 6.0, height), left, occupied, room)
             occupied.append(box)
@@ -395,7 +347,8 @@ class PolarPlot(QWidget):
         painter.setPen(theme.pen(theme.quiet))
         painter.drawLine(self.position(angle, self.distance(self._low)), self.position(angle, self.radius))
         painter.setFont(font(SMALL))
-        for value, (text, box), (_, _, colour) in zip(self._values, self.readouts(), self._rows, strict=True):
+        readouts = zip(self._values_at_cursor(), self.readouts(), self._rows, strict=True)
+        for value, (text, box), (_, _, colour) in readouts:
             if math.isfinite(value):
                 painter.setPen(QPen(QColor(theme.paper), THIN))
                 painter.setBrush(QColor(colour))

@@ -232,13 +232,13 @@ class ChartPlot(FixedPlot):
 
     def pixel(self, eta: float, q: float) -> QPointF:
         """Pixel of a point (η, Q) in the widget."""
-        return QPointF(self.mapFromScene(self._view.mapViewToScene(self.position(eta, q))))
+        return self.to_pixel(self.position(eta, q))
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
         """η and Q at a pixel of the widget; None outside the chart."""
         if self._chart is None:
             return None
-        at = self._view.mapSceneToView(self.mapToScene(pixel.toPoint()))
+        at = self.to_axes(pixel)
         (low, high), (bottom, top) = self._view.viewRange()
         if not (low < at.x() <= high and bottom < at.y() <= top):
             return None

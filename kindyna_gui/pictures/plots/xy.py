@@ -1,4 +1,4 @@
-"""Plot of quantities over any quantity: curves, dots, rules, a cursor, and a point that the mouse drags.
+"""Plot of quantities over any quantity: curves, dots, rules, and a cursor.
 
 It also draws the map of the contact force over cam angle and speed.
 """
@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QAccessible, QBrush, QKeyEvent, QMouseEvent, QPen
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QAccessible, QBrush, QMouseEvent, QPen
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.dynamics import ContactMap
 from core.frozen import frozen
-from kindyna_gui.pictures.items import Outline, Tag, text_size
+from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.lines import (
     MACHINES,
-    TOP_HEIGHT,
     Z_CURSOR,
     Z_CURVE,
     Z_LIMIT,
@@ -32,7 +31,16 @@ from kindyna_gui.pictures.plots.lines import (
     band_items,
 )
 from kindyna_gui.pictures.plots.marks import Readout, place_readouts
-from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, Ticks, angle_ticks, value_ticks
+from kindyna_gui.pictures.plots.mouse import AngleMouse
+from kindyna_gui.pictures.plots.plot import (
+    LEAST_ACROSS,
+    FixedPlot,
+    Ticks,
+    angle_ticks,
+    fitting_title,
+    value_ticks,
+    with_one_scale,
+)
 from kindyna_gui.pictures.style import (
     BLUE,
     DASHED,
@@ -40,7 +48,6 @@ from kindyna_gui.pictures.style import (
     ORANGE,
     PURPLE,
     SCREEN,
-    TEXT,
     THIN,
     VERMILION,
     Theme,
@@ -48,15 +55,13 @@ from kindyna_gui.pictures.style import (
     no_pen,
     rgb,
 )
-from kindyna_gui.pictures.units import NOTHING_DRAWN, DisplayUnit, lines_words, short
-from kindyna_gui.settings import sized
+from kindyna_gui.pictures.units import DisplayUnit, lines_words, short
 
 if TYPE_CHECKING:
     from core.plot import PlotCurve
     from core.stability import Plot
 
 
-REACH = 9.0  # distance from the draggable point within which a press takes hold of it, pixels
 NO_UNIT = DisplayUnit("", 1.0, 0.0)
 FREE = 0.06  # of the range, left free around the curves
 FOR_MARKS = 0.06  # of the range, left free in addition for the texts of vertical lines
@@ -68,100 +73,6 @@ WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
 ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 """Colours of the curves of a plot in order."""
 MACHINE_ANGLE, MACHINE_TIP = "Machine angle, °", "Click or drag to set the machine angle"
-
-# -- point that the mouse drags --------------------------------------------------------------------------
-
-
-class DraggablePoint(FixedPlot):
-    """Mixin for a plot with a point that the mouse drags; the plot's class gives the coordinates.
-
-    Signals
-    -------
-    hovered (object) : the mouse is over this point of the plot, None outside
-    picked (float, float) : this point was clicked
-    grabbed () : dragging has started
-    dragged (float, float) : the draggable point is now here
-    released (bool) : dragging has ended, True by releasing the button, False by Escape
-
-    Attributes
-    ----------
-    mouse_at : last position of the mouse [pixels]
-    """
-
-    hovered = Signal(object)
-    picked = Signal(float, float)
-    dragged = Signal(float, float)
-    released = Signal(bool)
-    grabbed = Signal()
-
-    def __init__(self, *arguments: Any, **more: Any) -> None:
-        super().__init__(*arguments, **more)
-        self._is_dragging = False
-        self.mouse_at = QPointF()
-        self.setMouseTracking(True)
-        self.viewport().setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-
-    def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
-        """Coordinates at a pixel of the widget; None outside the plot."""
-        raise NotImplementedError
-
-    def own_pixel(self) -> QPointF | None:
-        """Pixel of the draggable point; None where it is not visible."""
-        raise NotImplementedError
-
-    @property
-    def is_dragging(self) -> bool:
-        """Whether the mouse drags the point."""
-        return self._is_dragging
-
-    def _is_over_point(self, pixel: QPointF) -> bool:
-        point = self.own_pixel()
-        if point is None:
-            return False
-        away = point - pixel
-        return away.x() ** 2 + away.y() ** 2 <= REACH**2
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-        if event.button() != Qt.MouseButton.LeftButton:
-            return
-        if self._is_over_point(event.position()):
-            self._is_dragging = True
-            self.grabbed.emit()
-            return
-        point = self.point_at(event.position())
-        if point is not None:
-            self.picked.emit(*point)
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        self.mouse_at = event.position()
-        point = self.point_at(event.position())
-        if self._is_dragging:
-            if point is not None:
-                self.dragged.emit(*point)
-            return
-        over = self._is_over_point(event.position())
-        self.viewport().setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.CrossCursor)
-        self.hovered.emit(point)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-        if event.button() == Qt.MouseButton.LeftButton and self._is_dragging:
-            self._is_dragging = False
-            self.released.emit(True)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape:
-            self._is_dragging = False
-            self.released.emit(False)
-        else:
-            event.ignore()
-
-    def leaveEvent(self, event: QEvent) -> None:
-        super().leaveEvent(event)
-        self.hovered.emit(None)
-
 
 # -- curves, dots and rules ------------------------------------------------------------------------------
 
@@ -393,7 +304,7 @@ class XYPlot(FixedPlot):
 
     def across_at(self, pixel: QPoint) -> float:
         """Position on the x axis of a pixel of the widget."""
-        return float(self._view.mapSceneToView(self.mapToScene(pixel)).x())
+        return self.to_axes(QPointF(pixel)).x()
 
     def show_range(self, across: Ends | None = None, upwards: Ends | None = None) -> None:
         """Set the ranges of the axes; None leaves an axis unchanged."""
@@ -446,9 +357,9 @@ class XYPlot(FixedPlot):
         """Set name and description for screen readers."""
         across, upwards = self._titles
         quantity = upwards.rpartition(", ")[0] or upwards
-        self.setAccessibleName(f"Plot of {quantity[:1].lower()}{quantity[1:]}" if quantity else "Plot")
         lines = [(line.label, line.x, line.y) for line in self.shown if self._filled]
-        self.setAccessibleDescription(lines_words(lines, across, upwards) or self._message_text or NOTHING_DRAWN)
+        name = f"Plot of {quantity[:1].lower()}{quantity[1:]}" if quantity else "Plot"
+        self.describe(name, lines_words(lines, across, upwards))
 
     def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
         """Set the titles of the axes for the next contents, and the colour of the upward one; "" for ink."""
@@ -509,18 +420,10 @@ class XYPlot(FixedPlot):
 
     # -- layout ---------------------------------------------------------------------------------------------
 
-    def _one_scale(self) -> None:
-        """Widen the narrower range until one unit is equally long on both axes."""
-        (left, right), (low, high) = self._ranges
-        width, height = max(self._view.width(), 1.0), max(self._view.height(), 1.0)
-        unit = max((right - left) / width, (high - low) / height)
-        x, y = 0.5 * (left + right), 0.5 * (low + high)
-        across, upwards = 0.5 * unit * width, 0.5 * unit * height
-        self._view.setRange(xRange=(x - across, x + across), yRange=(y - upwards, y + upwards), padding=0.0)
-
     def _lay(self, *_: object) -> None:
-        if self._alike and self._filled:
-            self._one_scale()
+        if self._alike and self._filled:  # one unit is equally long on both axes
+            x, y = with_one_scale(*self._ranges, self.frame())
+            self._view.setRange(xRange=x, yRange=y, padding=0.0)
         frame = self.frame()
         low, high = frame.first, frame.last
         is_full_turn = (low, high) == WHOLE_TURN
@@ -528,8 +431,10 @@ class XYPlot(FixedPlot):
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self.draw_axes(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
         self.name_below(self._titles[0] if self._filled and self._numbered else "")
-        title = _fitting(self._titles[1], frame.height) if self._filled else ""
-        self._axes["left"].show_title(title, self._title_colour)
+        title, unit = self._titles[1], self._titles[1].rpartition(", ")[2]
+        self._axes["left"].show_title(
+            fitting_title((title,), unit, frame.height) if self._filled else "", self._title_colour
+        )
         if self._cursor is not None:
             self._cursor.span(frame)
         for ruled in self._ruled:
@@ -550,11 +455,6 @@ def _draw_rule(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
         tag.set_lean(0.0 if right else 1.0, 1.0 if rule.low else 0.0)
         tag.shift(4.0 if right else -4.0, -RULE_GAP if rule.low else 2.0)
         tag.setPos(rule.at, frame.low if rule.low else frame.high)
-
-
-def _fitting(title: str, height: float) -> str:
-    """Title of the upward axis, or its unit alone where the title is longer than the axis."""
-    return title if text_size(title, TEXT)[0] <= height + sized(TOP_HEIGHT) else title.rpartition(", ")[2]
 
 
 # -- map of the contact force ----------------------------------------------------------------------------
@@ -601,30 +501,6 @@ def _force_colours(force: np.ndarray) -> np.ndarray:
 # -- cursor that the mouse moves -------------------------------------------------------------------------
 
 
-class AngleMouse:
-    """Mixin for a plot in which a click or a drag sets the angle; its keys belong to the player."""
-
-    _set_angle_at: Any  # method that sets the angle at a mouse event
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._set_angle_at(event)
-        event.accept()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self._set_angle_at(event)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        event.ignore()
-
-
 class CursorPlot(AngleMouse, XYPlot):
     """Plot with a cursor that a click or a drag moves or, where it ``reads``, that follows the mouse.
 
@@ -645,27 +521,20 @@ class CursorPlot(AngleMouse, XYPlot):
         if not reads:
             self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
 
-    def _set_angle_at(self, event: QMouseEvent) -> None:
+    def set_angle_at(self, pixel: QPointF) -> None:
         if self._filled and not self._reads:
             frame = self.frame()
-            self.moved.emit(min(max(self.across_at(event.position().toPoint()), frame.first), frame.last))
+            self.moved.emit(min(max(self.to_axes(pixel).x(), frame.first), frame.last))
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._reads:
-            at, frame = self.across_at(event.position().toPoint()), self.frame()
-            self._read(at if self._filled and frame.first <= at <= frame.last else None)
-        else:
-            super().mouseMoveEvent(event)
-
-    def leaveEvent(self, event: QEvent) -> None:
-        if self._reads:
-            self._read(None)
-        super().leaveEvent(event)
+    def hover(self, event: QMouseEvent | None) -> None:
+        if not self._reads:
+            super().hover(event)
+            return
+        frame, at = self.frame(), None if event is None else self.to_axes(event.position()).x()
+        read = at if at is not None and self._filled and frame.first <= at <= frame.last else None
+        self.point_out(read)
+        self.read.emit(read)
 
     def show_message(self, text: str) -> None:
         super().show_message(text)
         self.read.emit(None)
-
-    def _read(self, at: float | None) -> None:
-        self.point_out(at)
-        self.read.emit(at)
