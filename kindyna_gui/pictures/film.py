@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QPoint
-from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QWidget
 
 from core.design import Design
@@ -25,7 +25,7 @@ from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.painter import PICTURES, MechanismSheet, chart_file
+from kindyna_gui.pictures.painter import PICTURES, SNAPSHOTS, MechanismSheet, chart_file, paint_on
 from kindyna_gui.pictures.style import LIGHT
 
 if TYPE_CHECKING:
@@ -74,11 +74,7 @@ class Camera:
         self._scene.set_fraction(frame / self._film.frames)
         image = QImage(self._film.width, self._film.height, QImage.Format.Format_RGB888)
         image.fill(QColor("white"))
-        painter = QPainter(image)
-        try:
-            QWidget.render(self._sheet, painter, QPoint())
-        finally:
-            painter.end()
+        paint_on(image, lambda painter: QWidget.render(self._sheet, painter, QPoint()))
         size = (image.width(), image.height())
         return Image.frombuffer("RGB", size, bytes(image.constBits()), "raw", "RGB", image.bytesPerLine(), 1)
 
@@ -313,28 +309,26 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
         return {drawn.ending: report_file(drawn.document, drawn.ending) or b""}
     if isinstance(drawn, Study):
         return {name: draw(drawn) for name, draw in PICTURES.items() if name != "cam.png" or "cam" in drawn.stages}
-    if isinstance(drawn, Snapshot):
-        from kindyna_gui.pictures.painter import SNAPSHOTS
-
-        return {
-            f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")
-        }
     from core.output.graph.curves import GraphImage
 
     if isinstance(drawn, GraphImage):
         from kindyna_gui.pictures.paper.sheets import graph_file
 
         return {f"graph{drawn.ending}": graph_file(drawn)}
+    drawings: Mapping[str, Callable[[Any, str], bytes]] = SNAPSHOTS if isinstance(drawn, Snapshot) else _drawings(drawn)
+    return {f"{name}{ending}": draw(drawn, ending) for name, draw in drawings.items() for ending in (".svg", ".png")}
+
+
+def _drawings(drawn: Drawn) -> dict[str, Callable[[Any, str], bytes]]:
+    """File name without ending -> function that draws a chart, or a figure."""
     from core.plot import Figure
     from core.stability import Chart
     from kindyna_gui.pictures.paper.sheets import figure_file
 
-    if isinstance(drawn, Chart) and drawn.machine is not None:
-        return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
-    if not isinstance(drawn, Figure):
-        from kindyna_gui.pictures.paper.paper_figures import paper_file
+    if isinstance(drawn, Figure):
+        return {drawn.name: figure_file}
+    from kindyna_gui.pictures.paper.paper_figures import paper_file
 
-        if isinstance(drawn, Chart):
-            return {f"stability{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
-        return {f"figure{ending}": paper_file(drawn, ending) for ending in (".svg", ".png")}
-    return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}
+    if isinstance(drawn, Chart):
+        return {"stability": paper_file if drawn.machine is None else chart_file}
+    return {"figure": paper_file}

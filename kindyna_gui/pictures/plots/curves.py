@@ -371,9 +371,10 @@ class CurvePlot(TurnCurves, FixedPlot):
 
     def show_message(self, text: str) -> None:
         """Show only a text in the middle, such as the input that is missing."""
-        for pool in (self._drawn, self._readings, self._limits):
-            self._resized(pool, 0, _no_item)
-        self._drawn, self._readings, self._limits, self._extremes = [], [], [], []
+        self._drawn, self._readings, self._limits = (
+            self._resized(pool, 0, list) for pool in (self._drawn, self._readings, self._limits)
+        )
+        self._extremes = []
         self._shade([])
         self._curves, self._reference_curves, self._spans, self._drawn_marks, self._exact_values = [], [], [], (), None
         self._name_curves(False)
@@ -389,13 +390,9 @@ class CurvePlot(TurnCurves, FixedPlot):
         for item in self._bands:
             self._view.removeItem(item)
         self._bands = []
-        low, high = self._view.viewRange()[1]
-        room = CLIP_RANGES * (high - low)
         for curve, rows in bands:
             angles, band = closed_band(rows, curve.gain)
-            for item in band_items(
-                angles, np.clip(band / self.display_unit.size, low - room, high + room), curve.colour
-            ):
+            for item in band_items(angles, self._clipped(band / self.display_unit.size), curve.colour):
                 self._view.addItem(item, ignoreBounds=True)
                 self._bands.append(item)
 
@@ -408,10 +405,14 @@ class CurvePlot(TurnCurves, FixedPlot):
         values = along.of(curve.values, curve.gain) / self.display_unit.size
         finite = np.isfinite(values)
         if self._has_spikes or not finite.all():
-            low, high = self._view.viewRange()[1]
-            room = CLIP_RANGES * (high - low)
-            values = np.where(finite, np.clip(values, low - room, high + room), np.nan)
+            values = np.where(finite, self._clipped(values), np.nan)
         item.show_points(along.angles, values, pen, z)
+
+    def _clipped(self, values: np.ndarray) -> np.ndarray:
+        """Values (n,) cut off far beyond the ends of the axis."""
+        low, high = self._view.viewRange()[1]
+        room = CLIP_RANGES * (high - low)
+        return np.clip(values, low - room, high + room)
 
     def _name_curves(self, has_reference: bool, has_bands: bool = False) -> None:
         """Name the curves above the plot where there is more than one."""
@@ -530,10 +531,6 @@ class CurvePlot(TurnCurves, FixedPlot):
 def angle_title(name: str) -> str:
     """Title of the axis along the bottom."""
     return f"{name.capitalize()}, °"
-
-
-def _no_item() -> None:
-    """Make no item, for a pool that is emptied."""
 
 
 __all__ = ["Curve", "CurvePlot"]

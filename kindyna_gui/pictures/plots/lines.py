@@ -84,6 +84,20 @@ def add_item(view: pg.ViewBox, item: QGraphicsItem, z: float) -> None:
     view.addItem(item, ignoreBounds=True)
 
 
+class PlotMark:
+    """Part of a plot that consists of a line or a sign and a text; both are removed together."""
+
+    def __init__(self, view: pg.ViewBox, *items: tuple[QGraphicsItem, float]) -> None:
+        self._items = tuple(item for item, _ in items)
+        for item, z in items:
+            add_item(view, item, z)
+
+    def remove(self, view: pg.ViewBox) -> None:
+        """Remove it from the plot."""
+        for item in self._items:
+            view.removeItem(item)
+
+
 # -- legend ----------------------------------------------------------------------------------------------
 
 
@@ -251,7 +265,7 @@ class CurveLine(Outline):
         super().paint(painter, option, widget)
 
 
-class LimitLine:
+class LimitLine(PlotMark):
     """A thin red line over the full turn, with its value at the right end."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme, value: float = 0.0, text: str = "") -> None:
@@ -259,8 +273,7 @@ class LimitLine:
         path.lineTo(360.0, 0.0)
         self._line = Outline(path, theme.pen(theme.limit))
         self._tag = Tag("", theme.limit, theme, SMALL, (1.0, 1.0), backing=True)
-        add_item(view, self._line, Z_LIMIT)
-        add_item(view, self._tag, Z_CURSOR + 1.0)
+        super().__init__(view, (self._line, Z_LIMIT), (self._tag, Z_CURSOR + 1.0))
         self.set_value(value, text)
 
     def set_value(self, value: float, text: str, short: str = "", field: str = "") -> None:
@@ -270,13 +283,9 @@ class LimitLine:
         self._line.setPos(0.0, value)
         self._tag.setPos(360.0, value)
 
-    def lay(self, low: float, high: float, height: float) -> None:
-        """Put the text above the line at its right end, or below it where there is no room above."""
-        self._put_text(1.0, self._has_room_above(low, high, height))
-
     def lay_clear(self, frame: Frame, curves: Sequence[CurveLine], occupied: Sequence[QRectF] = ()) -> None:
         """Put the text where it covers no curve and no occupied box: further left, below the line, or shortened."""
-        above = self._has_room_above(frame.low, frame.high, frame.height)
+        above = (frame.high - self.value) / (frame.high - frame.low) * frame.height > self._tag.size[1] + 2.0
         room = QRectF(-1.0, 0.0, frame.width + 2.0, frame.height)
         for text, over, part in product((self.text, self._short), (above, not above), TEXT_POSITIONS):
             self._tag.set_text(text)
@@ -290,9 +299,6 @@ class LimitLine:
             self._tag.set_text(self._short)
         self._put_text(1.0, above)
 
-    def _has_room_above(self, low: float, high: float, height: float) -> bool:
-        return (high - self.value) / (high - low) * height > self._tag.size[1] + 2.0
-
     def _put_text(self, part: float, above: bool) -> None:
         """Put the text at a fraction of the line's length, above or below it."""
         self._tag.setPos(360.0 * part, self.value)
@@ -302,11 +308,6 @@ class LimitLine:
     def box(self, frame: Frame) -> QRectF:
         """Box of the text in the frame [pixels from its lower left corner, y upwards]."""
         return frame.box(self._tag.pos().x(), self.value, self._tag.pixel_box())
-
-    def remove(self, view: pg.ViewBox) -> None:
-        """Remove line and text from the plot."""
-        view.removeItem(self._line)
-        view.removeItem(self._tag)
 
 
 class Cursor(Outline):

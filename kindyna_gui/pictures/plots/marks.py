@@ -18,7 +18,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPolygo
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
-from kindyna_gui.pictures.plots.lines import Z_CURSOR, Z_CURVE, CurveLine, Frame, add_item, cut
+from kindyna_gui.pictures.plots.lines import Z_CURSOR, Z_CURVE, CurveLine, Frame, PlotMark, cut
 from kindyna_gui.pictures.plots.quantities import Curve
 from kindyna_gui.pictures.style import SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, short
@@ -100,7 +100,7 @@ class MarkText(Tag):
     """Text of an extreme."""
 
 
-class ExtremeMark:
+class ExtremeMark(PlotMark):
     """Dot and text of an extreme; an arrow at the edge where the value is beyond the axis."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
@@ -111,13 +111,7 @@ class ExtremeMark:
         self._sign = Outline(QPainterPath())
         self._sign.setFlag(self._sign.GraphicsItemFlag.ItemIgnoresTransformations)
         self.tag = MarkText("", theme.quiet, theme, SMALL, backing=True)
-        add_item(view, self.tag, Z_CURVE + 1.0)
-        add_item(view, self._sign, Z_CURVE + 2.0)
-
-    def remove(self, view: pg.ViewBox) -> None:
-        """Remove dot and text from the plot."""
-        view.removeItem(self._sign)
-        view.removeItem(self.tag)
+        super().__init__(view, (self.tag, Z_CURVE + 1.0), (self._sign, Z_CURVE + 2.0))
 
     def show(self, extreme: Extreme, frame: Frame) -> None:
         """Draw the dot at the extreme, or an arrow at the edge of the frame beyond which it is."""
@@ -372,7 +366,7 @@ def box_near(at: QPointF, size: QSizeF, left: bool, occupied: Sequence[QRectF], 
 # -- values at the cursor --------------------------------------------------------------------------------
 
 
-class Readout:
+class Readout(PlotMark):
     """A curve's value next to the cursor, with a dot on the curve."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme) -> None:
@@ -382,9 +376,8 @@ class Readout:
         self.dot = Outline(dot, theme.pen(theme.paper))
         self.dot.setFlag(self.dot.GraphicsItemFlag.ItemIgnoresTransformations)
         self.tag = Tag("", theme.ink, theme, SMALL, (0.0, 0.5), backing=True)
+        super().__init__(view, (self.dot, Z_CURSOR), (self.tag, Z_CURSOR))
         self.hide()
-        add_item(view, self.dot, Z_CURSOR)
-        add_item(view, self.tag, Z_CURSOR)
 
     def set_colour(self, colour: str) -> None:
         """Set the colour of the dot and, in a readable shade, of the text."""
@@ -397,11 +390,6 @@ class Readout:
         """Hide dot and text."""
         self.dot.setVisible(False)
         self.tag.setVisible(False)
-
-    def remove(self, view: pg.ViewBox) -> None:
-        """Remove dot and text from the plot."""
-        view.removeItem(self.dot)
-        view.removeItem(self.tag)
 
 
 def place_readouts(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache, partial
+from functools import lru_cache
 from math import isfinite, pi
 from types import MappingProxyType
 
@@ -323,23 +323,12 @@ def _first(*candidates: str) -> Pick:
 
 def _of(*shapes: str) -> Pick:
     """Pick all quantities of the first shape that the design has."""
-    return _or(*(partial(_with_shape, shape) for shape in shapes))
-
-
-def _with_shape(shape: str, names: tuple[str, ...]) -> list[str]:
-    return [n for n in names if shape_of(n) == shape]
+    return lambda names: next(filter(None, ([n for n in names if shape_of(n) == shape] for shape in shapes)), [])
 
 
 def _or(*picks: Pick) -> Pick:
     """Pick what the first pick gives that is not empty."""
-
-    def pick(names: tuple[str, ...]) -> list[str]:
-        selected: list[str] = []
-        for option in picks:
-            selected = selected or [n for n in option(names) if n]
-        return selected
-
-    return pick
+    return lambda names: next(filter(None, ([n for n in pick(names) if n] for pick in picks)), [])
 
 
 _PLOTS: Mapping[str, Pick] = MappingProxyType(

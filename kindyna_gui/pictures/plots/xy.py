@@ -160,7 +160,6 @@ class XYPlot(FixedPlot):
         self._extra: list[QGraphicsItem] = []
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
         self._dots: tuple[Dots, ...] = ()
-        self._numbered = True
         self.display_unit = NO_UNIT
         self._valued: list[Line] = []
         self._readouts: list[Readout] = []
@@ -253,10 +252,8 @@ class XYPlot(FixedPlot):
         self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
         self._read_lines([line for line in lines if line.read], display_unit)
         x, y = (np.concatenate([getattr(row, axis) for row in (*lines, *dots)]) for axis in "xy")
-        self._alike = alike
         y = np.concatenate([y, *(percentiles[i] for *_, percentiles in banded for i in (0, -1))])
-        if alike:
-            fit = True
+        self._alike, fit = alike, fit or alike
         ranges = [self._range(x, square, tight=not square and not alike, fit=fit), self._range(y, square, fit=fit)]
         if marks and not square and not alike:  # their texts are above the curves
             low, high = ranges[1]
@@ -350,7 +347,6 @@ class XYPlot(FixedPlot):
 
     def show_numbers(self, on: bool, title: str = "") -> None:
         """Show numbers and a title along the bottom, by default that of ``name_axes``, or neither."""
-        self._numbered = on
         super().show_numbers(on, title or (self._titles[0] if self._filled else ""))
 
     def _describe(self) -> None:
@@ -363,10 +359,8 @@ class XYPlot(FixedPlot):
 
     def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
         """Set the titles of the axes for the next contents, and the colour of the upward one; "" for ink."""
-        self._titles, self._title_colour = (
-            (across, upwards),
-            self._theme.text_colour(colour) if colour else self._theme.ink,
-        )
+        self._titles = (across, upwards)
+        self._title_colour = self._theme.text_colour(colour) if colour else self._theme.ink
 
     def _colour(self, curve: PlotCurve, is_single_row: bool) -> str:
         """Colour of the curve's quantity; without one that of its row, or ink for a single row."""
@@ -430,7 +424,7 @@ class XYPlot(FixedPlot):
         across = angle_ticks(frame.width) if is_full_turn else value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self.draw_axes(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
-        self.name_below(self._titles[0] if self._filled and self._numbered else "")
+        self.name_below(self._titles[0] if self._filled else "")
         title, unit = self._titles[1], self._titles[1].rpartition(", ")[2]
         self._axes["left"].show_title(
             fitting_title((title,), unit, frame.height) if self._filled else "", self._title_colour
