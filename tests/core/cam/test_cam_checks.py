@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import tomli_w
 from mechanisms import PUSHER, levels
-from sampled import spread
+from sampled import spread, stressed
 
 from core.__main__ import main
 from core.design import (
@@ -381,11 +381,12 @@ def test_a_profile_that_crosses_itself_far_apart_is_found(side: str) -> None:
     assert not {"undercut"} & {f.code for f in findings_of(Study(design), ("cam",))}
 
 
-def test_crossings_are_those_of_a_dense_polyline_and_no_others() -> None:
+@pytest.mark.parametrize("count", [12, stressed(32)])
+def test_crossings_are_those_of_a_dense_polyline_and_no_others(count: int) -> None:
     rng = np.random.default_rng(15)
-    outcome = [check_crossing(lobe(rng)) for _ in range(32)]
-    assert outcome.count("crosses") >= 3
-    assert outcome.count("plain") >= 5
+    outcome = [check_crossing(lobe(rng)) for _ in range(count)]
+    assert outcome.count("crosses") >= 3 * count / 32
+    assert outcome.count("plain") >= 5 * count / 32
 
 
 @pytest.mark.stress

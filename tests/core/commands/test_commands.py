@@ -174,7 +174,7 @@ def separating() -> Design:
 
 def test_an_error_among_the_findings_is_exit_code_one_and_all_files_are_written(tmp_path: Path) -> None:
     path = saved(tmp_path, separating())
-    for words in (["check", path], ["report", path], ["export", path, "--samples", "8"]):
+    for words in (["report", path, "--samples", "72"], ["export", path, "--samples", "8"]):
         done = core(tmp_path, *words)
         assert done.returncode == 1
         assert done.stderr == ""
@@ -200,7 +200,7 @@ def test_a_stage_that_is_not_asked_for_does_not_tell_its_errors(tmp_path: Path) 
 
 def test_a_jammed_guide_is_written_without_forces_and_without_a_word_on_stderr(tmp_path: Path) -> None:
     path = saved(tmp_path, with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5))
-    for words in (["check", path], ["report", path], ["export", path, "--samples", "72"]):
+    for words in (["check", path], ["report", path, "--samples", "72"], ["export", path, "--samples", "72"]):
         done = core(tmp_path, *words)
         assert (done.returncode, done.stderr) == (1, "")
     written = content(tmp_path)
@@ -627,7 +627,7 @@ def test_an_interrupt_while_the_program_starts_ends_it_without_a_traceback(
 def test_a_name_in_any_language_is_written_and_printed(tmp_path: Path) -> None:
     design = Design("캠 구동 슬라이더 φ", LAYOUT_DESIGNS["a"].shaft, (LAYOUT_DESIGNS["a"].drive,))
     path = saved(tmp_path, design)
-    assert "캠 구동 슬라이더 φ" in core(tmp_path, "report", path).stdout
+    assert "캠 구동 슬라이더 φ" in core(tmp_path, "check", path).stdout
     plain = process(tmp_path, "report", path, PYTHONIOENCODING="ascii")
     assert plain.returncode == 0
     assert "Traceback" not in plain.stderr

@@ -112,7 +112,7 @@ def check_against_multipliers(design: Design, kinematics: Kinematics, q: float, 
     assert abs(forces.driver[0] * 1e3 - found[row]) <= bound * scale
 
 
-@settings(max_examples=30, derandomize=True, database=None)
+@settings(max_examples=15, derandomize=True, database=None)
 @given(assemblies(), st.integers(0, 1000))
 def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
@@ -125,7 +125,7 @@ def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[Desig
 def test_a_groups_reactions_too(design: Design) -> None:
     design = loaded(design, 1)
     driver_ranges = driver_ranges_of(design.drive.mechanism)
-    for q in np.linspace(driver_ranges.ranges[0].low + 0.3, driver_ranges.ranges[0].high - 0.3, 4):
+    for q in np.linspace(driver_ranges.ranges[0].low + 0.3, driver_ranges.ranges[0].high - 0.3, 2):
         check_against_multipliers(
             design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), driver_ranges), float(q), 1e-9
         )

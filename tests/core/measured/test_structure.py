@@ -24,7 +24,7 @@ from core.study import Study
 from core.study.quantities import KINEMATICS
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "resources/examples").glob("*.toml"))
-SEEDED, MANY = 12, 1000
+SEEDED, MANY = 6, 1000
 
 
 def driven(path: Path) -> list[Design]:

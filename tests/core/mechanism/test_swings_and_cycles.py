@@ -128,7 +128,7 @@ def table(design: Design, folder: Path, samples: int = 72, code: int = 0) -> lis
 MEMBERS = [(kind, seed) for kind in (*ADVANCES, *RATIOS) for seed in range(8)]
 
 
-@pytest.mark.parametrize(("kind", "seed"), spread(MEMBERS, 8))
+@pytest.mark.parametrize(("kind", "seed"), spread(MEMBERS, 4))
 def test_a_crank_that_cannot_turn_swings_between_the_ends_of_its_circuit(kind: str, seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     case = next(found for _ in range(200) if (found := swing(rng, kind)) is not None)

@@ -35,7 +35,7 @@ def translating():
 
 def cycloid():
     """Displacement [mm], its first derivative [mm/rad] and its second of the rise, closely spaced."""
-    x, beta = np.linspace(0.0, 1.0, 2_000_001), np.deg2rad(120.0)
+    x, beta = np.linspace(0.0, 1.0, 200_001), np.deg2rad(120.0)
     return (
         20.0 * (x - np.sin(2 * np.pi * x) / (2 * np.pi)), 20.0 / beta * (1.0 - np.cos(2 * np.pi * x)),
         20.0 * 2 * np.pi / beta**2 * np.sin(2 * np.pi * x),
