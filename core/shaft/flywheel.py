@@ -5,10 +5,10 @@ Source: Shin, Kim and Ha 1995, Figs. 19 and 20, for the linear response of flywh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import exp, floor, log, log10, pi
+from math import floor, log, log10, pi
 
 import numpy as np
 
@@ -18,9 +18,8 @@ from core.findings import ERROR, NOTE, Finding
 from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.numerics.lazy import checkpoint
-from core.numerics.roots import BracketEnds, bracketed_root
 from core.shaft.curve import NODES, LoadCurve, by_blocks, locate, peaks, polyval, powers, rms
-from core.shaft.speed import SpeedCurve, deviation_range, speed_fluctuation, steady_speed
+from core.shaft.speed import SpeedCurve, SteadyTurns, deviation_range, speed_fluctuation, steady_speed
 
 # -- linear response of flywheel and motor, for small changes of speed ------------------------------------------
 
@@ -427,9 +426,12 @@ def _fluctuation_findings(wheel: Flywheel) -> list[Finding]:
 
 
 NEGLIGIBLE = 1e-9  # of the flywheel by energy: replaces an inertia of 0, with the same result to as many digits
-FINEST = 1e-11  # relative width of the last bracket
-STEPS = (1e-3, log(4.0))  # of the logarithm of the inertia, towards a bracket: the shortest and the longest
-LARGEST = log(1e6)  # upper end of the search, of this logarithm
+FINEST = 1e-10  # last step of the logarithm of the inertia, by which the result is on the safe side
+LONGEST = log(4.0)  # step of this logarithm
+SMALLEST, LARGEST = -log(3.0), log(1e6)  # of this logarithm: less is searched only if the motor alone does not suffice
+LEAST_SLOPE = 0.2  # of a secant: between it and its inverse
+SECANTS, MOST_STEPS = 30, 90  # after so many steps of the secant the bracket is halved
+PANELS_AT_A_TIME = 3000
 ROUNDING = 1e-12
 
 
@@ -467,27 +469,113 @@ def inertia_for(load: LoadCurve, shaft: Shaft, fluctuation: float) -> float:
 
     0 where none is needed, infinite where none suffices.
     """
-    if is_even(load):
-        return 0.0
-    guess = inertia_by_energy(load, shaft, fluctuation)
+    s = si(shaft)
+    return float(inertias_for([load], *(np.array([value]) for value in (s.motor_slope, s.speed, fluctuation)))[0])
 
-    def margin(x: float) -> float:
+
+def inertias_for(
+    loads: Sequence[LoadCurve], slope: np.ndarray, speed: np.ndarray, fluctuation: np.ndarray
+) -> np.ndarray:
+    """Least inertia of flywheel and motor with which the true speed of each of m shafts satisfies its fluctuation.
+
+    Parameters
+    ----------
+    loads : sequence of LoadCurve
+        m loads.
+    slope : ndarray (m,) [N m s/rad]
+        Slopes k of the motors.
+    speed : ndarray (m,) [rad/s]
+        Mean speeds ω̄.
+    fluctuation : ndarray (m,), dimensionless
+        Limits of the fluctuation C.
+
+    Returns
+    -------
+    ndarray (m,) [kg m²]
+        0 where no flywheel is needed, infinite where none suffices.
+    """
+    low, high = energy_ranges(loads)
+    swing, mean = high - low, np.array([load.mean for load in loads])
+    result, uneven = np.zeros(len(loads)), np.flatnonzero(swing > ROUNDING * np.abs(mean))
+    guess = swing / fluctuation / speed / speed  # one by one: their product may be 0
+    for part in by_panels([loads[k] for k in uneven.tolist()]):
+        which = uneven[part]
+        search = _InertiaSearch([loads[k] for k in which.tolist()], slope[which], speed[which], fluctuation[which])
+        result[which] = search.inertia(guess[which])
+    return result
+
+
+def by_panels(loads: Sequence[LoadCurve]) -> Iterator[slice]:
+    """Slices of the loads that are solved at a time."""
+    first, count = 0, 0
+    for i, load in enumerate(loads):
+        if count and count + load.start.size > PANELS_AT_A_TIME:
+            yield slice(first, i)
+            first, count = i, 0
+        count += load.start.size
+    if count:
+        yield slice(first, len(loads))
+
+
+class _InertiaSearch:
+    """Search for the inertias of m shafts by the secant of log C over log I, which is nearly a line of slope -1."""
+
+    def __init__(
+        self, loads: Sequence[LoadCurve], slope: np.ndarray, speed: np.ndarray, fluctuation: np.ndarray
+    ) -> None:
+        self._loads, self._slope, self._speed, self._fluctuation = loads, slope, speed, fluctuation
+        self._turns = SteadyTurns(loads, slope, speed)
+
+    def _margins(self, turns: SteadyTurns, inertia: np.ndarray, active: np.ndarray) -> np.ndarray:
+        """log(limit/C) with these inertias (m,) in the active shafts; -∞ where the motor stalls, ∞ where C is 0."""
         checkpoint()
-        reached = _fluctuation(load, shaft, guess * exp(x))
-        return log(fluctuation / reached) if 0.0 < reached < np.inf else -reached or np.inf
+        runs = turns.solve(inertia, active)
+        margins = np.full(active.size, -np.inf)
+        if runs.any():
+            extremes = turns.extremes(runs)
+            reached = (extremes.high - extremes.low) / turns.mean[runs]
+            with np.errstate(divide="ignore"):
+                margins[runs] = np.log(self._fluctuation[runs] / reached)
+        return margins
 
-    x, value = 0.0, margin(0.0)
-    if value >= 0.0 and margin(log(NEGLIGIBLE)) >= 0.0:
-        return 0.0
-    next_x, next_value = x, value
-    while (next_value >= 0.0) == (value >= 0.0):  # the fluctuation is nearly proportional to 1/I
-        x, value = next_x, next_value
-        next_x = x - float(np.copysign(np.clip(1.1 * abs(value), *STEPS), value))
-        if next_x > LARGEST:
-            return np.inf
-        next_value = margin(next_x)
-    ends = BracketEnds(next_x, next_value, x, value) if value >= 0.0 else BracketEnds(x, value, next_x, next_value)
-    return float(guess * exp(bracketed_root(margin, ends, FINEST).b))
+    def inertia(self, guess: np.ndarray) -> np.ndarray:
+        """Least inertias (m,) [kg m²], searched from first guesses (m,)."""
+        x, result, active = np.zeros(guess.size), np.full(guess.size, np.inf), np.ones(guess.size, dtype=bool)
+        low, high = np.full(guess.size, -np.inf), np.full(guess.size, np.inf)
+        last_x, last = np.full(guess.size, np.nan), np.full(guess.size, np.nan)
+        for number in range(MOST_STEPS):
+            margin = self._margins(self._turns, guess * np.exp(x), active)
+            low, high = np.where(active & (margin < 0.0), x, low), np.where(active & (margin >= 0.0), x, high)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                slope = (margin - last) / (x - last_x)
+                step = -margin / np.where((slope > LEAST_SLOPE) & (slope < 1.0 / LEAST_SLOPE), slope, 1.0)
+            next_x = x + np.clip(step, -LONGEST, LONGEST)
+            middle = 0.5 * (low + high)
+            outside = np.isfinite(middle) & (~(next_x > low) | ~(next_x < high) | (number >= SECANTS))
+            next_x = np.where(outside, middle, next_x)
+            rests = active & ((np.abs(next_x - x) <= FINEST) | (high - low <= FINEST))
+            result[rests] = (guess * np.exp(np.where(outside, high, next_x) + FINEST))[rests]
+            active &= ~rests & ~(next_x > LARGEST)
+            unneeded = active & (next_x < SMALLEST) & (low == -np.inf)
+            if unneeded.any():  # whether the motor alone keeps the speed
+                alone = self._alone(unneeded, guess)
+                result[alone] = 0.0
+                active &= ~alone
+                low[unneeded] = log(NEGLIGIBLE)
+                next_x = np.where(unneeded, SMALLEST, next_x)
+            if not active.any():
+                break
+            last_x, last, x = x, margin, next_x
+        return result
+
+    def _alone(self, shafts: np.ndarray, guess: np.ndarray) -> np.ndarray:
+        """Mask (m,) of those of the shafts whose motor keeps the limit without a flywheel."""
+        loads = [load for load, chosen in zip(self._loads, shafts.tolist(), strict=True) if chosen]
+        turns = SteadyTurns(loads, self._slope[shafts], self._speed[shafts])
+        search = _InertiaSearch(loads, self._slope[shafts], self._speed[shafts], self._fluctuation[shafts])
+        result = np.zeros_like(shafts)
+        result[shafts] = search._margins(turns, NEGLIGIBLE * guess[shafts], np.ones(len(loads), dtype=bool)) >= 0.0
+        return result
 
 
 # -- figures over the machine's speed -------------------------------------------------------------------------

@@ -18,15 +18,17 @@ is none the machine stalls.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from core.design.parts import LINEAR, Servo
 from core.frozen import frozen
 from core.motion import TURN
-from core.shaft.curve import LoadCurve, by_blocks, locate, powers, to_powers
+from core.shaft.curve import LoadCurve, by_blocks, locate, polyval, powers, to_powers
 
 # -- servo motor with a gear ------------------------------------------------------------------------------------
 
@@ -137,11 +139,12 @@ ROUNDING = 1e-12  # of the largest torque: tolerance of the mean
 STANDSTILL = 1e-6  # of ω²/ω̄²: below a thousandth of the mean speed the shaft counts as standing still
 CLOSE = 1e-7  # of the mean speed: Newton's steps double their digits, so that the next one is rounding
 RESOLVED = 1e-11  # of the motor's torque: largest last coefficients of a resolved panel
+STEEP = 1.0  # decay over a panel, as an exponent, from which on its linear system is solved
 ITERATIONS, ROUNDS = 60, 12
 MOST_PANELS = 6  # times those of the load
 FINEST_HALVING = 40
-SAMPLES = 1440  # of a turn, between which extremes of the speed are refined
-TOPS, PARTS, PASSES = 6, 32, 4  # number of refined samples, parts of each side, passes
+GRID = np.linspace(0.0, 1.0, 2 * NODES + 1)  # of a panel, on which extremes of the speed are bracketed
+REFINEMENTS = 8  # steps of Newton's method from the grid to an extreme
 
 
 @frozen(eq=False)
@@ -154,7 +157,8 @@ class SpeedCurve:
         Of the panels, those of the load or parts of them.
     energy : ndarray (NODES + 1, m) [J]
         Coefficients of r**k, r = (θ - start)/width, of the energy e above that of the mean speed.
-    load : LoadCurve
+    bodies : ndarray (NODES, m) [kg m²]
+        Coefficients of J_e.
     flywheel : float
         Inertia I [kg m²].
     mean : float
@@ -164,7 +168,7 @@ class SpeedCurve:
     start: np.ndarray
     width: np.ndarray
     energy: np.ndarray
-    load: LoadCurve
+    bodies: np.ndarray
     flywheel: float
     mean: float
 
@@ -183,19 +187,55 @@ class SpeedCurve:
 
     def _deviation(self, theta: np.ndarray) -> np.ndarray:
         panel, r = locate(self.start, self.width, theta)
-        energy = (self.energy[:, panel] * powers(r, NODES + 1)).sum(axis=0)
-        panel, r = locate(self.load.start, self.load.width, theta)
-        inertia = self.flywheel + np.maximum((self.load.inertia[:, panel] * powers(r)).sum(axis=0), 0.0)
-        deviation, _ = _above_mean(energy, inertia, self.mean)
+        r = powers(r, NODES + 1)
+        energy = (self.energy[:, panel] * r).sum(axis=0)
+        bodies = (self.bodies[:, panel] * r[:-1]).sum(axis=0)
+        deviation, _ = _above_mean(energy, self.flywheel + np.maximum(bodies, 0.0), self.mean)
         return deviation
 
 
+class TurnExtremes(NamedTuple):
+    """Extremes of the deviation ω - ω̄ over the turns of m shafts.
+
+    Attributes
+    ----------
+    low, high : ndarray (m,) [rad/s]
+        Least and greatest deviation.
+    low_at, high_at : ndarray (m,) [rad]
+        Their machine angles.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    low_at: np.ndarray
+    high_at: np.ndarray
+
+
+def deviation_extremes(speeds: Sequence[SpeedCurve]) -> TurnExtremes:
+    """Extremes of the deviation ω - ω̄, by the polynomials of the panels.
+
+    Parameters
+    ----------
+    speeds : sequence of SpeedCurve
+        m speeds, at least one.
+
+    Returns
+    -------
+    TurnExtremes
+    """
+    counts = [speed.start.size for speed in speeds]
+    start, width = (np.concatenate([getattr(speed, name) for speed in speeds]) for name in ("start", "width"))
+    energy, bodies = (
+        np.concatenate([getattr(speed, name) for speed in speeds], axis=1) for name in ("energy", "bodies")
+    )
+    flywheel, mean = (np.repeat([getattr(speed, name) for speed in speeds], counts) for name in ("flywheel", "mean"))
+    return _extremes(np.repeat(np.arange(len(speeds)), counts), start, width, energy, bodies, flywheel, mean)
+
+
 def deviation_range(speed: SpeedCurve) -> tuple[float, float]:
-    """Least and greatest ω - ω̄ over the turn [rad/s], refined from the highest samples."""
-    theta = np.arange(SAMPLES) * (TURN / SAMPLES)
-    deviation = speed.deviation(theta)
-    lowest = -_highest(lambda angles: -speed.deviation(angles), theta, -deviation)
-    return lowest, _highest(speed.deviation, theta, deviation)
+    """Least and greatest ω - ω̄ over the turn [rad/s]."""
+    extremes = deviation_extremes([speed])
+    return float(extremes.low[0]), float(extremes.high[0])
 
 
 def speed_fluctuation(speed: SpeedCurve) -> float:
@@ -204,39 +244,130 @@ def speed_fluctuation(speed: SpeedCurve) -> float:
     return (high - low) / speed.mean
 
 
-def _highest(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray, value: np.ndarray) -> float:
-    """Greatest value of a periodic function with samples (n,), kinks included."""
-    tops = np.flatnonzero((value > np.roll(value, 1)) & (value >= np.roll(value, -1)))
-    top, reach, best = theta[tops[np.argsort(value[tops])[-TOPS:]]], TURN / SAMPLES, float(value.max())
-    for _ in range(PASSES if top.size else 0):
-        finer = top[:, None] + reach * np.linspace(-1.0, 1.0, 2 * PARTS + 1)
-        values = function(np.mod(finer.ravel(), TURN)).reshape(finer.shape)
-        top, reach = finer[np.arange(top.size), np.argmax(values, axis=1)], reach / PARTS
-        best = max(best, float(values.max()))
-    return best
+def _extremes(
+    turn: np.ndarray,
+    start: np.ndarray,
+    width: np.ndarray,
+    energy: np.ndarray,
+    bodies: np.ndarray,
+    flywheel: np.ndarray,
+    mean: np.ndarray,
+) -> TurnExtremes:
+    """Extremes of the deviation over every turn, from the panels (n,) of all turns, both limits at their ends included.
+
+    The deviation has its extremes with e/(I + J_e), which is evaluated on a grid in every panel, and refined where
+    its slope between the neighbours may lead above the highest value of the turn.
+    """
+    inertia = bodies.copy()
+    inertia[0] += flywheel
+    grid = powers(GRID, NODES + 1).T
+    ratio = np.einsum("rk,km->rm", grid, energy) / np.maximum(np.einsum("rk,km->rm", grid[:, :-1], inertia), flywheel)
+    first = np.flatnonzero(np.diff(turn, prepend=-1))
+    rows = []
+    for sign in (-1.0, 1.0):
+        value = sign * ratio
+        cell = value.argmax(axis=0)
+        every, last = np.arange(turn.size), GRID.size - 1
+        low, high = np.maximum(cell - 1, 0), np.minimum(cell + 1, last)
+        top = value[cell, every]
+        gain = top - np.minimum(value[low, every], value[high, every])
+        near = np.flatnonzero(top + gain >= np.maximum.reduceat(top, first)[turn])
+        r, e, j = GRID[cell[near]], energy[:, near], inertia[:, near]
+        low, high = GRID[low[near]], GRID[high[near]]
+        e1, j1 = _derivative(e), _derivative(j)
+        e2, j2 = _derivative(e1), _derivative(j1)
+        for _ in range(REFINEMENTS):
+            at_e, at_j = polyval(r, e), polyval(r, j)
+            slope = polyval(r, e1) * at_j - at_e * polyval(r, j1)
+            curvature = polyval(r, e2) * at_j - at_e * polyval(r, j2)
+            is_top = sign * curvature < 0.0
+            r = np.where(is_top, np.clip(r - slope / np.where(is_top, curvature, 1.0), low, high), r)
+        refined = sign * polyval(r, e) / np.maximum(polyval(r, j), flywheel[near])
+        r = np.where(refined >= top[near], r, GRID[cell[near]])
+        refined = np.maximum(refined, top[near])
+        order = np.lexsort((refined, turn[near]))
+        best = order[np.flatnonzero(np.diff(turn[near][order], append=-1))]
+        panel = near[best]
+        deviation, _ = _above_mean(sign * refined[best], np.ones(best.size), mean[panel])
+        rows.append((deviation, np.mod(start[panel] + r[best] * width[panel], TURN)))
+    (lowest, low_at), (highest, high_at) = rows
+    return TurnExtremes(lowest, highest, low_at, high_at)
+
+
+def _derivative(power: np.ndarray) -> np.ndarray:
+    """Coefficients of the derivatives of polynomials (k, m)."""
+    return np.arange(1, power.shape[0])[:, None] * power[1:]
 
 
 @frozen(eq=False)
 class _Panels:
-    """Parts of the load's panels, with the load at their nodes.
+    """Parts of the panels of several loads, turn after turn, with the loads at their nodes.
 
     Attributes
     ----------
-    parent, low, share : (m,) panel of the load, begin of the part in it, and its fraction of it, 0...1
+    turn : (m,) number of the turn
+    parent, low, share : (m,) panel of the loads, begin of the part in it, and its fraction of it, 0...1
     width : (m,) [rad]
-    torque, inertia : (m, NODES) T_c - T̄ [N m] less U', and I + J_e [kg m²]
-    load_energy : (m, NODES) U at the nodes [J]
+    torque, bodies : (NODES, m) T_c - T̄ [N m] less U', and J_e [kg m²]
+    load_energy : (NODES, m) U at the nodes [J]
     power : (NODES + 1, m) coefficients of the powers of U
+    motor_energy, slope : (NODES, m) f [J] and its slope f' [N m] at the nodes
+    begin : (m,) f at the begin [J]
     """
 
+    turn: np.ndarray
     parent: np.ndarray
     low: np.ndarray
     share: np.ndarray
     width: np.ndarray
     torque: np.ndarray
-    inertia: np.ndarray
+    bodies: np.ndarray
     load_energy: np.ndarray
     power: np.ndarray
+    motor_energy: np.ndarray
+    slope: np.ndarray
+    begin: np.ndarray
+
+    def at(self, which: np.ndarray) -> _Panels:
+        """Some of the panels, by numbers or a mask."""
+        return _Panels(*(row[..., which] for row in vars(self).values()))
+
+    def of(self, turns: np.ndarray) -> _Panels:
+        """Panels of some turns, given by their mask."""
+        return self if turns.all() else self.at(turns[self.turn])
+
+    @classmethod
+    def joined(cls, parts: Sequence[_Panels]) -> _Panels:
+        """Panels of several turns, in the order of the turns."""
+        order = np.argsort(np.concatenate([part.turn for part in parts]), kind="stable")
+        rows = zip(*(vars(part).values() for part in parts), strict=True)
+        return cls(*(np.concatenate(row, axis=-1)[..., order] for row in rows))
+
+    def put(self, which: np.ndarray, panels: _Panels) -> None:
+        """Overwrite the solution of some panels, given by their numbers."""
+        for name in ("motor_energy", "slope", "begin"):
+            getattr(self, name)[..., which] = getattr(panels, name)
+
+    def firsts(self) -> tuple[np.ndarray, np.ndarray]:
+        """First panel of every turn, and the number of the turn."""
+        first = np.flatnonzero(np.diff(self.turn, prepend=-1))
+        return first, self.turn[first]
+
+    def motor_power(self) -> np.ndarray:
+        """Coefficients (NODES + 1, m) of the powers of f."""
+        _, _, _, integral = collocation()
+        power = self.width * _by_panel(integral, self.slope)
+        power[0] += self.begin
+        return power
+
+    def energy_power(self) -> np.ndarray:
+        """Coefficients (NODES + 1, m) of the powers of e."""
+        return self.power + self.motor_power()
+
+    def bodies_power(self) -> np.ndarray:
+        """Coefficients (NODES, m) of the powers of J_e."""
+        _, _, to_chebyshev, _ = collocation()
+        return _by_panel(to_powers(NODES) @ to_chebyshev, self.bodies)
 
 
 @lru_cache(maxsize=1)
@@ -283,158 +414,315 @@ def _integrals(count: int) -> np.ndarray:
     return matrix
 
 
-def _above_mean(energy: np.ndarray, inertia: np.ndarray, mean: float) -> tuple[np.ndarray, np.ndarray]:
+def _by_panel(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix times the values (k, m) of every panel; unlike a product by BLAS, the last bit does not depend on m."""
+    return np.einsum("ij,jm->im", matrix, values)
+
+
+def _above_mean(energy: np.ndarray, inertia: np.ndarray, mean: Any) -> tuple[np.ndarray, np.ndarray]:
     """ω - ω̄ and its derivative by e.
 
     From ``STANDSTILL`` down it continues as a straight line, so that a solution always exists and stays convex; the
     machine runs if the solution is above.
     """
-    square = 1.0 + 2.0 * (energy / mean / mean) / inertia  # (ω/ω̄)²
-    root = np.sqrt(np.maximum(square, STANDSTILL))
-    rise = np.maximum(square, STANDSTILL) - 1.0
-    below = np.minimum(square - STANDSTILL, 0.0)
-    return mean * (rise / (1.0 + root) + 0.5 * below / root), 1.0 / (inertia * mean * root)
+    change = 2.0 * (energy / mean / mean) / inertia  # (ω/ω̄)² - 1
+    rise = np.maximum(change, STANDSTILL - 1.0)
+    root = np.sqrt(1.0 + rise)
+    return mean * (rise / (1.0 + root) + 0.5 * (change - rise) / root), 1.0 / (inertia * mean * root)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # with a flywheel of nearly 0
 def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) -> SpeedCurve | None:
     """Speed that repeats each turn, with a flywheel and a motor of linear characteristic; None where the motor stalls.
-
-    Collocation at Radau's nodes of each panel, all panels at once; Newton's method on the equation itself (each step a
-    linear one, closed over the turn). As the equation is convex, the steps rise to the solution from the second one on,
-    from any start. Panels whose last coefficients are significant are divided, and the solution is the first guess on
-    the new ones.
 
     load: torque and inertia; flywheel: I [kg m²], positive; slope: k, increase of the motor's torque per decrease of
     the speed [N m s/rad]; mean: ω̄ [rad/s].
     """
-    count = load.start.size
-    split = slope * TURN < flywheel * mean
-    panels = _panels_of(load, np.arange(count), np.zeros(count), np.ones(count), flywheel, split)
-    energy = np.zeros_like(panels.load_energy)
-    for attempt in range(ROUNDS):
-        energy, power = _solve(panels, energy, slope, mean)
-        deviation, gain = _above_mean(energy, panels.inertia, mean)
-        rough = _unresolved(slope * deviation, load.mean)
-        refines = bool(rough.any()) and panels.width.size < MOST_PANELS * count and attempt < ROUNDS - 1
-        stalls = (
-            not float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) > STANDSTILL
-        )  # NaN counts as stalled
-        if not refines or (stalls and attempt):  # stalled on refined panels too
-            break
-        panels, energy = _divide(load, panels, rough, slope * gain, power, flywheel, split)
-    if stalls:
-        return None
-    start = load.start[panels.parent] + panels.low * load.width[panels.parent]
-    return SpeedCurve(start, panels.width, power, load, flywheel, mean)
+    turns = SteadyTurns([load], np.array([slope]), np.array([mean]))
+    return turns.speed(0) if turns.solve(np.array([flywheel]))[0] else None
 
 
-def _panels_of(
-    load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float, split: bool
-) -> _Panels:
-    """Parts of the load's panels; split: U is the energy of the torque about its mean, otherwise 0."""
-    x, _, _, _ = collocation()
-    r = powers((low[:, None] + share[:, None] * x).ravel())
-    panel = np.repeat(parent, NODES)
-    shape, width = (parent.size, NODES), share * load.width[parent]
-    torque = ((load.torque[:, panel] * r).sum(axis=0) - load.mean).reshape(shape)
-    inertia = (np.maximum((load.inertia[:, panel] * r).sum(axis=0), 0.0) + flywheel).reshape(
-        shape
-    )  # no rounding below 0
-    if not split:
-        return _Panels(parent, low, share, width, torque, inertia, np.zeros(shape), np.zeros((NODES + 1, parent.size)))
-    _, integrals, _, integral = collocation()
-    work = width[:, None] * (torque @ integrals.T)
-    mean = float(work[:, -1].sum()) / TURN
-    torque, work = torque - mean, work - mean * width[:, None] * x
-    begins = -np.append(0.0, np.cumsum(work[:-1, -1]))
-    power = -width * (integral @ torque.T)
-    power[0] += begins
-    mean_torque = np.full(shape, mean if abs(mean) > ROUNDING * float(np.abs(torque).max()) else 0.0)
-    return _Panels(parent, low, share, width, mean_torque, inertia, begins[:, None] - work, power)
+class SteadyTurns:
+    """Speeds of m shafts that repeat each turn, with flywheels and motors of linear characteristic.
 
-
-def _solve(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> tuple[np.ndarray, np.ndarray]:
-    """E at the nodes (m, NODES), and the coefficients of its powers (NODES + 1, m), from a first guess at the nodes.
-
-    One step: with c = k dω/de, f' = -(T_c - T̄ + U') - k(ω - ω̄)(e₀) - c(f - f₀), which is linear; over a panel that
-    begins with b it gives f = b p + q at the nodes, and b follows from panel to panel, closed over the turn. 1 - p at
-    the end is computed from the integral of c p, so that no digit is lost where hardly anything decays.
+    Collocation at Radau's nodes of each panel, the panels of all shafts at once; Newton's method on the equation itself
+    (each step a linear one, closed over the turn). As the equation is convex, the steps rise to the solution from the
+    second one on, from any start: the last solution, or that of a motor without influence. Panels whose last
+    coefficients are significant are divided, and the solution is the first guess on the new ones. The speed of a shaft
+    does not depend on the others.
     """
-    _, integrals, _, integral = collocation()
-    scaled = panels.width[:, None, None] * integrals
-    f = energy - panels.load_energy
-    for _ in range(ITERATIONS):
-        deviation, gain = _above_mean(panels.load_energy + f, panels.inertia, mean)
-        rate = slope * gain
-        free = rate * f - slope * deviation - panels.torque
-        matrix = scaled * rate[:, None, :]
+
+    def __init__(self, loads: Sequence[LoadCurve], slope: np.ndarray, mean: np.ndarray) -> None:
+        """Set up the shafts.
+
+        Parameters
+        ----------
+        loads : sequence of LoadCurve
+            m loads, at least one.
+        slope : ndarray (m,) [N m s/rad]
+            Slopes k of the motors, increase of the torque per decrease of the speed.
+        mean : ndarray (m,) [rad/s]
+            Mean speeds ω̄.
+        """
+        self.slope, self.mean = slope, mean
+        self.flywheel = np.zeros(len(loads))
+        self._counts = np.array([load.start.size for load in loads])
+        self._start, self._width = (
+            np.concatenate([getattr(load, name) for load in loads]) for name in ("start", "width")
+        )
+        self._torque, self._inertia = (
+            np.concatenate([getattr(load, name) for load in loads], axis=1) for name in ("torque", "inertia")
+        )
+        self._mean_torque = np.array([load.mean for load in loads])
+        self._load_turn = np.repeat(np.arange(len(loads)), self._counts)
+        self._is_split = np.zeros(len(loads), dtype=bool)  # turns whose U is the energy of the torque about its mean
+        none = np.zeros((NODES, 0))
+        empty, numbers = none[0], np.zeros(0, dtype=int)
+        power = np.zeros((NODES + 1, 0))
+        self._panels = _Panels(numbers, numbers, empty, empty, empty, none, none, none, power, none, none, empty)
+
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # with a flywheel of nearly 0
+    def solve(self, flywheel: np.ndarray, turns: np.ndarray | None = None) -> np.ndarray:
+        """Solve the equation for given flywheels.
+
+        Parameters
+        ----------
+        flywheel : ndarray (m,) [kg m²]
+            Inertias I, positive.
+        turns : ndarray (m,) or None, dimensionless
+            Mask of the shafts to solve; the others keep their last solution. None: all.
+
+        Returns
+        -------
+        ndarray (m,), dimensionless
+            Mask of the shafts that are solved, and run; in the others of these the motor stalls.
+        """
+        solved = np.ones(self.mean.size, dtype=bool) if turns is None else turns
+        self.flywheel = np.where(solved, flywheel, self.flywheel)
+        is_split = np.where(solved, self.slope * TURN < self.flywheel * self.mean, self._is_split)
+        begins = solved & ((is_split != self._is_split) | (self._panels.turn.size == 0))
+        self._is_split = is_split
+        if begins.any():
+            parent = np.flatnonzero(begins[self._load_turn])
+            self._replace(begins, self._begin(self._panels_of(parent, np.zeros(parent.size), np.ones(parent.size))))
+        runs, active = solved.copy(), solved
+        for attempt in range(ROUNDS):
+            self._newton(active)
+            panels = self._panels.of(active)
+            first, at = panels.firsts()
+            inertia, mean = panels.bodies + self.flywheel[panels.turn], self.mean[panels.turn]
+            energy = panels.load_energy + panels.motor_energy
+            deviation, gain = _above_mean(energy, inertia, mean)
+            rough = self._unresolved(panels, self.slope[panels.turn] * deviation)
+            # NaN counts as stalled
+            runs[at] = (
+                np.minimum.reduceat((1.0 + 2.0 * (energy / mean / mean) / inertia).min(axis=0), first) > STANDSTILL
+            )
+            has_room = np.diff(first, append=rough.size) < MOST_PANELS * self._counts[at]
+            refines = np.logical_or.reduceat(rough, first) & has_room
+            if attempt:  # stalled on refined panels too
+                refines &= runs[at]
+            if attempt == ROUNDS - 1 or not refines.any():
+                break
+            active = np.zeros_like(active)
+            active[at[refines]] = True
+            which = active[panels.turn]
+            rate = self.slope[panels.turn] * gain.max(axis=0)
+            self._replace(active, self._divided(panels.at(which), rough[which], rate[which]))
+        return runs
+
+    def speed(self, number: int) -> SpeedCurve:
+        """Speed of a shaft by its last solution."""
+        panels = self._panels.of(np.arange(self.mean.size) == number)
+        start, bodies = self._start[panels.parent] + panels.low * self._width[panels.parent], panels.bodies_power()
+        return SpeedCurve(
+            start, panels.width, panels.energy_power(), bodies, float(self.flywheel[number]), float(self.mean[number])
+        )
+
+    def extremes(self, turns: np.ndarray) -> TurnExtremes:
+        """Extremes of the deviation from the mean speed, by the last solution.
+
+        Parameters
+        ----------
+        turns : ndarray (m,), dimensionless
+            Mask of k shafts, at least one.
+
+        Returns
+        -------
+        TurnExtremes
+            Of k shafts.
+        """
+        panels = self._panels.of(turns)
+        start = self._start[panels.parent] + panels.low * self._width[panels.parent]
+        flywheel, mean = self.flywheel[panels.turn], self.mean[panels.turn]
+        return _extremes(panels.turn, start, panels.width, panels.energy_power(), panels.bodies_power(), flywheel, mean)
+
+    def _replace(self, turns: np.ndarray, panels: _Panels) -> None:
+        """Replace the panels of some turns, given by their mask."""
+        self._panels = _Panels.joined([self._panels.of(~turns), panels])
+
+    def _panels_of(self, parent: np.ndarray, low: np.ndarray, share: np.ndarray) -> _Panels:
+        """Parts (n,) of the loads' panels, for complete turns; U is 0 where the motor follows within a turn."""
+        x, integrals, _, integral = collocation()
+        turn, width = self._load_turn[parent], share * self._width[parent]
+        r = low + x[:, None] * share
+        torque = polyval(r, self._torque[:, None, parent]) - self._mean_torque[turn]
+        bodies = np.maximum(polyval(r, self._inertia[:, None, parent]), 0.0)  # no rounding below 0
+        none = np.zeros(torque.shape)
+        power = np.zeros((NODES + 1, turn.size))
+        panels = _Panels(turn, parent, low, share, width, torque, bodies, none, power, none, none, none[0])
+        is_split = self._is_split[turn]
+        if not is_split.any():
+            return panels
+        first, at = panels.firsts()
+        work = width * _by_panel(integrals, torque)
+        mean = np.zeros(self.mean.size)
+        mean[at] = np.add.reduceat(work[-1], first) / TURN
+        work, torque = work - mean[turn] * (width * x[:, None]), torque - mean[turn]
+        largest = np.zeros(self.mean.size)
+        largest[at] = np.maximum.reduceat(np.abs(torque).max(axis=0), first)
+        _, ends = _along_turns(np.zeros(turn.size), work[-1], turn)
+        begins = work[-1] - ends
+        power = -width * _by_panel(integral, torque)
+        power[0] += begins
+        rest = np.where(np.abs(mean) > ROUNDING * largest, mean, 0.0)[turn]
+        return replace(
+            panels,
+            torque=np.where(is_split, rest, panels.torque),
+            load_energy=np.where(is_split, begins - work, 0.0),
+            power=np.where(is_split, power, 0.0),
+        )
+
+    def _begin(self, panels: _Panels) -> _Panels:
+        """The panels with a first guess: f constant, so that the mean of e is 0."""
+        _, integrals, _, _ = collocation()
+        first, at = panels.firsts()
+        guess = np.zeros(self.mean.size)
+        area = panels.width * _by_panel(integrals[-1:], panels.load_energy)[0]
+        guess[at] = -np.add.reduceat(area, first) / TURN
+        start = guess[panels.turn]
+        return replace(panels, motor_energy=np.tile(start, (NODES, 1)), begin=start)
+
+    def _newton(self, active: np.ndarray) -> None:
+        """Newton's method for some turns, given by their mask.
+
+        One step: with c = k dω/de and the slope s = f' at the nodes, s + δs = -(T_c - T̄ + U') - k(ω - ω̄) - c δf, which
+        is linear; over a panel that begins with δb it gives δf = p δb + d at the nodes, and δb follows from panel to
+        panel, closed over the turn. 1 - p at the end is computed from the decay itself, so that no digit is lost where
+        hardly anything decays.
+        """
+        _, integrals, _, _ = collocation()
+        which = np.flatnonzero(active[self._panels.turn])
+        panels = self._panels.at(which)
+        for _ in range(ITERATIONS):
+            turn, f, s, b = panels.turn, panels.motor_energy, panels.slope, panels.begin
+            k, mean = self.slope[turn], self.mean[turn]
+            deviation, gain = _above_mean(panels.load_energy + f, panels.bodies + self.flywheel[turn], mean)
+            rate, target = k * gain, -(k * deviation + panels.torque)
+            steep, decay, forced, lost = _responses(panels.width, rate, target - s)
+            # f at the end less that at the begin, which next to a large f would lose its digits
+            gained = np.where(steep, f[-1] - b, panels.width * _by_panel(integrals[-1:], s)[0])
+            losses, ends = _along_turns(lost, gained + lost * b + forced[-1], turn)
+            begins = _begins(losses, ends, turn)
+            step = decay * (begins - b) + forced
+            slope = target - rate * step
+            step[:, ~steep] = (begins - b + panels.width * _by_panel(integrals, slope - s))[:, ~steep]
+            panels = replace(panels, motor_energy=f + step, slope=slope, begin=begins)
+            first, _ = panels.firsts()
+            change = np.maximum.reduceat(np.abs(gain * step).max(axis=0), first)
+            rests = change <= CLOSE * mean[first]
+            if rests.any():
+                rests = np.repeat(rests, np.diff(first, append=turn.size))
+                self._panels.put(which[rests], panels.at(rests))
+                which, panels = which[~rests], panels.at(~rests)
+                if not which.size:
+                    return
+        self._panels.put(which, panels)
+
+    def _unresolved(self, panels: _Panels, torque: np.ndarray) -> np.ndarray:
+        """Mask (n,) of panels where the last two Chebyshev coefficients of the motor's torque (NODES, n) are significant.
+
+        The torque that a balance cam leaves is rounding relative to the mean, which no panel resolves.
+        """
+        _, _, to_chebyshev, _ = collocation()
+        first, at = panels.firsts()
+        largest = np.maximum.reduceat(np.abs(torque).max(axis=0), first) + np.abs(self._mean_torque[at])
+        last = np.abs(_by_panel(to_chebyshev[-2:], torque)).max(axis=0)
+        return np.asarray(last > RESOLVED * np.repeat(largest, np.diff(first, append=last.size)))
+
+    def _divided(self, panels: _Panels, rough: np.ndarray, rate: np.ndarray) -> _Panels:
+        """The panels with the rough ones (n,) divided, and f at their nodes from its polynomials on the old ones.
+
+        A rough panel is halved; one with a fast decay is halved towards its start as often as needed, for after a jump
+        of the torque the motor follows there. rate: (n,) greatest decay [1/rad].
+        """
+        x, _, to_chebyshev, _ = collocation()
+        depth = np.ceil(np.log2(np.maximum(rate * panels.width, 1.0))).astype(int) + 1
+        depth = np.where(rough, np.clip(depth, 1, FINEST_HALVING), 0)
+        old = np.repeat(np.arange(depth.size), depth + 1)
+        part = np.arange(old.size) - np.repeat(
+            np.cumsum(depth + 1) - depth - 1, depth + 1
+        )  # 0 at the old panel's start
+        share = np.where(part == 0, 0.5 ** depth[old], 0.5 ** (depth[old] - part + 1.0))
+        low = np.where(part == 0, 0.0, share)
+        divided = self._panels_of(
+            panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old]
+        )
+        energy = panels.motor_power()[:, None, old]
+        slope = _by_panel(to_powers(NODES) @ to_chebyshev, panels.slope)[:, None, old]
+        r = low + x[:, None] * share
+        return replace(
+            divided, motor_energy=polyval(r, energy), slope=polyval(r, slope), begin=polyval(low, energy[:, 0])
+        )
+
+
+def _responses(width: np.ndarray, rate: np.ndarray, forcing: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Solution x = p b + d of x' + c x = g over panels of widths h (n,), from c and g at the nodes (NODES, n).
+
+    Where little decays p = e^(-C) and d = e^(-C) ∫ e^C g with C = ∫ c, on the same nodes; elsewhere the linear system of
+    the collocation is solved. Returns the mask of these panels (n,), p, d (NODES, n), and the part 1 - p lost at the end (n,).
+    """
+    _, integrals, _, _ = collocation()
+    steep = ~((rate * width).max(axis=0) <= STEEP)
+    exponent = np.where(steep, 0.0, width * _by_panel(integrals, rate))
+    decay, lost = np.exp(-exponent), -np.expm1(-exponent[-1])
+    forced = decay * (width * _by_panel(integrals, forcing / decay))
+    if steep.any():
+        c, g = rate[:, steep].T, forcing[:, steep].T
+        scaled = width[steep, None, None] * integrals
+        matrix = scaled * c[:, None, :]
         matrix[:, np.arange(NODES), np.arange(NODES)] += 1.0
-        sides = np.stack((np.ones_like(free), np.einsum("mij,mj->mi", scaled, free)), axis=2)
-        decay, forced = np.moveaxis(np.linalg.solve(matrix, sides), 2, 0)
-        begins = _close_turn(np.einsum("mj,mj->m", scaled[:, -1], rate * decay), forced[:, -1])
-        before, f = f, begins[:, None] * decay + forced
-        change = f - before
-        if float(np.abs(gain * change).max()) <= CLOSE * mean:
-            break
-    power = panels.width * (integral @ (free - rate * f).T)
-    power[0] += begins
-    return panels.load_energy + f, panels.power + power
+        sides = np.stack((np.ones_like(g), np.einsum("mij,mj->mi", scaled, g)), axis=2)
+        p, d = np.moveaxis(np.linalg.solve(matrix, sides), 2, 0)
+        decay[:, steep], forced[:, steep] = p.T, d.T
+        lost[steep] = np.einsum("mj,mj->m", scaled[:, -1], c * p)
+    return steep, decay, forced, lost
 
 
-def _close_turn(lost: np.ndarray, gained: np.ndarray) -> np.ndarray:
-    """Values (m,) at the begins of the panels, from b → (1 - lost) b + gained per panel, equal after one turn."""
-    end, begins, factors = 0.0, [], []
-    factor = 1.0
-    for loss, gain in zip(lost.tolist(), gained.tolist(), strict=True):
-        begins.append(end)
-        factors.append(factor)
-        end += gain - loss * end
-        factor *= 1.0 - loss
-    total = -np.expm1(np.log1p(-np.minimum(lost, 1.0 - 1e-16)).sum())
-    return np.array(begins) + end / total * np.array(factors)
+def _along_turns(lost: np.ndarray, gained: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Loss and gain from the begin of a turn to the end of every panel (n,), from b -> (1 - lost) b + gained of every panel.
 
-
-def _unresolved(torque: np.ndarray, mean: float) -> np.ndarray:
-    """Mask (m,) of panels where the last two Chebyshev coefficients of the motor's torque (m, NODES) are significant.
-
-    The torque that a balance cam leaves is rounding relative to the mean, which no panel resolves.
+    The panels are combined with the one before, then with the two, four, ... before.
     """
-    _, _, to_chebyshev, _ = collocation()
-    last = np.abs(torque @ to_chebyshev[-2:].T).max(axis=1)
-    return last > RESOLVED * (float(np.abs(torque).max()) + abs(mean))
-
-
-def _divide(
-    load: LoadCurve,
-    panels: _Panels,
-    rough: np.ndarray,
-    rate: np.ndarray,
-    power: np.ndarray,
-    flywheel: float,
-    split: bool,
-) -> tuple[_Panels, np.ndarray]:
-    """The panels with the rough ones divided, and e at their nodes from the coefficients of its powers on the old ones.
-
-    A rough panel is halved; one with a fast decay is halved towards its start as often as needed, for after a jump of
-    the torque the motor follows there.
-    """
-    depth = np.ceil(np.log2(np.maximum(rate.max(axis=1) * panels.width, 1.0))).astype(int) + 1
-    depth = np.where(rough, np.clip(depth, 1, FINEST_HALVING), 0)
-    parent = np.repeat(np.arange(depth.size), depth + 1)
-    part = np.arange(parent.size) - np.repeat(
-        np.cumsum(depth + 1) - depth - 1, depth + 1
-    )  # 0 at the start of the old panel
-    share = np.where(part == 0, 0.5 ** depth[parent], 0.5 ** (depth[parent] - part + 1.0))
-    low = np.where(part == 0, 0.0, share)
-    divided = _panels_of(
-        load,
-        panels.parent[parent],
-        panels.low[parent] + low * panels.share[parent],
-        share * panels.share[parent],
-        flywheel,
-        split,
+    lost, gained = lost.copy(), gained.copy()
+    number = (
+        np.arange(turn.size) - np.flatnonzero(np.diff(turn, prepend=-1))[np.cumsum(np.diff(turn, prepend=-1) != 0) - 1]
     )
-    x, _, _, _ = collocation()
-    r = powers((low[:, None] + share[:, None] * x).ravel(), NODES + 1)
-    return divided, (power[:, np.repeat(parent, NODES)] * r).sum(axis=0).reshape(-1, NODES)
+    reach = 1
+    while reach <= number.max():
+        at = np.flatnonzero(number >= reach)
+        before, loss = at - reach, lost[at]
+        gained[at] += gained[before] - loss * gained[before]
+        lost[at] = lost[before] + (1.0 - lost[before]) * loss
+        reach *= 2
+    return lost, gained
+
+
+def _begins(lost: np.ndarray, gained: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Values at the begins of the panels (n,) that repeat each turn, from loss and gain up to their ends."""
+    first = np.flatnonzero(np.diff(turn, prepend=-1))
+    last = np.append(first[1:], turn.size) - 1
+    begin = np.repeat(gained[last] / lost[last], last - first + 1)
+    begins = np.empty(turn.size)
+    begins[1:] = gained[:-1] + (1.0 - lost[:-1]) * begin[1:]
+    begins[first] = begin[first]
+    return begins
