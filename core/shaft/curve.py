@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from core.errors import NoSolution, angle_ranges
 from core.frozen import frozen
 from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import Extreme, Extremes, crossings
-from core.motion.program import CLOSEST, ShaftPosition, piece_ends
+from core.motion.program import CLOSEST, ShaftPosition
 from core.numerics.derivatives import distinct
 from core.numerics.roots import gauss_legendre
 
@@ -27,7 +27,20 @@ from core.numerics.roots import gauss_legendre
 NODES = 10  # per panel; the polynomial has this many coefficients
 PANEL = np.deg2rad(2.0)  # longest panel
 LEAST_PANELS = 16  # of a piece, however short: it may contain a full sine wave
-REST, LEAST_AT_REST = np.deg2rad(15.0), 2  # of a dwell, in which loads are constant or linear
+
+
+class PanelSize(NamedTuple):
+    """Length of the longest panel [rad] and least number of panels of a piece, in moving pieces and in dwells."""
+
+    longest: float
+    least: int
+    longest_at_rest: float
+    least_at_rest: int
+
+
+EVEN = PanelSize(PANEL, LEAST_PANELS, PANEL, LEAST_PANELS)
+FEW_AT_REST = EVEN._replace(longest_at_rest=np.deg2rad(15.0), least_at_rest=2)
+"""For loads that are constant or linear in a dwell."""
 
 Load = Callable[[Angles], np.ndarray]
 """Torque at constant speed [N m] and inertia J_e [kg m²] of a load, (2, n) at any cam angles."""
@@ -85,10 +98,51 @@ def fitted(start: np.ndarray, width: np.ndarray, torque: np.ndarray, inertia: np
     -------
     LoadCurve
     """
+    return fitted_loads(np.array([start.size]), start, width, torque, inertia)[0]
+
+
+def fitted_loads(
+    counts: np.ndarray, start: np.ndarray, width: np.ndarray, torque: np.ndarray, inertia: np.ndarray
+) -> list[LoadCurve]:
+    """Several loads with given values at the nodes of their panels, the panels of one load after those of the other.
+
+    Parameters
+    ----------
+    counts : ndarray (k,), dimensionless
+        Numbers of panels of the loads; their sum is m.
+    start, width : ndarray (m,) [rad]
+        Of the panels.
+    torque : ndarray (m, NODES) [N m]
+    inertia : ndarray (m, NODES) [kg m²]
+
+    Returns
+    -------
+    list of LoadCurve
+    """
+    if not counts.size:
+        return []
     _, to_chebyshev = nodes()
-    rows = [to_powers(NODES) @ (to_chebyshev @ row.T) for row in (torque, inertia)]
-    mean = float((width * (rows[0] / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
-    return LoadCurve(start, width, rows[0], rows[1], mean)
+    rows = [by_panel(to_powers(NODES), by_panel(to_chebyshev, row.T)) for row in (torque, inertia)]
+    ends = np.cumsum(counts)
+    work = width * (rows[0] / np.arange(1, NODES + 1)[:, None]).sum(axis=0)
+    means = (np.add.reduceat(work, ends - counts) / TURN).tolist()
+    parts = zip((ends - counts).tolist(), ends.tolist(), means, strict=True)
+    return [LoadCurve(start[a:b], width[a:b], rows[0][:, a:b], rows[1][:, a:b], mean) for a, b, mean in parts]
+
+
+def by_panel(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix times the values of every panel; unlike a product by BLAS, no last bit depends on the number of panels.
+
+    Parameters
+    ----------
+    matrix : ndarray (j, k), dimensionless
+    values : ndarray (k, m) [any unit]
+
+    Returns
+    -------
+    ndarray (j, m) [unit of the values]
+    """
+    return np.asarray(np.einsum("jk,km->jm", matrix, values))
 
 
 @lru_cache(maxsize=4)
@@ -119,9 +173,7 @@ def to_powers(count: int) -> np.ndarray:
 def panel_angles(
     program: CompiledMotion,
     cuts: Angles | None = None,
-    longest: float = PANEL,
-    least: int = LEAST_PANELS,
-    even_at_rest: bool = False,
+    size: PanelSize = EVEN,
 ) -> tuple[np.ndarray, np.ndarray, Angles]:
     """Panels that never contain a join of pieces or a cut inside, and the nodes of all of them.
 
@@ -130,12 +182,7 @@ def panel_angles(
     program : CompiledMotion
     cuts : Angles, optional
         Further angles at which panels end.
-    longest : float
-        Length of the longest panel [rad].
-    least : int
-        Least number of panels of a piece.
-    even_at_rest : bool
-        Whether a dwell needs fewer panels.
+    size : PanelSize
 
     Returns
     -------
@@ -146,8 +193,8 @@ def panel_angles(
     is_rest = np.broadcast_to(getattr(program, "velocity_signs", 1.0), program.starts.shape) == 0.0
     edges = []
     for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
-        width, least_panels = (REST, LEAST_AT_REST) if even_at_rest and is_rest[i] else (longest, least)
-        even = np.linspace(a, b, max(least_panels, int(np.ceil((b - a) / width))) + 1)
+        longest, least = size[2:] if is_rest[i] else size[:2]
+        even = np.linspace(a, b, max(least, int(np.ceil((b - a) / longest))) + 1)
         edges.append(even if cuts is None else distinct(np.append(even, cuts.theta[cuts.piece == i])))
     start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
     x, _ = nodes()
@@ -156,14 +203,13 @@ def panel_angles(
 
 
 @lru_cache(maxsize=32)
-def uncut_panels(program: CompiledMotion, even_at_rest: bool = False) -> tuple[np.ndarray, np.ndarray, Angles]:
+def uncut_panels(program: CompiledMotion, size: PanelSize = EVEN) -> tuple[np.ndarray, np.ndarray, Angles]:
     """Panels without cuts inside the pieces; equal programs return the same nodes, whose results may be cached.
 
     Parameters
     ----------
     program : CompiledMotion
-    even_at_rest : bool
-        Whether a dwell needs fewer panels.
+    size : PanelSize
 
     Returns
     -------
@@ -171,7 +217,7 @@ def uncut_panels(program: CompiledMotion, even_at_rest: bool = False) -> tuple[n
     angles : Angles
         The nodes, (m NODES,).
     """
-    start, width, angles = panel_angles(program, even_at_rest=even_at_rest)
+    start, width, angles = panel_angles(program, size=size)
     return start, width, Angles(angles.theta, angles.piece, cached=True, search=True)
 
 
@@ -199,15 +245,14 @@ def load_curve(
     NoSolution
         Where the torque is infinite.
     """
-    start, width, angles = uncut_panels(program, even_at_rest)
+    size = FEW_AT_REST if even_at_rest else EVEN
+    start, width, angles = uncut_panels(program, size)
     values = load(angles)
     cuts = [crossings(switch, angles, switch(angles)) for switch in switches if switch is not None]
     theta = np.concatenate([cut.theta for cut in cuts]) if cuts else np.zeros(0)
     if theta.size:  # most panels do not change
         old, old_values = (start, width), values.reshape(2, -1, NODES)
-        start, width, angles = panel_angles(
-            program, Angles(theta, np.concatenate([cut.piece for cut in cuts])), even_at_rest=even_at_rest
-        )
+        start, width, angles = panel_angles(program, Angles(theta, np.concatenate([cut.piece for cut in cuts])), size)
         panel = np.minimum(np.searchsorted(old[0], start), old[0].size - 1)
         is_new = (old[0][panel] != start) | (old[1][panel] != width)
         new_nodes = np.repeat(is_new, NODES)
@@ -305,17 +350,63 @@ def combined_load(loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> LoadCurve
     The panels of each load are shifted by its phase and divided where another's end: the polynomials are the same on
     them, so that only rounding is lost.
     """
-    ends = piece_ends([position.machine_angle(curve.start) for curve, position in loads])
-    start, width = ends[:-1], np.diff(ends)
+    return combined_loads([loads])[0]
+
+
+def combined_loads(shafts: Sequence[Sequence[tuple[LoadCurve, ShaftPosition]]]) -> list[LoadCurve]:
+    """Total loads of several shafts, each with as many loads in the same order, as by ``combined_load``."""
+    if not shafts:
+        return []
+    drives = [_PositionedLoads(drive) for drive in zip(*shafts, strict=True)]
+    shaft = np.concatenate([np.arange(len(shafts)), *(drive.shaft for drive in drives)])
+    ends = np.concatenate([np.zeros(len(shafts)), *(drive.machine_angle(drive.start) for drive in drives)])
+    order = np.lexsort((ends, shaft))
+    shaft, ends = shaft[order], ends[order]
+    keep = (np.diff(ends, prepend=-1.0) > CLOSEST) | (np.diff(shaft, prepend=-1) > 0)
+    keep &= ends < TURN - CLOSEST
+    shaft, start = shaft[keep], ends[keep]
+    is_last = np.diff(shaft, append=len(shafts)) > 0
+    width = np.where(is_last, TURN, np.roll(start, -1)) - start
     inside = width[:, None] * (nodes()[0] - 0.5)
     torque, inertia = np.zeros_like(inside), np.zeros_like(inside)
-    for curve, position in loads:
-        middle = position.drive_angle(start + 0.5 * width)
-        panel, r = locate(curve.start, curve.width, middle)
-        r = r[:, None] + position.rotation_sign * inside / curve.width[panel][:, None]
-        torque += polyval(r, curve.torque[:, panel, None])
-        inertia += polyval(r, curve.inertia[:, panel, None])
-    return fitted(start, width, torque, inertia)
+    for drive in drives:
+        panel, r = drive.locate(shaft, start + 0.5 * width)
+        r = r[:, None] + (drive.sign[panel] / drive.width[panel])[:, None] * inside
+        torque += polyval(r, drive.torque[:, panel, None])
+        inertia += polyval(r, drive.inertia[:, panel, None])
+    return fitted_loads(np.bincount(shaft, minlength=len(shafts)), start, width, torque, inertia)
+
+
+class _PositionedLoads:
+    """Panels (m,) of one load of every shaft, with the number of their shaft, its phase [rad] and its sense of rotation."""
+
+    def __init__(self, loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> None:
+        counts = [curve.start.size for curve, _ in loads]
+        self.shaft = np.repeat(np.arange(len(loads)), counts)
+        self.start, self.width = (
+            np.concatenate([getattr(curve, name) for curve, _ in loads]) for name in ("start", "width")
+        )
+        self.torque, self.inertia = (
+            np.concatenate([getattr(curve, name) for curve, _ in loads], axis=1) for name in ("torque", "inertia")
+        )
+        phases, signs = (
+            np.array([getattr(position, name) for _, position in loads]) for name in ("phase", "rotation_sign")
+        )
+        self._phases, self._signs = phases, signs
+        self.phase, self.sign = phases[self.shaft], signs[self.shaft]
+
+    def machine_angle(self, angle: np.ndarray) -> np.ndarray:
+        return np.asarray(np.mod(self.phase + self.sign * angle, TURN))
+
+    def locate(self, shaft: np.ndarray, machine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Panel and its coordinate r at machine angles (n,) of given shafts, both (n,)."""
+        angle = np.mod(self._signs[shaft] * (machine - self._phases[shaft]), TURN)
+        is_start = np.arange(self.start.size + angle.size) < self.start.size
+        order = np.lexsort((~is_start, np.concatenate((self.start, angle)), np.concatenate((self.shaft, shaft))))
+        panel = np.empty(order.size, dtype=int)
+        panel[order] = np.cumsum(is_start[order]) - 1
+        panel = panel[self.start.size :]
+        return panel, (angle - self.start[panel]) / self.width[panel]
 
 
 def torque_at(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
@@ -344,31 +435,113 @@ def rms(curve: LoadCurve) -> float:
 
 
 def peaks(curve: LoadCurve) -> Extremes:
-    """Lowest and highest T_c [N m], with both limits at its jumps.
+    """Lowest and highest T_c [N m], with both limits at its jumps."""
+    found = load_extremes([curve])
+    low, high = (
+        (float(value[0]), float(at[0])) for value, at in ((found.low, found.low_at), (found.high, found.high_at))
+    )
+    return Extremes(Extreme(*low), Extreme(*high))
 
-    Newton's method refines the extremes between the ends of every panel: the highest sample may be next to a lower
-    peak.
+
+# -- extremes over the turn -------------------------------------------------------------------------------------
+
+
+GRID = np.linspace(0.0, 1.0, 2 * NODES + 1)  # of a panel, on which extremes are bracketed
+REFINEMENTS = 8  # steps of Newton's method from the grid to an extreme
+
+
+class TurnExtremes(NamedTuple):
+    """Extremes of a quantity over each of m turns.
+
+    Attributes
+    ----------
+    low, high : ndarray (m,) [unit of the quantity]
+        Least and greatest value.
+    low_at, high_at : ndarray (m,) [rad]
+        Their angles.
     """
-    r = np.linspace(0.0, 1.0, 2 * NODES + 1)
-    values = polyval(r, curve.torque[:, :, None])
-    slope = np.arange(1, NODES)[:, None] * curve.torque[1:]
-    curvature_powers = np.arange(1, NODES - 1)[:, None] * slope[1:]
 
-    panels = np.arange(curve.start.size)
+    low: np.ndarray
+    high: np.ndarray
+    low_at: np.ndarray
+    high_at: np.ndarray
 
-    def extreme(sign: float) -> Extreme:
-        cell = (sign * values).argmax(axis=1)
-        low, high, first = r[np.maximum(cell - 1, 0)], r[np.minimum(cell + 1, r.size - 1)], r[cell]
-        r_top = first
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            for _ in range(8):
-                curvature = polyval(r_top, curvature_powers)
-                step = polyval(r_top, slope) / curvature
-                r_top = np.where(sign * curvature < 0.0, np.clip(r_top - step, low, high), r_top)
-        refined, sampled = polyval(r_top, curve.torque), values[panels, cell]
-        r_top = np.where(sign * refined >= sign * sampled, r_top, first)
-        panel = int((sign * polyval(r_top, curve.torque)).argmax())
-        theta = float(np.mod(curve.start[panel] + r_top[panel] * curve.width[panel], TURN))
-        return Extreme(float(polyval(r_top[panel], curve.torque[:, panel])), theta)
 
-    return Extremes(extreme(-1.0), extreme(1.0))
+def load_extremes(curves: Sequence[LoadCurve]) -> TurnExtremes:
+    """Lowest and highest T_c [N m] of loads, with both limits at their jumps.
+
+    Parameters
+    ----------
+    curves : sequence of LoadCurve
+        m loads, at least one.
+
+    Returns
+    -------
+    TurnExtremes
+    """
+    turn = np.repeat(np.arange(len(curves)), [curve.start.size for curve in curves])
+    start, width = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("start", "width"))
+    torque = np.concatenate([curve.torque for curve in curves], axis=1)
+    return ratio_extremes(turn, start, width, torque, np.ones((1, turn.size)))
+
+
+def ratio_extremes(
+    turn: np.ndarray, start: np.ndarray, width: np.ndarray, numerator: np.ndarray, denominator: np.ndarray
+) -> TurnExtremes:
+    """Extremes over every turn of the ratio of two polynomials on its panels, both limits at their ends included.
+
+    The ratio is evaluated on a grid in every panel, and refined by Newton's method where its slope between neighbours
+    may lead above the highest value of the turn.
+
+    Parameters
+    ----------
+    turn : ndarray (n,), dimensionless
+        Number of the turn of each panel, ascending.
+    start, width : ndarray (n,) [rad]
+        Of the panels.
+    numerator : ndarray (k, n) [any unit]
+        Coefficients of r**k.
+    denominator : ndarray (l, n) [any unit]
+        The same of a polynomial without zeros.
+
+    Returns
+    -------
+    TurnExtremes
+    """
+    grid = powers(GRID, max(numerator.shape[0], denominator.shape[0])).T
+    ratio = by_panel(grid[:, : numerator.shape[0]], numerator) / by_panel(grid[:, : denominator.shape[0]], denominator)
+    first, every = np.flatnonzero(np.diff(turn, prepend=-1)), np.arange(turn.size)
+    rows: list[np.ndarray] = []
+    for sign in (-1.0, 1.0):
+        value = sign * ratio
+        cell = value.argmax(axis=0)
+        low, high = np.maximum(cell - 1, 0), np.minimum(cell + 1, GRID.size - 1)
+        top = value[cell, every]
+        gain = top - np.minimum(value[low, every], value[high, every])
+        highest = np.repeat(np.maximum.reduceat(top, first), np.diff(first, append=turn.size))
+        near = np.flatnonzero(top + gain >= highest)
+        r, top = GRID[cell[near]], top[near]
+        a, b = numerator[:, near], denominator[:, near]
+        a1, b1 = _derivative(a), _derivative(b)
+        a2, b2 = _derivative(a1), _derivative(b1)
+        refined = r
+        for _ in range(REFINEMENTS):
+            over, under = polyval(refined, a), polyval(refined, b)
+            slope = polyval(refined, a1) * under - over * polyval(refined, b1)
+            curvature = polyval(refined, a2) * under - over * polyval(refined, b2)
+            is_convex = sign * curvature < 0.0
+            step = np.where(is_convex, slope / np.where(is_convex, curvature, 1.0), 0.0)
+            refined = np.clip(refined - step, GRID[low[near]], GRID[high[near]])
+        refined_value = sign * polyval(refined, a) / polyval(refined, b)
+        better = refined_value > top
+        r, top = np.where(better, refined, r), np.where(better, refined_value, top)
+        order = np.lexsort((top, turn[near]))
+        best = order[np.flatnonzero(np.diff(turn[near][order], append=-1))]
+        panel = near[best]
+        rows += [sign * top[best], np.mod(start[panel] + r[best] * width[panel], TURN)]
+    return TurnExtremes(rows[0], rows[2], rows[1], rows[3])
+
+
+def _derivative(power: np.ndarray) -> np.ndarray:
+    """Coefficients of the derivatives of polynomials (k, m); of constants a 0."""
+    return np.arange(1, power.shape[0])[:, None] * power[1:] if power.shape[0] > 1 else np.zeros_like(power)

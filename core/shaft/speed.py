@@ -21,14 +21,24 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from core.design.parts import LINEAR, Servo
 from core.frozen import frozen
 from core.motion import TURN
-from core.shaft.curve import LoadCurve, by_blocks, locate, polyval, powers, to_powers
+from core.shaft.curve import (
+    LoadCurve,
+    TurnExtremes,
+    by_blocks,
+    by_panel,
+    locate,
+    polyval,
+    powers,
+    ratio_extremes,
+    to_powers,
+)
 
 # -- servo motor with a gear ------------------------------------------------------------------------------------
 
@@ -143,8 +153,6 @@ STEEP = 1.0  # decay over a panel, as an exponent, from which on its linear syst
 ITERATIONS, ROUNDS = 60, 12
 MOST_PANELS = 6  # times those of the load
 FINEST_HALVING = 40
-GRID = np.linspace(0.0, 1.0, 2 * NODES + 1)  # of a panel, on which extremes of the speed are bracketed
-REFINEMENTS = 8  # steps of Newton's method from the grid to an extreme
 
 
 @frozen(eq=False)
@@ -194,23 +202,6 @@ class SpeedCurve:
         return deviation
 
 
-class TurnExtremes(NamedTuple):
-    """Extremes of the deviation ω - ω̄ over the turns of m shafts.
-
-    Attributes
-    ----------
-    low, high : ndarray (m,) [rad/s]
-        Least and greatest deviation.
-    low_at, high_at : ndarray (m,) [rad]
-        Their machine angles.
-    """
-
-    low: np.ndarray
-    high: np.ndarray
-    low_at: np.ndarray
-    high_at: np.ndarray
-
-
 def deviation_extremes(speeds: Sequence[SpeedCurve]) -> TurnExtremes:
     """Extremes of the deviation ω - ω̄, by the polynomials of the panels.
 
@@ -228,8 +219,9 @@ def deviation_extremes(speeds: Sequence[SpeedCurve]) -> TurnExtremes:
     energy, bodies = (
         np.concatenate([getattr(speed, name) for speed in speeds], axis=1) for name in ("energy", "bodies")
     )
-    flywheel, mean = (np.repeat([getattr(speed, name) for speed in speeds], counts) for name in ("flywheel", "mean"))
-    return _extremes(np.repeat(np.arange(len(speeds)), counts), start, width, energy, bodies, flywheel, mean)
+    bodies[0] += np.repeat([speed.flywheel for speed in speeds], counts)
+    turn = np.repeat(np.arange(len(speeds)), counts)
+    return _extremes(turn, start, width, energy, bodies, np.array([speed.mean for speed in speeds]))
 
 
 def deviation_range(speed: SpeedCurve) -> tuple[float, float]:
@@ -245,58 +237,13 @@ def speed_fluctuation(speed: SpeedCurve) -> float:
 
 
 def _extremes(
-    turn: np.ndarray,
-    start: np.ndarray,
-    width: np.ndarray,
-    energy: np.ndarray,
-    bodies: np.ndarray,
-    flywheel: np.ndarray,
-    mean: np.ndarray,
+    turn: np.ndarray, start: np.ndarray, width: np.ndarray, energy: np.ndarray, inertia: np.ndarray, mean: np.ndarray
 ) -> TurnExtremes:
-    """Extremes of the deviation over every turn, from the panels (n,) of all turns, both limits at their ends included.
-
-    The deviation has its extremes with e/(I + J_e), which is evaluated on a grid in every panel, and refined where
-    its slope between the neighbours may lead above the highest value of the turn.
-    """
-    inertia = bodies.copy()
-    inertia[0] += flywheel
-    grid = powers(GRID, NODES + 1).T
-    ratio = np.einsum("rk,km->rm", grid, energy) / np.maximum(np.einsum("rk,km->rm", grid[:, :-1], inertia), flywheel)
-    first = np.flatnonzero(np.diff(turn, prepend=-1))
-    rows = []
-    for sign in (-1.0, 1.0):
-        value = sign * ratio
-        cell = value.argmax(axis=0)
-        every, last = np.arange(turn.size), GRID.size - 1
-        low, high = np.maximum(cell - 1, 0), np.minimum(cell + 1, last)
-        top = value[cell, every]
-        gain = top - np.minimum(value[low, every], value[high, every])
-        near = np.flatnonzero(top + gain >= np.maximum.reduceat(top, first)[turn])
-        r, e, j = GRID[cell[near]], energy[:, near], inertia[:, near]
-        low, high = GRID[low[near]], GRID[high[near]]
-        e1, j1 = _derivative(e), _derivative(j)
-        e2, j2 = _derivative(e1), _derivative(j1)
-        for _ in range(REFINEMENTS):
-            at_e, at_j = polyval(r, e), polyval(r, j)
-            slope = polyval(r, e1) * at_j - at_e * polyval(r, j1)
-            curvature = polyval(r, e2) * at_j - at_e * polyval(r, j2)
-            is_top = sign * curvature < 0.0
-            r = np.where(is_top, np.clip(r - slope / np.where(is_top, curvature, 1.0), low, high), r)
-        refined = sign * polyval(r, e) / np.maximum(polyval(r, j), flywheel[near])
-        r = np.where(refined >= top[near], r, GRID[cell[near]])
-        refined = np.maximum(refined, top[near])
-        order = np.lexsort((refined, turn[near]))
-        best = order[np.flatnonzero(np.diff(turn[near][order], append=-1))]
-        panel = near[best]
-        deviation, _ = _above_mean(sign * refined[best], np.ones(best.size), mean[panel])
-        rows.append((deviation, np.mod(start[panel] + r[best] * width[panel], TURN)))
-    (lowest, low_at), (highest, high_at) = rows
-    return TurnExtremes(lowest, highest, low_at, high_at)
-
-
-def _derivative(power: np.ndarray) -> np.ndarray:
-    """Coefficients of the derivatives of polynomials (k, m)."""
-    return np.arange(1, power.shape[0])[:, None] * power[1:]
+    """Extremes of the deviation over every turn with mean speed ``mean`` (m,): those of e/(I + J_e) on its panels (n,)."""
+    ratio = ratio_extremes(turn, start, width, energy, inertia)
+    one = np.ones(mean.size)
+    low, high = (_above_mean(value, one, mean)[0] for value in (ratio.low, ratio.high))
+    return TurnExtremes(low, high, ratio.low_at, ratio.high_at)
 
 
 @frozen(eq=False)
@@ -356,7 +303,7 @@ class _Panels:
     def motor_power(self) -> np.ndarray:
         """Coefficients (NODES + 1, m) of the powers of f."""
         _, _, _, integral = collocation()
-        power = self.width * _by_panel(integral, self.slope)
+        power = self.width * by_panel(integral, self.slope)
         power[0] += self.begin
         return power
 
@@ -367,7 +314,7 @@ class _Panels:
     def bodies_power(self) -> np.ndarray:
         """Coefficients (NODES, m) of the powers of J_e."""
         _, _, to_chebyshev, _ = collocation()
-        return _by_panel(to_powers(NODES) @ to_chebyshev, self.bodies)
+        return by_panel(to_powers(NODES) @ to_chebyshev, self.bodies)
 
 
 @lru_cache(maxsize=1)
@@ -412,11 +359,6 @@ def _integrals(count: int) -> np.ndarray:
     matrix[1:-2, 2:] -= np.diag(0.5 / k[:-2])
     matrix[0] = -((-1.0) ** k) @ matrix[1:]
     return matrix
-
-
-def _by_panel(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """A matrix times the values (k, m) of every panel; unlike a product by BLAS, the last bit does not depend on m."""
-    return np.einsum("ij,jm->im", matrix, values)
 
 
 def _above_mean(energy: np.ndarray, inertia: np.ndarray, mean: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -553,8 +495,9 @@ class SteadyTurns:
         """
         panels = self._panels.of(turns)
         start = self._start[panels.parent] + panels.low * self._width[panels.parent]
-        flywheel, mean = self.flywheel[panels.turn], self.mean[panels.turn]
-        return _extremes(panels.turn, start, panels.width, panels.energy_power(), panels.bodies_power(), flywheel, mean)
+        inertia = panels.bodies_power()
+        inertia[0] += self.flywheel[panels.turn]
+        return _extremes(panels.turn, start, panels.width, panels.energy_power(), inertia, self.mean[turns])
 
     def _replace(self, turns: np.ndarray, panels: _Panels) -> None:
         """Replace the panels of some turns, given by their mask."""
@@ -574,7 +517,7 @@ class SteadyTurns:
         if not is_split.any():
             return panels
         first, at = panels.firsts()
-        work = width * _by_panel(integrals, torque)
+        work = width * by_panel(integrals, torque)
         mean = np.zeros(self.mean.size)
         mean[at] = np.add.reduceat(work[-1], first) / TURN
         work, torque = work - mean[turn] * (width * x[:, None]), torque - mean[turn]
@@ -582,7 +525,7 @@ class SteadyTurns:
         largest[at] = np.maximum.reduceat(np.abs(torque).max(axis=0), first)
         _, ends = _along_turns(np.zeros(turn.size), work[-1], turn)
         begins = work[-1] - ends
-        power = -width * _by_panel(integral, torque)
+        power = -width * by_panel(integral, torque)
         power[0] += begins
         rest = np.where(np.abs(mean) > ROUNDING * largest, mean, 0.0)[turn]
         return replace(
@@ -597,7 +540,7 @@ class SteadyTurns:
         _, integrals, _, _ = collocation()
         first, at = panels.firsts()
         guess = np.zeros(self.mean.size)
-        area = panels.width * _by_panel(integrals[-1:], panels.load_energy)[0]
+        area = panels.width * by_panel(integrals[-1:], panels.load_energy)[0]
         guess[at] = -np.add.reduceat(area, first) / TURN
         start = guess[panels.turn]
         return replace(panels, motor_energy=np.tile(start, (NODES, 1)), begin=start)
@@ -620,12 +563,12 @@ class SteadyTurns:
             rate, target = k * gain, -(k * deviation + panels.torque)
             steep, decay, forced, lost = _responses(panels.width, rate, target - s)
             # f at the end less that at the begin, which next to a large f would lose its digits
-            gained = np.where(steep, f[-1] - b, panels.width * _by_panel(integrals[-1:], s)[0])
+            gained = np.where(steep, f[-1] - b, panels.width * by_panel(integrals[-1:], s)[0])
             losses, ends = _along_turns(lost, gained + lost * b + forced[-1], turn)
             begins = _begins(losses, ends, turn)
             step = decay * (begins - b) + forced
             slope = target - rate * step
-            step[:, ~steep] = (begins - b + panels.width * _by_panel(integrals, slope - s))[:, ~steep]
+            step[:, ~steep] = (begins - b + panels.width * by_panel(integrals, slope - s))[:, ~steep]
             panels = replace(panels, motor_energy=f + step, slope=slope, begin=begins)
             first, _ = panels.firsts()
             change = np.maximum.reduceat(np.abs(gain * step).max(axis=0), first)
@@ -646,7 +589,7 @@ class SteadyTurns:
         _, _, to_chebyshev, _ = collocation()
         first, at = panels.firsts()
         largest = np.maximum.reduceat(np.abs(torque).max(axis=0), first) + np.abs(self._mean_torque[at])
-        last = np.abs(_by_panel(to_chebyshev[-2:], torque)).max(axis=0)
+        last = np.abs(by_panel(to_chebyshev[-2:], torque)).max(axis=0)
         return np.asarray(last > RESOLVED * np.repeat(largest, np.diff(first, append=last.size)))
 
     def _divided(self, panels: _Panels, rough: np.ndarray, rate: np.ndarray) -> _Panels:
@@ -668,7 +611,7 @@ class SteadyTurns:
             panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old]
         )
         energy = panels.motor_power()[:, None, old]
-        slope = _by_panel(to_powers(NODES) @ to_chebyshev, panels.slope)[:, None, old]
+        slope = by_panel(to_powers(NODES) @ to_chebyshev, panels.slope)[:, None, old]
         r = low + x[:, None] * share
         return replace(
             divided, motor_energy=polyval(r, energy), slope=polyval(r, slope), begin=polyval(low, energy[:, 0])
@@ -683,9 +626,9 @@ def _responses(width: np.ndarray, rate: np.ndarray, forcing: np.ndarray) -> tupl
     """
     _, integrals, _, _ = collocation()
     steep = ~((rate * width).max(axis=0) <= STEEP)
-    exponent = np.where(steep, 0.0, width * _by_panel(integrals, rate))
+    exponent = np.where(steep, 0.0, width * by_panel(integrals, rate))
     decay, lost = np.exp(-exponent), -np.expm1(-exponent[-1])
-    forced = decay * (width * _by_panel(integrals, forcing / decay))
+    forced = decay * (width * by_panel(integrals, forcing / decay))
     if steep.any():
         c, g = rate[:, steep].T, forcing[:, steep].T
         scaled = width[steep, None, None] * integrals
