@@ -3,9 +3,20 @@
 from typing import TYPE_CHECKING
 
 from core.process import lazy_attributes
-from core.shaft.curve import NODES, LoadCurve, combined_load, load_curve, panel_angles, peaks, rms, torque_at
+from core.shaft.curve import (
+    NODES,
+    LoadCurve,
+    combined_load,
+    combined_loads,
+    load_curve,
+    load_extremes,
+    panel_angles,
+    peaks,
+    rms,
+    torque_at,
+)
 from core.shaft.flywheel import Flywheel, findings, has_flywheel, lag, motor_inertia, periodic_response, rounded_up
-from core.shaft.speed import SpeedCurve, speed_fluctuation, steady_speed
+from core.shaft.speed import SpeedCurve, SteadyTurns, speed_fluctuation, steady_speed
 
 if TYPE_CHECKING:
     from core.shaft.balancer import balance_drive, balance_drives, first_balancer, with_balancer
@@ -15,6 +26,7 @@ if TYPE_CHECKING:
         fluctuation_with,
         inertia_by_energy,
         inertia_for,
+        inertias_for,
         is_even,
         load_by_speed,
     )
@@ -31,22 +43,26 @@ __all__ = [
     "Phases",
     "Spacing",
     "SpeedCurve",
+    "SteadyTurns",
     "against_speed",
     "aim_along",
     "balance_drive",
     "balance_drives",
     "best_phases",
     "combined_load",
+    "combined_loads",
     "findings",
     "first_balancer",
     "fluctuation_with",
     "has_flywheel",
     "inertia_by_energy",
     "inertia_for",
+    "inertias_for",
     "is_even",
     "lag",
     "load_by_speed",
     "load_curve",
+    "load_extremes",
     "motor_inertia",
     "panel_angles",
     "peaks",

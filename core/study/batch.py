@@ -3,32 +3,34 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from math import inf
 from typing import Any
 
 import numpy as np
 
-from core import dynamics, stress
-from core.design import Design, Motion, Shaft, edited, only, part_faults, path_of, put, row_at, with_only
+from core import dynamics
+from core.design import Design, Motion, edited, only, part_faults, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.design.topology import GROUP, INPUT
 from core.errors import NoSolution
 from core.mechanism import plan_of
-from core.mechanism.kinematics import SLIDING
-from core.motion import Angles
 from core.motion.curves import has_common_pieces
-from core.motion.extremes import crossings
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
-from core.shaft import Flywheel, LoadCurve, combined_load, panel_angles, peaks, rms
-from core.shaft.curve import NODES, fitted, nodes, torque_at
-from core.shaft.flywheel import energy_ranges
-from core.study.drive_forces import load_ratings, roller_force, roller_speed
+from core.shaft import LoadCurve, combined_loads
 from core.study.extremes import extremes_of, has_quantity, undercut_on
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.limits import SPEEDS
+from core.study.loads_of_many import (
+    MOTOR_SPEED,
+    MOTOR_TORQUE,
+    OF_STEADY_SPEED,
+    load_curves,
+    load_figures,
+    motor_figures,
+    shortest_lives,
+)
 from core.study.quantities import OF_MOTOR, quantities_of, quantity
 from core.study.quantity_requests import (
     ENERGY,
@@ -39,7 +41,6 @@ from core.study.quantity_requests import (
     mean_statistic,
     number_fields,
 )
-from core.study.stages import Switch, friction_switches
 from core.study.stages_of_many import NO_VALUE, UNDERCUT, DesignBlock, Results
 from core.study.study import Study
 
@@ -82,6 +83,8 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
         return False
+    if request.name in OF_STEADY_SPEED:
+        return design.drive.loads_shaft
     if not request.name:
         has_open_cam = design.drive.cam is not None and not design.drive.cam.form.holds
         return design.drive.loads_shaft and (request.statistic != LIFE or has_open_cam)
@@ -174,32 +177,30 @@ def _drive_results(
     Those are cut at angles of their own. ``motion`` has columns of numbers.
     """
     block = _block(design, tuple(infos), rows, motion)
+    block.add_reader(MOTOR_TORQUE, lambda study: study.shaft_torque)  # without a flywheel
+    block.add_reader(MOTOR_SPEED, lambda study: np.asarray(study.omega))
     named = [i for i, request in enumerate(requests) if request.name]
     totals = [i for i, request in enumerate(requests) if not request.name]
+    of_motor = [i for i, request in enumerate(requests) if request.name in OF_STEADY_SPEED]
     part = block.results([requests[i] for i in named], polish, bool(totals))
     value, theta = (np.full((len(requests), block.count), np.nan) for _ in range(2))
     value[named], theta[named] = part.value, part.theta
-    if totals:
-        curves = load_curves(block) if any(requests[i].statistic != LIFE for i in totals) else []
-        failed = block.failed_at("dynamics")
-        if curves:
-            curves = [None if failed[k] else curve for k, curve in enumerate(curves)]
-            shafts = _shafts(design, infos, rows)
-            value[totals], theta[totals] = load_figures([requests[i] for i in totals], curves, shafts)
-        for i in totals:
-            if requests[i].statistic == LIFE:
-                value[i] = np.where(failed, np.nan, shortest_lives(block))
-            block.reason[np.isnan(value[i]) & (block.reason == "")] = NO_VALUE
+    curves: list[Any] = []
+    failed = block.failed_at("dynamics")
+    if of_motor or any(requests[i].statistic != LIFE for i in totals):
+        curves = [None if failed[k] else curve for k, curve in enumerate(load_curves(block))]
+    if of_motor:
+        *figures, has_inertia = motor_figures(block, [requests[i] for i in of_motor], curves)
+        for result, figure in zip((value, theta), figures, strict=True):
+            result[of_motor] = np.where(has_inertia, figure, result[of_motor])
+    if totals and curves:
+        value[totals], theta[totals] = load_figures([requests[i] for i in totals], curves, block.design.camshaft)
+    for i in totals:
+        if requests[i].statistic == LIFE:
+            value[i] = np.where(failed, np.nan, shortest_lives(block))
+    for i in (*totals, *of_motor):
+        block.reason[np.isnan(value[i]) & (block.reason == "")] = NO_VALUE
     return Results(value, theta, block.reason), block.separate
-
-
-def _shafts(design: Design, infos: Mapping[str, Any], rows: np.ndarray) -> list[Shaft]:
-    """Shaft of every design."""
-    of_shaft = [i for i, path in enumerate(infos) if path.startswith("shaft.")]
-    if not of_shaft:
-        return [design.camshaft] * rows.shape[1]
-    paths = [list(infos)[i] for i in of_shaft]
-    return [with_numbers(design, paths, row).camshaft for row in rows[of_shaft].T.tolist()]
 
 
 # -- several drives ----------------------------------------------------------------------------------------
@@ -248,9 +249,12 @@ def _drives_results(
             for k, phase_rad in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
                 loads[k].append((curves[0 if is_constant else k], ShaftPosition(phase_rad)))
     if totals:
-        curves = [None if any(curve is None for curve, _ in parts) else combined_load(parts) for parts in loads]
-        shafts = _shafts(design, infos, rows)
-        results.value[totals], results.theta[totals] = load_figures([requests[i] for i in totals], curves, shafts)
+        complete = [all(curve is not None for curve, _ in parts) for parts in loads]
+        total = iter(combined_loads([parts for parts, is_complete in zip(loads, complete, strict=True) if is_complete]))
+        curves = [next(total) if is_complete else None for is_complete in complete]
+        of_shaft = {path: column(rows[i]) for i, path in enumerate(paths) if path.startswith("shaft.")}
+        shaft = with_numbers(design, list(of_shaft), list(of_shaft.values())).camshaft
+        results.value[totals], results.theta[totals] = load_figures([requests[i] for i in totals], curves, shaft)
     return results, np.zeros(m, dtype=bool)
 
 
@@ -382,7 +386,8 @@ def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]
             raise _NoValue(NO_VALUE)
         return total, np.nan
     if row is None:
-        return LOAD_FIGURES[statistic](study.camshaft.load, study.design.camshaft)
+        values, thetas = load_figures([request], [study.camshaft.load], study.design.camshaft)
+        return float(values[0, 0]), float(thetas[0, 0])
     if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].is_periodic:
         raise _NoValue(UNDERCUT if row.needs_smooth_profile else NO_VALUE)
     if statistic in ("rms", "mean"):
@@ -392,191 +397,3 @@ def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]
     extremes = extremes_of(study, row.stage, (request.name,))[request.name]
     value, theta = extreme_statistic(statistic, *((end.value, end.theta) for end in (extremes.low, extremes.high)))
     return float(value), float(theta)
-
-
-# -- loads on the shaft of the designs of a block ----------------------------------------------------------------
-
-
-COARSE_PANEL, FEW_PANELS = np.deg2rad(9.0), 2
-"""Longest panel of a load, and least number of panels in a piece; a load that they do not resolve takes those of a study."""
-RESOLVED = 1e-8  # of the largest torque: the last two coefficients of a panel that resolves it
-LIFE_PANEL = np.deg2rad(6.0)
-TOTAL_POINTS = 60_000  # cam angles at a time
-
-Panels = tuple[np.ndarray, np.ndarray, Angles]
-"""Panels (start, width), and the angles of their nodes."""
-
-
-def load_curves(block: DesignBlock) -> list[LoadCurve | None]:
-    """Load of every design by its cam angle, as by ``fit_load_curve``; None where it is not finite."""
-    slides = [f for f in block.loading.frictions if block.mechanism.pairs_by_name[f.pair].kind == SLIDING]
-    switches = [
-        block.add_reader(f"switch {i}", partial(_switch, switch))
-        for i, switch in enumerate(friction_switches(block.loading, slides, block.is_form_closed))
-    ]
-    rows = [
-        block.add_reader("torque of the shaft", lambda study: study.shaft_torque),
-        block.add_reader("inertia at the shaft", lambda study: study.loading.inertia(study.linkage, 1)[0]),
-    ]
-    coarse = panel_angles(block.program, None, COARSE_PANEL, FEW_PANELS)
-    sampled = _values(block, [*rows, *switches], [(k, coarse[2]) for k in range(block.count)])
-    cuts = _sign_changes(block, switches, coarse[2], np.array([row[2:] for row in sampled])) if switches else {}
-    panels = [
-        panel_angles(block.program, cuts[k], COARSE_PANEL, FEW_PANELS) if k in cuts else coarse
-        for k in range(block.count)
-    ]
-    for k, values in zip(cuts, _values(block, rows, [(k, panels[k][2]) for k in cuts]), strict=True):
-        sampled[k] = values
-    rough = [k for k in range(block.count) if np.isfinite(sampled[k]).all() and not _is_resolved(sampled[k][0])]
-    for k in rough:
-        panels[k] = panel_angles(block.program, cuts.get(k))
-    for k, values in zip(rough, _values(block, rows, [(k, panels[k][2]) for k in rough]), strict=True):
-        sampled[k] = values
-    return [_load_curve(block, k, panels[k], sampled[k][:2]) for k in range(block.count)]
-
-
-def _switch(switch: Switch, study: Study) -> np.ndarray:
-    return switch(study.linkage, study.dynamics)
-
-
-def _values(block: DesignBlock, names: Sequence[str], angles: Sequence[tuple[int, Angles]]) -> list[np.ndarray]:
-    """Values (k, n) of k names, of pairs of a design and its angles (n,)."""
-    result: list[np.ndarray] = []
-    for part in _parts(angles):
-        sizes = [at.theta.size for _, at in part]
-        theta, piece = (np.concatenate([getattr(at, name) for _, at in part]) for name in ("theta", "piece"))
-        owner = np.repeat([k for k, _ in part], sizes)
-        values = block.values(names, block.state(theta, piece, owner), owner)
-        result += np.split(np.array([values[name] for name in names]), np.cumsum(sizes)[:-1], axis=1)
-    return result
-
-
-def _parts(angles: Sequence[tuple[int, Angles]]) -> Iterator[Sequence[tuple[int, Angles]]]:
-    """Parts of these pairs that are computed at a time."""
-    first, count = 0, 0
-    for i, (_, at) in enumerate(angles):
-        if count and count + at.theta.size > TOTAL_POINTS:
-            yield angles[first:i]
-            first, count = i, 0
-        count += at.theta.size
-    if count:
-        yield angles[first:]
-
-
-def _sign_changes(block: DesignBlock, names: Sequence[str], angles: Angles, values: np.ndarray) -> dict[int, Angles]:
-    """Number of a design -> angles at which one of the quantities changes its sign, from values (m, k, n) at angles (n,)."""
-    pieces, count = block.program.starts.size, block.count
-    every = Angles(np.tile(angles.theta, count), (np.arange(count)[:, None] * pieces + angles.piece).ravel())
-
-    def values_at(at: Angles) -> np.ndarray:
-        owner = at.piece // pieces
-        rows = block.values(names, block.state(at.theta, at.piece % pieces, owner), owner)
-        return np.array([rows[name] for name in names])
-
-    changes = crossings(values_at, every, values.transpose(1, 0, 2).reshape(len(names), -1))
-    owner, piece = changes.piece // pieces, changes.piece % pieces
-    return {int(k): Angles(changes.theta[owner == k], piece[owner == k]) for k in np.unique(owner)}
-
-
-def _is_resolved(torque: np.ndarray) -> bool:
-    _, to_chebyshev = nodes()
-    c = np.abs(to_chebyshev @ torque.reshape(-1, NODES).T)
-    return not c[-2:].max() > RESOLVED * c.max()
-
-
-def _load_curve(block: DesignBlock, k: int, panels: Panels, values: np.ndarray) -> LoadCurve | None:
-    """Load of design k from torque and inertia (2, n) at the nodes of its panels."""
-    if not np.isfinite(values).all():
-        return None
-    start, width, angles = panels
-    if block.motions is not None:
-        owner, piece = np.full(start.size, k), angles.piece[::NODES]
-        ends = block.motions.cam_angles(start + width, piece, owner)
-        start = block.motions.cam_angles(start, piece, owner)
-        width = ends - start
-    torque, inertia = (row.reshape(-1, NODES) for row in values)
-    curve = fitted(start, width, torque, inertia)
-    sign = Study(block.plain).turn_sign
-    return curve if sign > 0.0 else combined_load([(curve, ShaftPosition(0.0, sign))])
-
-
-def load_figures(
-    requests: Sequence[QuantityRequest], curves: Sequence[LoadCurve | None], shafts: Sequence[Shaft]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Figures of m loads on their shafts.
-
-    Parameters
-    ----------
-    requests : sequence of QuantityRequest
-        k totals, or statistics of the shaft's torque.
-    curves : sequence of LoadCurve or None
-        The loads; None where a design has none.
-    shafts : sequence of Shaft
-
-    Returns
-    -------
-    value : ndarray (k, m) [SI unit of the figure]
-        NaN where a design has no load.
-    theta : ndarray (k, m) [rad]
-        Cam angles of extremes, else NaN.
-    """
-    values, thetas = np.full((2, len(requests), len(curves)), np.nan)
-    loads = [(k, curve, shafts[k]) for k, curve in enumerate(curves) if curve is not None]
-    for i, request in enumerate(requests):
-        if request.statistic == ENERGY and loads:
-            low, high = energy_ranges([curve for _, curve, _ in loads])
-            values[i, [k for k, _, _ in loads]] = high - low
-        for k, curve, shaft in loads if request.statistic in LOAD_FIGURES else ():
-            values[i, k], thetas[i, k] = LOAD_FIGURES[request.statistic](curve, shaft)
-    return values, thetas
-
-
-def _torque_extreme(statistic: str, curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
-    extremes = peaks(curve)
-    return extreme_statistic(statistic, *((end.value, end.theta) for end in (extremes.low, extremes.high)))
-
-
-def _flywheel_inertia(curve: LoadCurve, shaft: Shaft) -> tuple[float, float]:
-    return Flywheel(lambda angles: torque_at(curve, angles.theta), curve, shaft).needed_inertia, np.nan
-
-
-LOAD_FIGURES: dict[str, Callable[[LoadCurve, Shaft], tuple[float, float]]] = {
-    "flywheel_inertia_kg_m2": _flywheel_inertia,
-    "mean": lambda curve, shaft: (curve.mean, np.nan),
-    "rms": lambda curve, shaft: (rms(curve), np.nan),
-    **{statistic: partial(_torque_extreme, statistic) for statistic in ("max", "min", "abs", "range")},
-}
-"""Figure -> function of load and shaft: value in SI units and cam angle [rad]."""
-
-
-def shortest_lives(block: DesignBlock) -> np.ndarray:
-    """Life of the roller with the shortest life, of designs with an open cam, as by ``roller_lives``.
-
-    Returns
-    -------
-    ndarray (m,) [h]
-        NaN where no roller has a load rating.
-    """
-    ratings = {} if block.loading.is_empty else load_ratings(Study(block.design))
-    if not ratings:
-        return np.full(block.count, np.nan)
-
-    names = []
-    for roller in ratings:
-        names.append(block.add_reader(f"force {roller}", partial(roller_force, roller=roller)))
-        names.append(block.add_reader(f"speed {roller}", partial(_speed_ratio, roller)))
-    angles, weight = stress.turn_quadrature(block.program, (), LIFE_PANEL)
-    values = np.array(_values(block, names, [(k, angles) for k in range(block.count)]))
-    if block.motions is not None:
-        weight = weight * block.motions.span_ratios()[:, angles.piece]
-    omega = np.broadcast_to(np.asarray(Study(block.design).omega), block.count)
-    shortest = np.full(block.count, inf)
-    for i, rating in enumerate(ratings.values()):
-        *_, hours = stress.rolling_life(np.asarray(rating), values[:, 2 * i], values[:, 2 * i + 1], weight, omega)
-        shortest = np.minimum(shortest, hours)
-    return shortest
-
-
-def _speed_ratio(roller: str, study: Study) -> np.ndarray:
-    """Speed ω_r/ω (n,) of a roller about its own axis."""
-    return roller_speed(study, roller) / study.omega

@@ -62,9 +62,9 @@ def allowable_pressure(study: Study) -> tuple[float | None, str]:
 STATISTICS = ("max", "min", "abs", "rms", "mean", "range")
 """Statistics of a quantity over the turn: greatest, least, greatest in size, root mean square, mean, greatest less least."""
 
-LIFE, ENERGY = "life_hours", "energy_j"
+LIFE, ENERGY, INERTIA = "life_hours", "energy_j", "flywheel_inertia_kg_m2"
 TOTALS: Mapping[str, Callable[[Study], float]] = {
-    "flywheel_inertia_kg_m2": lambda study: study.flywheel.needed_inertia,
+    INERTIA: lambda study: study.flywheel.needed_inertia,
     ENERGY: lambda study: study.flywheel.energy_swing,
     LIFE: lambda study: min(
         (life.hours for drive in study.drives.values() if "cam" in drive.stages for life in roller_lives(drive)),

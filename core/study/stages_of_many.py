@@ -372,7 +372,7 @@ class DesignBlock:
         further = self._error_searches(stages, loads)
         compared = [Search(*search) for search in further if search not in searches]
         names = list(dict.fromkeys([*(request.name for request in requests), *(name for name, _ in further)]))
-        sampled = self._at_nodes(names, angles)
+        sampled = self.at_nodes(names, angles, np.arange(self.count))
         every = np.arange(self.count)
         peaks = self._searched([Search(*search) for search in searches], every, sampled, angles, polish)
         peaks |= self._compared(compared, peaks, sampled, angles, polish)
@@ -494,11 +494,24 @@ class DesignBlock:
             return state
         return self.motions.state(Angles(theta, piece), owner)
 
-    def _at_nodes(self, names: Sequence[str], angles: Angles) -> dict[str, np.ndarray]:
-        """Name -> values (m, n) at the nodes (n,) of every design."""
-        n, parts = angles.theta.size, []
-        for designs in self._chunks(n):
-            owner = np.arange(self.count)[designs, None]
+    def at_nodes(self, names: Sequence[str], angles: Angles, designs: np.ndarray) -> dict[str, np.ndarray]:
+        """Quantities and added readers at the same nodes of some designs; designs that fail are marked.
+
+        Parameters
+        ----------
+        names : sequence of str
+        angles : Angles (n,)
+            Nodes by angles of the plain design.
+        designs : ndarray (m,), dimensionless
+            Numbers of the designs.
+
+        Returns
+        -------
+        dict of str -> ndarray (m, n) [SI unit of the quantity]
+        """
+        parts, size = [], max(1, MAX_POSITIONS // angles.theta.size)
+        for first in range(0, designs.size, size):
+            owner = designs[first : first + size, None]
             parts.append(self.values(names, self._state_at(angles, owner), owner))
         return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
