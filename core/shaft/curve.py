@@ -341,6 +341,33 @@ def locate(start: np.ndarray, width: np.ndarray, theta: np.ndarray) -> tuple[np.
     return panel, (theta - start[panel]) / width[panel]
 
 
+def locate_in_turns(
+    turn: np.ndarray, start: np.ndarray, width: np.ndarray, number: np.ndarray, theta: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Panel that contains an angle of one of several turns, and the angle's coordinate r in it.
+
+    Parameters
+    ----------
+    turn : ndarray (m,), dimensionless
+        Number of the turn of each panel.
+    start, width : ndarray (m,) [rad]
+        Of the panels, ascending in every turn.
+    number : ndarray (n,), dimensionless
+        Number of the turn of each angle.
+    theta : ndarray (n,) [rad]
+
+    Returns
+    -------
+    panel, r : ndarray (n,), dimensionless
+    """
+    is_start = np.arange(start.size + theta.size) < start.size
+    order = np.lexsort((~is_start, np.concatenate((start, theta)), np.concatenate((turn, number))))
+    panel = np.empty(order.size, dtype=int)
+    panel[order] = np.cumsum(is_start[order]) - 1
+    panel = panel[start.size :]
+    return panel, (theta - start[panel]) / width[panel]
+
+
 # -- total load of several drives on one shaft ------------------------------------------------------------------
 
 
@@ -371,9 +398,11 @@ def combined_loads(shafts: Sequence[Sequence[tuple[LoadCurve, ShaftPosition]]]) 
     torque, inertia = np.zeros_like(inside), np.zeros_like(inside)
     for drive in drives:
         panel, r = drive.locate(shaft, start + 0.5 * width)
-        r = r[:, None] + (drive.sign[panel] / drive.width[panel])[:, None] * inside
-        torque += polyval(r, drive.torque[:, panel, None])
-        inertia += polyval(r, drive.inertia[:, panel, None])
+        loaded = np.flatnonzero(np.asarray(drive.is_loaded)[panel])
+        panel, r = panel[loaded], r[loaded, None]
+        r = r + (drive.sign[panel] / drive.width[panel])[:, None] * inside[loaded]
+        torque[loaded] += polyval(r, drive.torque[:, panel, None])
+        inertia[loaded] += polyval(r, drive.inertia[:, panel, None])
     return fitted_loads(np.bincount(shaft, minlength=len(shafts)), start, width, torque, inertia)
 
 
@@ -394,6 +423,7 @@ class _PositionedLoads:
         )
         self._phases, self._signs = phases, signs
         self.phase, self.sign = phases[self.shaft], signs[self.shaft]
+        self.is_loaded = np.any((self.torque != 0.0) | (self.inertia != 0.0), axis=0)
 
     def machine_angle(self, angle: np.ndarray) -> np.ndarray:
         return np.asarray(np.mod(self.phase + self.sign * angle, TURN))
@@ -401,12 +431,7 @@ class _PositionedLoads:
     def locate(self, shaft: np.ndarray, machine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Panel and its coordinate r at machine angles (n,) of given shafts, both (n,)."""
         angle = np.mod(self._signs[shaft] * (machine - self._phases[shaft]), TURN)
-        is_start = np.arange(self.start.size + angle.size) < self.start.size
-        order = np.lexsort((~is_start, np.concatenate((self.start, angle)), np.concatenate((self.shaft, shaft))))
-        panel = np.empty(order.size, dtype=int)
-        panel[order] = np.cumsum(is_start[order]) - 1
-        panel = panel[self.start.size :]
-        return panel, (angle - self.start[panel]) / self.width[panel]
+        return locate_in_turns(self.shaft, self.start, self.width, shaft, angle)
 
 
 def torque_at(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
@@ -447,7 +472,7 @@ def peaks(curve: LoadCurve) -> Extremes:
 
 
 GRID = np.linspace(0.0, 1.0, 2 * NODES + 1)  # of a panel, on which extremes are bracketed
-REFINEMENTS = 8  # steps of Newton's method from the grid to an extreme
+REFINEMENTS = 5  # steps of Newton's method from the grid to an extreme
 
 
 class TurnExtremes(NamedTuple):

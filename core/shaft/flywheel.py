@@ -148,9 +148,11 @@ def sign_changes(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     panel, r : ndarray (n,), dimensionless
     """
     r = np.linspace(0.0, 1.0, 4 * NODES + 1)
-    values = polyval(r, power[:, :, None])  # (m, points)
+    near = np.flatnonzero(np.abs(power[0]) <= np.abs(power[1:]).sum(axis=0))  # the others have one sign
+    values = polyval(r, power[:, near, None])  # (m, points)
     panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
     before, after = values[panel, cell], values[panel, cell + 1]
+    panel = near[panel]
     # two steps suffice: the integral has an extreme there, so its error is of second order in the root's
     root = r[cell] + (r[cell + 1] - r[cell]) * before / (before - after)
     slope = polyval(root, np.arange(1, power.shape[0])[:, None] * power[1:, panel])
@@ -431,7 +433,7 @@ LONGEST = log(4.0)  # step of this logarithm
 SMALLEST, LARGEST = -log(3.0), log(1e6)  # of this logarithm: less is searched only if the motor alone does not suffice
 LEAST_SLOPE = 0.2  # of a secant: between it and its inverse
 SECANTS, MOST_STEPS = 30, 90  # after so many steps of the secant the bracket is halved
-PANELS_AT_A_TIME = 3000
+PANELS_AT_A_TIME = 10_000
 ROUNDING = 1e-12
 
 

@@ -34,6 +34,7 @@ from core.shaft.curve import (
     by_blocks,
     by_panel,
     locate,
+    locate_in_turns,
     polyval,
     powers,
     ratio_extremes,
@@ -475,7 +476,7 @@ class SteadyTurns:
     def speed(self, number: int) -> SpeedCurve:
         """Speed of a shaft by its last solution."""
         panels = self._panels.of(np.arange(self.mean.size) == number)
-        start, bodies = self._start[panels.parent] + panels.low * self._width[panels.parent], panels.bodies_power()
+        start, bodies = self._start_of(panels), panels.bodies_power()
         return SpeedCurve(
             start, panels.width, panels.energy_power(), bodies, float(self.flywheel[number]), float(self.mean[number])
         )
@@ -494,10 +495,35 @@ class SteadyTurns:
             Of k shafts.
         """
         panels = self._panels.of(turns)
-        start = self._start[panels.parent] + panels.low * self._width[panels.parent]
+        start = self._start_of(panels)
         inertia = panels.bodies_power()
         inertia[0] += self.flywheel[panels.turn]
         return _extremes(panels.turn, start, panels.width, panels.energy_power(), inertia, self.mean[turns])
+
+    def deviations(self, turns: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Deviation ω - ω̄ from the mean speed, by the last solution.
+
+        Parameters
+        ----------
+        turns : ndarray (m,), dimensionless
+            Mask of k shafts.
+        theta : ndarray (k, n) [rad]
+            Machine angles of every shaft.
+
+        Returns
+        -------
+        ndarray (k, n) [rad/s]
+        """
+        panels = self._panels.of(turns)
+        number = np.repeat(np.flatnonzero(turns), theta.shape[1])
+        panel, r = locate_in_turns(panels.turn, self._start_of(panels), panels.width, number, theta.ravel())
+        energy, bodies = (polyval(r, power[:, panel]) for power in (panels.energy_power(), panels.bodies_power()))
+        inertia = self.flywheel[number] + np.maximum(bodies, 0.0)
+        return _above_mean(energy, inertia, self.mean[number])[0].reshape(theta.shape)
+
+    def _start_of(self, panels: _Panels) -> np.ndarray:
+        """Machine angles (n,) [rad] of the begins of panels."""
+        return np.asarray(self._start[panels.parent] + panels.low * self._width[panels.parent])
 
     def _replace(self, turns: np.ndarray, panels: _Panels) -> None:
         """Replace the panels of some turns, given by their mask."""

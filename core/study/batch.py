@@ -18,7 +18,7 @@ from core.mechanism import plan_of
 from core.motion.curves import has_common_pieces
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
-from core.shaft import LoadCurve, combined_loads
+from core.shaft import LoadCurve, combined_load, combined_loads
 from core.study.extremes import extremes_of, has_quantity, undercut_on
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.limits import SPEEDS
@@ -182,13 +182,13 @@ def _drive_results(
     named = [i for i, request in enumerate(requests) if request.name]
     totals = [i for i, request in enumerate(requests) if not request.name]
     of_motor = [i for i, request in enumerate(requests) if request.name in OF_STEADY_SPEED]
-    part = block.results([requests[i] for i in named], polish, bool(totals))
     value, theta = (np.full((len(requests), block.count), np.nan) for _ in range(2))
-    value[named], theta[named] = part.value, part.theta
-    curves: list[Any] = []
+    needs_curves = bool(of_motor) or any(requests[i].statistic != LIFE for i in totals)
+    if named or not needs_curves:
+        part = block.results([requests[i] for i in named], polish, bool(totals))
+        value[named], theta[named] = part.value, part.theta
+    curves = load_curves(block, polish, not named) if needs_curves else []
     failed = block.failed_at("dynamics")
-    if of_motor or any(requests[i].statistic != LIFE for i in totals):
-        curves = [None if failed[k] else curve for k, curve in enumerate(load_curves(block))]
     if of_motor:
         *figures, has_inertia = motor_figures(block, [requests[i] for i in of_motor], curves)
         for result, figure in zip((value, theta), figures, strict=True):
@@ -225,6 +225,7 @@ def _drives_results(
     results = _no_results(len(requests), m)
     totals = [i for i, request in enumerate(requests) if request.drive is None]
     loads: list[list[tuple[Any, ShaftPosition]]] = [[] for _ in range(m)]
+    constant_loads: list[tuple[Any, ShaftPosition]] = []  # the same for all designs
     for number in range(len(design.drives)):
         named = [i for i, request in enumerate(requests) if request.drive == number]
         needs_load = bool(totals) and number in _loading_drives(design)
@@ -246,9 +247,17 @@ def _drives_results(
             _add_reasons(results.reason, reason)
             path = path_of(number, "phase_deg")
             phase = rows[paths.index(path)] if path in infos else design.drives[number].phase_deg
-            for k, phase_rad in enumerate(np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()):
-                loads[k].append((curves[0 if is_constant else k], ShaftPosition(phase_rad)))
+            positions = [ShaftPosition(angle) for angle in np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()]
+            if is_constant and path not in infos:
+                constant_loads.append((curves[0], positions[0]))
+                continue
+            for k, position in enumerate(positions):
+                loads[k].append((curves[0 if is_constant else k], position))
     if totals:
+        if constant_loads:
+            is_complete = all(curve is not None for curve, _ in constant_loads)
+            constant = (combined_load(constant_loads) if is_complete else None, ShaftPosition())
+            loads = [[*parts, constant] for parts in loads]
         complete = [all(curve is not None for curve, _ in parts) for parts in loads]
         total = iter(combined_loads([parts for parts, is_complete in zip(loads, complete, strict=True) if is_complete]))
         curves = [next(total) if is_complete else None for is_complete in complete]
@@ -263,17 +272,13 @@ def _drive_loads(
 ) -> tuple[list[LoadCurve | None], np.ndarray]:
     """Load on the shaft of every design of one drive, and the reason (m,) where a design has none."""
     block = design_block(design, tuple(infos), rows)
-    block.results([], polish=True, loads=True)
-    curves, failed = load_curves(block), block.failed_at("dynamics")
+    curves = load_curves(block, polish=True)
     reason = np.where(block.separate, "", block.reason)
-    for k in range(block.count):
-        if block.separate[k]:
-            try:
-                curves[k] = Study(with_numbers(design, tuple(infos), rows[:, k].tolist())).load_curve
-            except NoSolution as error:
-                curves[k], reason[k] = None, error.code
-        elif failed[k]:
-            curves[k] = None
+    for k in np.flatnonzero(block.separate).tolist():
+        try:
+            curves[k] = Study(with_numbers(design, tuple(infos), rows[:, k].tolist())).load_curve
+        except NoSolution as error:
+            curves[k], reason[k] = None, error.code
     return curves, reason
 
 

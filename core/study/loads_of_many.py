@@ -23,7 +23,7 @@ from core.study.drive_forces import load_ratings, roller_force, roller_speed
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.quantity_requests import ENERGY, INERTIA, QuantityRequest, extreme_statistic, mean_statistic
 from core.study.stages import Switch, friction_switches
-from core.study.stages_of_many import DesignBlock
+from core.study.stages_of_many import JAM, DesignBlock
 from core.study.study import Study
 
 COARSE = PanelSize(np.deg2rad(9.0), 2, TURN, 1)
@@ -67,8 +67,11 @@ class _Panels(NamedTuple):
         return np.asarray(self.start[:, None] + (self.end - self.start)[:, None] * nodes()[0])
 
 
-def load_curves(block: DesignBlock) -> list[LoadCurve | None]:
-    """Load of every design by its cam angle, as by ``fit_load_curve``; None where it is not finite."""
+def load_curves(block: DesignBlock, polish: bool, marks_jams: bool = True) -> list[LoadCurve | None]:
+    """Load of every design by its cam angle, as by ``fit_load_curve``; None where it is not finite, or a guide jams.
+
+    With ``marks_jams`` the designs that jam are marked, unless the figures of the block did so; polish: refine the jam.
+    """
     slides = [f for f in block.loading.frictions if block.mechanism.pairs_by_name[f.pair].kind == SLIDING]
     switches = [
         block.add_reader(f"switch {i}", partial(_switch, switch))
@@ -79,16 +82,20 @@ def load_curves(block: DesignBlock) -> list[LoadCurve | None]:
         block.add_reader("inertia at the shaft", lambda study: study.loading.inertia(study.linkage, 1)[0]),
     ]
     every = np.arange(block.count)
-    panels = _divided(block, rows, switches, every, COARSE)
+    jams = [JAM] if marks_jams and block.loading.has_friction else []
+    panels, (*jam, angles) = _divided(block, rows, switches, every, COARSE, jams)
+    if jams:
+        block.mark_jams(jam[0], angles, polish)
     count = np.bincount(panels.owner, minlength=block.count)
     first = np.cumsum(count) - count
     finite = np.logical_and.reduceat(np.isfinite(panels.values).all(axis=(0, 2)), first)
+    finite &= ~block.failed_at("dynamics")
     _, to_chebyshev = nodes()
     coefficients = np.abs(by_panel(to_chebyshev, panels.values[0].T))
     last, largest = (np.maximum.reduceat(c.max(axis=0), first) for c in (coefficients[-2:], coefficients))
     rough = finite & (last > RESOLVED * largest)
     if rough.any():
-        finer = _divided(block, rows, switches, every[rough], EVEN)
+        finer, _ = _divided(block, rows, switches, every[rough], EVEN)
         parts = [panels.at(~rough[panels.owner]), finer]
         panels = _Panels(*(np.concatenate(rows, axis=min(1, rows[0].ndim - 1)) for rows in zip(*parts, strict=True)))
         panels = panels.at(np.argsort(panels.owner, kind="stable"))
@@ -101,12 +108,21 @@ def _switch(switch: Switch, study: Study) -> np.ndarray:
 
 
 def _divided(
-    block: DesignBlock, rows: Sequence[str], switches: Sequence[str], designs: np.ndarray, size: PanelSize
-) -> _Panels:
-    """Panels of some designs (m,), ended where a switch changes its sign too, with the values of the rows."""
+    block: DesignBlock,
+    rows: Sequence[str],
+    switches: Sequence[str],
+    designs: np.ndarray,
+    size: PanelSize,
+    further: Sequence[str] = (),
+) -> tuple[_Panels, tuple[Any, ...]]:
+    """Panels of some designs (m,), ended where a switch changes its sign too, with the values of the rows.
+
+    Further quantities are returned as they are at the nodes (m, n), before their angles.
+    """
     start, width, angles = panel_angles(block.program, None, size)
     m, names = designs.size, [*rows, *switches]
-    values = block.at_nodes(names, angles, designs)
+    values = block.at_nodes([*names, *further], angles, designs)
+    at_nodes = (*(values[name] for name in further), angles)
     panels = _Panels(
         np.repeat(designs, start.size),
         np.tile(angles.piece[::NODES], m),
@@ -116,9 +132,9 @@ def _divided(
     )
     kept = panels._replace(values=panels.values[: len(rows)])
     if not switches:
-        return kept
+        return kept, at_nodes
     changes = _sign_changes(block, switches, panels.owner, panels.piece, panels)
-    return _cut(block, rows, kept, *changes) if changes[0].size else kept
+    return (_cut(block, rows, kept, *changes) if changes[0].size else kept), at_nodes
 
 
 def _sign_changes(
@@ -288,7 +304,7 @@ def motor_figures(
             continue
         designs, s, mean = designs[runs], s.at(runs), np.array([load.mean for load in loads[part]])[runs]
         extremes = turns.extremes(runs)
-        at_nodes = once(partial(_deviations, block, turns, designs, np.flatnonzero(runs)))
+        at_nodes = once(partial(_deviations, block, turns, designs, runs))
         for i, request in enumerate(requests):
             if request.name == MOTOR_TORQUE:
                 level, factor = mean, -s.slope
@@ -314,7 +330,7 @@ def _cam_angle(block: DesignBlock, theta: np.ndarray) -> np.ndarray:
 
 
 def _deviations(
-    block: DesignBlock, turns: SteadyTurns, designs: np.ndarray, numbers: np.ndarray
+    block: DesignBlock, turns: SteadyTurns, designs: np.ndarray, runs: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Deviation of the speed from its mean at the nodes (m, n) of some designs [rad/s], and the weights of the nodes."""
     angles, weight = clenshaw_curtis_nodes(block.program)
@@ -323,8 +339,7 @@ def _deviations(
         theta = block.motions.cam_angles(angles.theta, angles.piece, designs[:, None])
         weight = weight * block.motions.span_ratios()[designs][:, angles.piece]
     theta = _cam_angle(block, theta)
-    rows = zip(numbers.tolist(), theta, strict=True)
-    return np.array([turns.speed(number).deviation(row) for number, row in rows]), weight
+    return turns.deviations(runs, theta), weight
 
 
 # -- life of the rollers ----------------------------------------------------------------------------------------

@@ -384,10 +384,7 @@ class DesignBlock:
                 extremes[curvature] = _cusp_extremes(extremes[curvature], undercut[flank])
         any_undercut = np.any([*undercut.values(), self._corners], axis=0) if undercut else self.no_design
         if (JAM, 1.0) in searches:
-            jams = np.asarray(extremes[JAM].high.value >= dynamics.JAMS)
-            self._stage, self.failed["dynamics"] = "dynamics", self.failed.get("dynamics", self.no_design) | jams
-            for k, code in self._jam_codes(np.flatnonzero(jams), np.asarray(extremes[JAM].high.theta)).items():
-                self._add_reason(np.arange(self.count) == k, code)
+            self._mark_jams(extremes[JAM].high)
         self._add_reason(any_undercut, UNDERCUT)
         values, thetas = [], []
         for request in requests:
@@ -413,6 +410,35 @@ class DesignBlock:
             cam_angles = np.where(np.isnan(cam_angles), np.nan, of_design)
         return Results(np.array(values).reshape(-1, self.count), cam_angles, self.reason)
 
+    def mark_jams(self, jam: np.ndarray, angles: Angles, polish: bool) -> None:
+        """Mark designs in which friction jams.
+
+        Parameters
+        ----------
+        jam : ndarray (m, n), dimensionless
+            Jam of every design at the nodes.
+        angles : Angles (n,)
+            Nodes by angles of the plain design.
+        polish : bool
+            Refine the jam where its error at the nodes spans the limit.
+        """
+        search = Search(JAM, 1.0)
+        value, theta = self._searched([search], np.arange(self.count), {JAM: jam}, angles, False)[search]
+        error = self._error(search, jam) if polish else np.zeros(self.count)
+        near = np.flatnonzero((value - error >= dynamics.JAMS) != (value + error >= dynamics.JAMS))
+        if near.size:
+            nodes, _ = clenshaw_curtis_nodes(self.program)
+            sampled = self.at_nodes([JAM], nodes, near)
+            value[near], theta[near] = self._searched([search], near, sampled, nodes, True)[search]
+        self._mark_jams(Extreme(value, theta))  # type: ignore[arg-type]
+
+    def _mark_jams(self, highest: Extreme) -> None:
+        """Mark designs in which friction jams, by the highest jam (m,) of all designs."""
+        jams, theta = np.asarray(highest.value) >= dynamics.JAMS, np.asarray(highest.theta)
+        self._stage, self.failed["dynamics"] = "dynamics", self.failed.get("dynamics", self.no_design) | jams
+        for k, code in self._jam_codes(np.flatnonzero(jams), theta).items():
+            self._add_reason(np.arange(self.count) == k, code)
+
     def _searched(
         self,
         searches: Sequence[Search],
@@ -421,14 +447,13 @@ class DesignBlock:
         angles: Angles,
         polish: bool,
     ) -> SearchResults:
-        """Results of searches in the chosen designs (m,), from values (count, n) at the nodes."""
-        names = list(dict.fromkeys(name for name, _ in searches))
+        """Results of searches in the chosen designs (m,), from their values (m, n) at the nodes."""
 
         def at(theta: np.ndarray, piece: np.ndarray, owner: np.ndarray) -> Mapping[str, np.ndarray]:
             return self.values(names, self.state(theta, piece, chosen[owner]), chosen[owner])
 
-        rows = {name: sampled[name] if chosen.size == self.count else sampled[name][chosen] for name in names}
-        return refined_extremes(searches, rows, angles, at, polish)
+        names = list(dict.fromkeys(name for name, _ in searches))
+        return refined_extremes(searches, sampled, angles, at, polish)
 
     def _compared(
         self,
@@ -452,7 +477,8 @@ class DesignBlock:
             verdicts.append(np.array([*undercut, *jams]).reshape(-1, self.count))
         near = np.flatnonzero((verdicts[0] != verdicts[1]).any(axis=0))
         if near.size:
-            for search, rows in self._searched(searches, near, sampled, angles, True).items():
+            chosen = {name: sampled[name][near] for name in dict.fromkeys(search.name for search in searches)}
+            for search, rows in self._searched(searches, near, chosen, angles, True).items():
                 for row, new in zip(results[search], rows, strict=True):
                     row[near] = new
         return results
