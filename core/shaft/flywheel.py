@@ -31,7 +31,8 @@ def motor_inertia(shaft: Shaft) -> float:
     """Inertia of the motor reduced to the camshaft, I_m times the gear ratio squared [kg m²]."""
     s = si(shaft)
     ratio = 1.0 if s.gear_ratio is None else s.gear_ratio
-    return float((s.motor_inertia or 0.0) * ratio * ratio)
+    inertia: float = (s.motor_inertia or 0.0) * ratio * ratio  # with many designs a column
+    return inertia
 
 
 def lag(shaft: Shaft) -> float:
@@ -431,7 +432,7 @@ NEGLIGIBLE = 1e-9  # of the flywheel by energy: replaces an inertia of 0, with t
 FINEST = 1e-10  # last step of the logarithm of the inertia, by which the result is on the safe side
 LONGEST = log(4.0)  # step of this logarithm
 SMALLEST, LARGEST = -log(3.0), log(1e6)  # of this logarithm: less is searched only if the motor alone does not suffice
-LEAST_SLOPE = 0.2  # of a secant: between it and its inverse
+LEAST_SLOPE = 1e-3  # of a secant: between it and its inverse
 SECANTS, MOST_STEPS = 30, 90  # after so many steps of the secant the bracket is halved
 PANELS_AT_A_TIME = 10_000
 ROUNDING = 1e-12

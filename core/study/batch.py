@@ -198,8 +198,9 @@ def _drive_results(
     for i in totals:
         if requests[i].statistic == LIFE:
             value[i] = np.where(failed, np.nan, shortest_lives(block))
-    for i in (*totals, *of_motor):
         block.reason[np.isnan(value[i]) & (block.reason == "")] = NO_VALUE
+    for i in of_motor:  # a stall before an undercut, as in the study of a single design
+        block.reason[np.isnan(value[i]) & ((block.reason == "") | (block.reason == UNDERCUT))] = NO_VALUE
     return Results(value, theta, block.reason), block.separate
 
 
