@@ -22,7 +22,7 @@ from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
-from core.shaft.curve import uncut_panels
+from core.shaft.curve import FEW_AT_REST, uncut_panels
 
 # -- load on the shaft, fitted between the angles at which it breaks ---------------------------------------------
 
@@ -78,7 +78,7 @@ def fit_load_curve(
 
 def load_nodes(program: Any) -> Angles:
     """Angles at which the load of a drive is first solved; equal programs return the same object."""
-    return uncut_panels(program, True)[2]
+    return uncut_panels(program, FEW_AT_REST)[2]
 
 
 def friction_switches(loading: Loading, slides: Sequence[Friction], is_form_closed: bool) -> list[Switch]:
