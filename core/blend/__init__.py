@@ -1,10 +1,12 @@
 """Curve blending after Yang and Shon: the sequence follows from the tables, spans and heights from closed forms."""
 
-from core.blend.best import GOALS, best, blend
+from core.blend.best import best, blend
 from core.blend.equations import peak_of
+from core.blend.evaluator import GOALS
 from core.blend.feasible import OpenSettings, feasible_ranges, open_settings
 from core.blend.request import (
     FLATS,
+    KINDS,
     LEAST_SPAN,
     LENGTHS,
     MAY_VANISH,
@@ -13,11 +15,9 @@ from core.blend.request import (
     BlendError,
     BlendResult,
     Request,
-    SequenceRequest,
     SettingRange,
     has_room,
 )
-from core.blend.sequence import best_of_sequence, blend_sequence, sequence_ranges
 from core.blend.sequences import (
     CONSTANT_VELOCITY,
     ELEMENTS,
@@ -41,6 +41,7 @@ __all__ = [
     "ELEMENTS",
     "FLATS",
     "GOALS",
+    "KINDS",
     "LEAST_SPAN",
     "LENGTHS",
     "MAY_VANISH",
@@ -56,13 +57,10 @@ __all__ = [
     "CurveSequence",
     "OpenSettings",
     "Request",
-    "SequenceRequest",
     "SettingRange",
     "all_sequences",
     "best",
-    "best_of_sequence",
     "blend",
-    "blend_sequence",
     "candidates",
     "feasible_ranges",
     "flat_heights",
@@ -71,7 +69,6 @@ __all__ = [
     "next_curves",
     "open_settings",
     "peak_of",
-    "sequence_ranges",
     "sequences",
     "state_text",
     "state_words",

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from math import log
-from types import MappingProxyType
 
 import numpy as np
 
 from core.blend.equations import BlendSolution
-from core.blend.evaluator import Evaluator, constant, law_of, logarithm
+from core.blend.evaluator import GOALS, Evaluator, constant, logarithm, peak_coefficient
 from core.blend.feasible import are_dependent, refusal, wrong_number
 from core.blend.request import LENGTHS, BlendError, BlendResult, Constraint, Request
+from core.blend.sequence import best_of_sequence, blend_sequence
 from core.blend.sequences import CONSTANT
 from core.blend.solver import BlendCandidate, Problem, Quantity, candidates, least, log_accelerations
 from core.design import Cam, Design, Motion, Segment, join_levels, mirrored, require_motion, with_motion
@@ -22,7 +22,6 @@ from core.design.edits import back_at_start, balance, is_dwell
 from core.design.motion_edits import with_marks_of, without_marks
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
-from core.laws import peaks
 from core.numerics.lazy import checkpoint
 
 # -- blended motion in a design ---------------------------------------------------------------------------------
@@ -149,12 +148,7 @@ MOST_NONLINEAR = 2  # greatest number of nonlinear constraints
 NEGLIGIBLE = 1e-6  # least height of a constant velocity relative to the stroke
 
 FLAT_GOAL = "acceleration"  # the only goal of motions with constant acceleration
-
-Goal = tuple[int, int, int]
-"""Index of the peak coefficient c of a curve, and the powers i, k of height and span: c h^i / β^k."""
-
-GOALS: Mapping[str, Goal] = MappingProxyType({"acceleration": (0, 1, 2), "jerk": (1, 1, 3), "torque": (2, 2, 3)})
-"""Largest |a| [per deg²], |jerk| inside the curves [per deg³], and |v a|, which is proportional to the inertia torque."""
+Goal = tuple[str, int, int]
 
 
 def blend(request: Request) -> BlendResult:
@@ -163,6 +157,8 @@ def blend(request: Request) -> BlendResult:
     Raises BlendError with the feasible range of a setting.
     """
     request.validate()
+    if not request.type:
+        return blend_sequence(request)
     constraints = request.constraints
     complete = [c for c in candidates(request) if c.freedom == len(constraints) and c.has_settings(constraints)]
     if not complete:
@@ -188,6 +184,8 @@ def best(request: Request, goal: str) -> BlendResult:
     if goal not in GOALS:
         raise BlendError(f"best {goal!r}: unknown; allowed: {' | '.join(GOALS)}")
     request.validate()
+    if not request.type:
+        return best_of_sequence(request, goal)
     if request.flats and goal != FLAT_GOAL:
         raise BlendError(f"best {goal}: cannot be combined with a constant acceleration; allowed: {FLAT_GOAL}")
     winner: tuple[float, BlendCandidate, BlendSolution] | None = None
@@ -241,7 +239,7 @@ def _searched(problem: Problem, goal: Goal, lengths: Mapping[str, float]) -> Ble
     """Optimum over the variables that the constraints leave free, in logarithms."""
     evaluator = problem.evaluator
     goals: list[Quantity] = [
-        partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])
+        partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if peak_coefficient(row[0], goal[0])
     ]
     if evaluator.family.flats:  # the only goal is the acceleration
         goals = log_accelerations(evaluator)
@@ -267,28 +265,22 @@ def _above(evaluator: Evaluator, name: str, forms: np.ndarray) -> np.ndarray:
 
 def _log_peak(evaluator: Evaluator, goal: Goal, curve: tuple[str, str, str], forms: np.ndarray) -> np.ndarray:
     """Logarithm of c h^i / β^k with its derivatives."""
-    index, height_power, span_power = goal
+    coefficient, height_power, span_power = goal
     height, span = evaluator.height_and_span(curve, forms)
     return (
         height_power * logarithm(height)
         - span_power * logarithm(span)
-        + constant(log(_coefficient(curve[0], index)), forms)
+        + constant(log(peak_coefficient(curve[0], coefficient)), forms)
     )
 
 
 def _peak(solution: BlendSolution, goal: Goal) -> float:
     """Largest c h^i / β^k of a solution."""
-    index, height_power, span_power = goal
+    coefficient, height_power, span_power = goal
     if solution.flats:
         return solution.peak_acceleration
     rows = zip(solution.sequence.curves, solution.heights, solution.spans, strict=True)
-    return max(c * h**height_power / b**span_power for name, h, b in rows if (c := _coefficient(name, index)))
-
-
-@lru_cache(maxsize=64)
-def _coefficient(curve: str, index: int) -> float:
-    coefficients = peaks(law_of(curve))
-    return (coefficients.ca, coefficients.cj, coefficients.cm)[index]
+    return max(c * h**height_power / b**span_power for name, h, b in rows if (c := peak_coefficient(name, coefficient)))
 
 
 def _constant_velocities(solution: BlendSolution) -> dict[str, str]:

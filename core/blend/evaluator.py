@@ -6,8 +6,9 @@ t, x1, .... Everything is for a stroke of the rise and a span of 1, and so dimen
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from functools import cached_property
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property, lru_cache
+from types import MappingProxyType
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from core.blend.equations import RETURN, RISE, SPEEDS, BlendTask, Family, Soluti
 from core.blend.polynomials import UNIT, to_integer
 from core.blend.request import POINT, SIZES, Constraint, height_of, ratio
 from core.blend.sequences import ELEMENTS
-from core.laws import LAWS, Law
+from core.laws import LAWS, Law, peaks
 from core.numerics.lazy import checkpoint
 
 STEPS = 100
@@ -31,6 +32,21 @@ Point = tuple[float, tuple[float, ...]]
 def law_of(curve: str) -> Law:
     """Law of a curve of Yang's Table 1, ``C1`` -> row ``c1``. Raises KeyError for any other name."""
     return LAWS[curve.lower()]
+
+
+GOALS: Mapping[str, tuple[str, int, int]] = MappingProxyType(
+    {"acceleration": ("ca", 1, 2), "jerk": ("cj", 1, 3), "torque": ("cm", 2, 3)}
+)
+"""Largest |a| [per deg²], |jerk| inside the curves [per deg³], and |v a|, which is proportional to the inertia torque.
+
+Each with the peak coefficient c of a curve, and the powers i, k of height and span: c h^i / β^k.
+"""
+
+
+@lru_cache(maxsize=64)
+def peak_coefficient(curve: str, coefficient: str) -> float:
+    """Peak coefficient of a curve, ``ca``, ``cj`` or ``cm``."""
+    return float(getattr(peaks(law_of(curve)), coefficient))
 
 
 class Evaluator:

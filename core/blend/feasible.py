@@ -7,16 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import lru_cache
 from itertools import combinations
-from math import inf, isfinite
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
 from core.blend.equations import BlendTask, Family
-from core.blend.evaluator import ROUNDING, Evaluator
+from core.blend.evaluator import Evaluator
 from core.blend.region import MIXES, SAME, Region
 from core.blend.request import (
     FLATS,
@@ -30,7 +29,9 @@ from core.blend.request import (
     hardest_first,
     height_of,
     merged,
+    ranges_text,
 )
+from core.blend.sequence import SequenceProblem, sequence_ranges
 from core.blend.sequences import sequences
 from core.blend.solver import BlendCandidate, candidates, flat_heights
 from core.numerics.lazy import checkpoint
@@ -50,8 +51,10 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Set
     settings are free. A setting that the others determine has one value. Raises BlendError for an invalid request.
     """
     request.validate()
-    if setting not in (*SETTINGS, POINT):
-        raise BlendError(f"{setting}: unknown setting; allowed: {' | '.join(SETTINGS)}")
+    if setting not in (*request.names, *([POINT] if request.type else [])):
+        raise BlendError(f"{setting}: unknown setting; allowed: {' | '.join(request.names)}")
+    if not request.type:
+        return sequence_ranges(request, setting)
     if setting in FLATS:
         return flat_ranges(request, setting)
     constraint = request.constraint(setting, 1.0, at)
@@ -157,7 +160,7 @@ def _shown(result: SettingRange, request: Request, candidate: BlendCandidate) ->
     """Range of the peak as cam angles."""
     if candidate.backwards:
         return SettingRange(request.end - result.high, request.end - result.low, result.high_open, result.low_open)
-    return SettingRange(request.start + result.low, request.start + result.high, result.low_open, result.high_open)
+    return result.shifted(request.start)
 
 
 # -- independent settings ---------------------------------------------------------------------------------
@@ -177,6 +180,11 @@ def open_settings(request: Request) -> list[OpenSettings]:
     return alone counts its settings from h4 and vcv2. Raises BlendError for an invalid request.
     """
     request.validate()
+    if not request.type:
+        problem = SequenceProblem(request, request.given)
+        given = list(problem.settings)
+        missing = problem.chain.freedom - len(given)
+        return [OpenSettings(missing, problem.new_settings(given))] if problem.rank(given) == len(given) else []
     constraints = request.constraints
     result = []
     for candidate in candidates(request):
@@ -295,7 +303,7 @@ def _instead(request: Request, candidate: BlendCandidate, constraints: Sequence[
     names = [request.requested_name(n) for n in independent]
     ranges = ranges_of(request, [candidate], constraints, request.constraint(independent[0], 1.0))
     if ranges:
-        text = " or ".join(range_text(r, names[0]) for r in ranges)
+        text = ranges_text(ranges, names[0])
         names[0] = f"{names[0]} ({text} {request.unit_of(independent[0])})"
     return f"instead set {', '.join(names[:-1])} or {names[-1]}" if len(names) > 1 else f"instead set {names[0]}"
 
@@ -304,7 +312,7 @@ def _flat_out_of_range(request: Request, name: str, allowed: Sequence[SettingRan
     """Refusal of a span of constant acceleration, with its feasible range."""
     others = ", ".join(f"{setting} = {value:.9g}" for setting, value in request.settings.items() if setting != name)
     tail = f" with {others}" if others else ""
-    shown = " or ".join(range_text(r, name) for r in allowed)
+    shown = ranges_text(allowed, name)
     text = f"{name} = {request.settings[name]:.9g} deg is not feasible{tail}; feasible: {shown} deg"
     return BlendError(text, name, (allowed[0].low, allowed[-1].high))
 
@@ -337,7 +345,7 @@ def _out_of_range(
     text = f"{_text(request, constraint)} {unit}"
     if _is_one(*allowed):
         return BlendError(f"{text}: already determined{tail}: {allowed[0]:.9g} {unit}; set another one", name, allowed)
-    shown = " or ".join(range_text(r, name) for r in ranges)
+    shown = ranges_text(ranges, name)
     if any(_is_well_within(r, _shown_value(request, constraint)) for r in ranges):
         text = f"{text}: many motions have this value{tail}, so it does not determine one"
         return BlendError(f"{text}; set another one, or one within {shown} {unit}", name, allowed)
@@ -377,7 +385,7 @@ def wrong_number(request: Request) -> BlendError:
 
 
 def _shown_value(request: Request, constraint: Constraint) -> float:
-    return constraint.value + request.start if constraint.name == "peak" else constraint.value
+    return constraint.value + request.offset_of(constraint.name)
 
 
 def _text(request: Request, constraint: Constraint) -> str:
@@ -394,18 +402,3 @@ def _is_one(low: float, high: float) -> bool:
 def _is_well_within(result: SettingRange, value: float) -> bool:
     room = SAME * (result.high - result.low) if isfinite(result.high) else SAME * abs(result.low)
     return result.low + room < value < result.high - room
-
-
-def range_text(result: SettingRange, name: str) -> str:
-    """Range as text, ``0.1 < vcv <= 0.2``; closed ends are rounded inwards, so that they can be entered."""
-    low = _nine_digits(result.low, ROUND_HALF_EVEN if result.low_open else ROUND_CEILING)
-    high = _nine_digits(result.high, ROUND_HALF_EVEN if result.high_open else ROUND_FLOOR)
-    if result.high == inf:
-        return f"{name} {'>' if result.low_open else '>='} {low:.9g}"
-    return f"{low:.9g} {'<' if result.low_open else '<='} {name} {'<' if result.high_open else '<='} {high:.9g}"
-
-
-def _nine_digits(value: float, rounding: str) -> float:
-    """Value rounded as given to nine digits, but to the nearest where the difference is rounding."""
-    nearest, directed = (float(Context(prec=9, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding))
-    return nearest if abs(nearest - value) <= ROUNDING * abs(value) else directed

@@ -1,19 +1,64 @@
-"""Requests for blended motions, their settings as constraints on a family of motions, and the resulting segments."""
+"""Requests for blended motions, the description of their settings, and the resulting segments."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field
-from itertools import accumulate, groupby
-from math import fsum, isfinite
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
+from functools import cached_property
+from itertools import accumulate
+from math import fsum, inf, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
 from core.blend.equations import BlendSolution, BlendTask, Family
-from core.blend.sequences import CONSTANT_VELOCITY, DWELL, ELEMENTS, MOTION_TYPES, sequence_error
+from core.blend.sequences import CONSTANT_VELOCITY, MOTION_TYPES, BlendCurve, CurveChain, sequence_error
 from core.design import Segment
 from core.errors import KindynaError
 from core.frozen import frozen
+
+# -- settings ---------------------------------------------------------------------------------------------
+
+
+class SettingKind(NamedTuple):
+    """Kind of a setting: the product c h^height β^span of a curve of height h and span β, or the sum over several curves."""
+
+    height: int
+    span: int
+    meaning: str
+    is_sum: bool = False
+
+    @property
+    def unit(self) -> str:
+        """Unit as printed; {u} is the unit of the motion."""
+        return {(0, 1): "deg", (1, 0): "{u}", (1, -1): "{u}/deg", (1, -2): "{u}/deg^2"}[self.height, self.span]
+
+    def factor(self, curve: BlendCurve) -> float:
+        """Factor c of the product, from Yang's Table 1."""
+        return {-1: curve.speed, -2: curve.peak}.get(self.span, 1.0)
+
+
+KINDS: Mapping[str, SettingKind] = MappingProxyType(
+    {
+        "h": SettingKind(1, 0, "height of that curve"),
+        "span": SettingKind(0, 1, "span of that curve"),
+        "v": SettingKind(1, -1, "speed of that curve at its moving end"),
+        "a": SettingKind(1, -2, "largest acceleration of that curve"),
+        "end": SettingKind(0, 1, "cam angle where that curve ends", is_sum=True),
+        "rise": SettingKind(1, 0, "height of that rise", is_sum=True),
+        "return": SettingKind(1, 0, "height of that return", is_sum=True),
+    }
+)
+"""Kinds by name; the settings of any sequence are named by kind and number, counted from 1."""
+POINT = "point"
+_KINDS_OF_TYPES = {"vcv": "v", "length": "span", "flat": "span", "peak": "end", "acceleration": "a", POINT: "h"}
+
+
+def kind_of(name: str) -> SettingKind:
+    """Kind of a setting, ``h1`` or ``vcv2``."""
+    stem = name.rstrip("0123456789")
+    return KINDS[_KINDS_OF_TYPES.get(stem, stem)]
+
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 FLATS = ("flat1", "flat3", "flat4", "flat6")
@@ -23,20 +68,19 @@ SIZES = ("a1", "a3", "a4", "a6")
 LENGTHS = ("length", "length2")
 """Spans [deg] of the constant velocities, in the order of the motion."""
 SPANS = ("span1", "span3", "span4", "span6")
-"""Span [deg] of the curve itself, no setting; it limits the span of its constant acceleration."""
+"""Span [deg] of the curve itself, which limits the span of its constant acceleration; no setting of a type of motion."""
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", *LENGTHS, "peak", "acceleration", *FLATS, *SIZES)
+"""Settings of the four types of motion."""
 MAY_VANISH = ("h2", "h5", *LENGTHS)
-"""Settings that may be 0: a constant velocity without length."""
-POINT = "point"
+"""Settings of a type that may be 0: a constant velocity without length."""
 LEAST_SPAN = 1e-3
 """Least span [deg] from start to end."""
 LEAST_STROKE = 1e-9
 NONLINEAR = ("acceleration", *SIZES, POINT)
-_PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2, **dict.fromkeys(SIZES, 2)}
-_SPEEDS = {"vcv": "W", "vcv2": "R"}
 SAME_RANGE = 1e-9  # relative gap between two ranges below which they are merged
 NEGLIGIBLE = 1e-12  # lower end relative to the upper end, below which it is 0
 TIED = 1e-12  # relative difference of equal values
+ROUNDING = 1e-13  # relative difference from nine digits that is rounding
 _RETURN_NAMES = {
     "h1": "h4",
     "h2": "h5",
@@ -47,18 +91,16 @@ _RETURN_NAMES = {
     "a1": "a4",
     "a3": "a6",
 }
-UNITS = {**dict.fromkeys(LENGTHS, "deg"), "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2",
-         **dict.fromkeys((*FLATS, *SPANS), "deg"), **dict.fromkeys(SIZES, "{u}/deg^2")}  # fmt: skip
 
 
 class Constraint(NamedTuple):
-    """A setting, or a point to pass.
+    """A setting with its value, or a point to pass; cam angles are counted from the start of the curves.
 
     Attributes
     ----------
-    name : name in ``SETTINGS``, or ``point``
+    name : name in ``Request.names``, or ``point``
     value : its value
-    at : cam angle of a point [deg from the start of the curves]
+    at : cam angle of a point [deg]
     """
 
     name: str
@@ -87,12 +129,10 @@ def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
 
 
 def unit_of(name: str, task: BlendTask) -> float:
-    """Value of a setting that is 1 where stroke of the rise and span are 1."""
-    if name in (*LENGTHS, "peak", *FLATS):
-        return task.span
-    if name in SPANS:  # half cycloid: c h/V
-        return 2.0 * task.span
-    return task.rise / task.span ** _PER_DEGREE.get(name, 0)
+    """Value of a setting that is 1 where stroke of the rise and span are 1; spans of half cycloids are 2 h/V."""
+    kind = kind_of(name)
+    unit = task.rise / task.span**-kind.span if kind.height else task.span
+    return 2.0 * unit if name in SPANS else unit
 
 
 def in_units(constraint: Constraint, task: BlendTask) -> Constraint:
@@ -106,11 +146,6 @@ def height_of(name: str) -> str:
     return f"h{name[-1]}"
 
 
-def speed_at(height: str) -> str:
-    """Form of the speed at the moving end of the curve of a height."""
-    return "W" if height in HEIGHTS[:3] else "R"
-
-
 def ratio(name: str, family: Family) -> tuple[str, str]:
     """Numerator and denominator form of a linear setting; an empty name is 1."""
     if name in LENGTHS:
@@ -118,8 +153,8 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
     if name == "peak":
         return "up", "W"
     if name in SPANS:
-        return height_of(name), speed_at(height_of(name))
-    return _SPEEDS.get(name, name), ""
+        return height_of(name), "W" if height_of(name) in HEIGHTS[:3] else "R"
+    return {"vcv": "W", "vcv2": "R"}.get(name, name), ""
 
 
 @frozen
@@ -135,6 +170,29 @@ class SettingRange:
         """Range in other units; a lower end of 0 to rounding becomes 0."""
         low = 0.0 if isfinite(self.high) and abs(self.low) <= NEGLIGIBLE * abs(self.high) else self.low
         return SettingRange(low * factor, self.high * factor, self.low_open, self.high_open)
+
+    def shifted(self, offset: float) -> SettingRange:
+        """Range with both ends larger by an offset."""
+        return SettingRange(self.low + offset, self.high + offset, self.low_open, self.high_open)
+
+    def text(self, name: str) -> str:
+        """Range as text, ``0.1 < vcv <= 0.2``; closed ends are rounded inwards, so that they can be entered."""
+        low = _nine_digits(self.low, ROUND_HALF_EVEN if self.low_open else ROUND_CEILING)
+        if self.high == inf:
+            return f"{name} {'>' if self.low_open else '>='} {low:.9g}"
+        high = _nine_digits(self.high, ROUND_HALF_EVEN if self.high_open else ROUND_FLOOR)
+        return f"{low:.9g} {'<' if self.low_open else '<='} {name} {'<' if self.high_open else '<='} {high:.9g}"
+
+
+def _nine_digits(value: float, rounding: str) -> float:
+    """Value rounded as given to nine digits, but to the nearest where the difference is rounding."""
+    nearest, directed = (float(Context(prec=9, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding))
+    return nearest if abs(nearest - value) <= ROUNDING * abs(value) else directed
+
+
+def ranges_text(ranges: Iterable[SettingRange], name: str) -> str:
+    """Ranges as text, ``0 < h1 < 2 or 5 <= h1 < 6``."""
+    return " or ".join(r.text(name) for r in ranges)
 
 
 def merged(ranges: Iterable[SettingRange]) -> list[SettingRange]:
@@ -175,22 +233,27 @@ class BlendError(KindynaError):
 
 @frozen
 class Request:
-    """Request for a blended motion.
+    """Request for a blended motion of one of Yang's types, or of any sequence of curves.
 
     Attributes
     ----------
-    type : ``DRD``, ``DRD-return``, ``DRRD`` or ``RRR``
-    stroke : stroke of the rise [unit of the motion]
+    type : ``DRD``, ``DRD-return``, ``DRRD`` or ``RRR``; empty for any curves that join, as ``sequence`` names them
+    stroke : stroke of the rise [unit of the motion]; of any sequence that of the first stroke in the order rise, return,
+        0 where the settings determine it
     start, end : cam angles [deg] between which the curves lie
-    constant : strokes with constant velocity: ``none``, ``rise``, ``return`` or ``both``
-    settings : h1 ... h6; vcv, vcv2 [per deg]; length, length2 [deg]; peak, a cam angle [deg]; acceleration [per deg²];
-        flat1, flat3, flat4, flat6, spans [deg] of constant acceleration inside the curve of that height, each of which
-        adds a freedom and determines it; a1, a3, a4, a6, values [per deg²] of these accelerations
-    return_stroke : stroke of the return, 0 for that of the rise
-    points : precision points (cam angle [deg], displacement above the lowest level); each counts as a setting
-    sequence : the only sequence to consider, such as ``C1-H2-P2``; empty for all
+    constant : strokes with constant velocity: ``none``, ``rise``, ``return`` or ``both``; only of a type
+    settings : of a type: h1 ... h6; vcv, vcv2 [per deg]; length, length2 [deg]; peak, a cam angle [deg]; acceleration
+        [per deg²]; flat1, flat3, flat4, flat6, spans [deg] of constant acceleration inside the curve of that height, each
+        of which adds a freedom and determines it; a1, a3, a4, a6, values [per deg²] of these accelerations. Of any
+        sequence: h1, span1 [deg], v1 [per deg], a1 [per deg²], end1, a cam angle [deg], of the curves counted from 1;
+        rise1, return1 of the strokes, each of adjacent curves in one direction
+    return_stroke : stroke of the return, 0 for that of the rise; of any sequence that of the first return, 0 where the
+        settings determine it
+    points : precision points (cam angle [deg], displacement above the lowest level); each counts as a setting; only of a
+        type
+    sequence : the only sequence to consider, such as ``C1-H2-P2``; empty for all of the type
     mirrored : whether a return with as many curves as the rise is the rise run backwards; None: where this gives the
-        right number of settings
+        right number of settings; only of a type
     """
 
     type: str
@@ -207,16 +270,39 @@ class Request:
 
     @property
     def strokes(self) -> tuple[float, float]:
-        """Strokes of rise and return."""
+        """Strokes of rise and return of a type."""
         return self.stroke, self.return_stroke or self.stroke
+
+    @cached_property
+    def chain(self) -> CurveChain:
+        """Curves of any sequence."""
+        return CurveChain(tuple(self.sequence.upper().split("-")), self.end - self.start == 360.0)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all settings."""
+        return SETTINGS if self.type else self.chain.names
+
+    @property
+    def given(self) -> Mapping[str, float]:
+        """Settings with their values, the strokes of any sequence among them."""
+        if self.type:
+            return self.settings
+        names = [name for name in ("rise1", "return1") if name in self.chain.strokes]
+        strokes = dict(zip(names, (self.stroke, self.return_stroke), strict=False))
+        return {name: value for name, value in strokes.items() if value} | dict(self.settings)
 
     def unit_of(self, setting: str) -> str:
         """Unit of a setting, as printed."""
-        return UNITS.get(setting, "{u}").format(u=self.unit)
+        return kind_of(setting).unit.format(u=self.unit)
+
+    def offset_of(self, setting: str) -> float:
+        """Start of the curves, from which cam angles are counted, for a setting that is a cam angle; else 0."""
+        return self.start if kind_of(setting) is KINDS["end"] else 0.0
 
     def standard_name(self, name: str) -> str:
-        """Name of a setting in ``SETTINGS``; a return alone may count its curves from 1 and call its speed vcv."""
-        return _RETURN_NAMES.get(name, name) if MOTION_TYPES[self.type].rise is None else name
+        """Name of a setting in ``names``; a return alone may count its curves from 1 and call its speed vcv."""
+        return _RETURN_NAMES.get(name, name) if self.type and MOTION_TYPES[self.type].rise is None else name
 
     def flat_name(self, height: str) -> str:
         """Setting for the span of constant acceleration in the curve of a height; a return alone counts from 1."""
@@ -233,14 +319,12 @@ class Request:
     def constraint(self, name: str, value: float, at: float = 0.0) -> Constraint:
         """A setting as a constraint, with angles measured from the start."""
         name = self.standard_name(name)
-        if name == "peak":
-            return Constraint(name, value - self.start)
-        return Constraint(name, value, at - self.start if name == POINT else 0.0)
+        return Constraint(name, value - self.offset_of(name), at - self.start if name == POINT else 0.0)
 
     @property
     def constraints(self) -> list[Constraint]:
         """All settings and points that determine a freedom."""
-        settings = [self.constraint(name, value) for name, value in self.settings.items() if name not in FLATS]
+        settings = [self.constraint(name, value) for name, value in self.given.items() if name not in FLATS]
         return [*settings, *(self.constraint(POINT, value, at) for at, value in self.points)]
 
     @property
@@ -248,10 +332,30 @@ class Request:
         """Height of a curve -> span of the constant acceleration inside it [deg]."""
         return {height_of(self.standard_name(name)): value for name, value in self.settings.items() if name in FLATS}
 
+    # -- validity -----------------------------------------------------------------------------------------
+
     def validate(self) -> None:
         """Raise BlendError where a word is unknown, a number is out of its range or a setting is given twice."""
-        if self.type not in MOTION_TYPES:
+        if self.type not in MOTION_TYPES and (self.type or not self.sequence):
             raise BlendError(f"type {self.type!r}: unknown; allowed: {' | '.join(MOTION_TYPES)}")
+        if self.type:
+            self._validate_strokes()
+        elif fault := sequence_error(self.sequence):
+            raise BlendError(f"sequence {self.sequence}: {fault}")
+        elif self.points:
+            remedy = "set the cam angle where a curve ends: --set end2=120"
+            raise BlendError(f"--point: only of the four types of motion; {remedy}")
+        self.validate_angles()
+        requested_names: dict[str, str] = {}
+        for name, value in self.given.items():
+            first = requested_names.setdefault(self.standard_name(name), name)
+            if first != name:
+                raise BlendError(f"{first}, {name}: two names of the same setting of a return; give one", name)
+            self._validate_setting(name, value)
+        if self.type:
+            self._validate_combinations()
+
+    def _validate_strokes(self) -> None:
         if self.constant not in CONSTANT_VELOCITY:
             raise BlendError(f"constant velocity {self.constant!r}: unknown; allowed: {' | '.join(CONSTANT_VELOCITY)}")
         row = MOTION_TYPES[self.type]
@@ -263,8 +367,6 @@ class Request:
                 raise BlendError(
                     f"{name} = {value:g}: outside its range; allowed: {LEAST_STROKE:g} ... 1e+09 {self.unit}"
                 )
-        self.validate_angles()
-        self._validate_settings()
 
     def validate_angles(self) -> None:
         """Raise BlendError where the curves have no room between start and end."""
@@ -274,19 +376,23 @@ class Request:
                 f"{angles}: outside their range; allowed: 0 <= start < end <= 360 deg, at least {LEAST_SPAN:g} deg between them"
             )
 
-    def _validate_settings(self) -> None:
-        requested_names: dict[str, str] = {}
-        for name, value in self.settings.items():
-            if name not in SETTINGS:
-                raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
-            first = requested_names.setdefault(self.standard_name(name), name)
-            if first != name:
-                raise BlendError(f"{first}, {name}: two names of the same setting of a return; give one", name)
-            least = ">=" if name in MAY_VANISH else ">"
-            if not 0.0 <= value < 1e100 or (value == 0.0 and name not in MAY_VANISH):
-                raise BlendError(
-                    f"{name} = {value:g}: outside its range; allowed: {least} 0 {self.unit_of(name)}", name
-                )
+    def _validate_setting(self, name: str, value: float) -> None:
+        """Raise BlendError where a setting does not exist or its value is outside its range."""
+        if name not in self.names:
+            fault = "unknown setting" if self.type else f"no setting of {self.chain}"
+            raise BlendError(f"{name}: {fault}; allowed: {' | '.join(self.names)}", "" if self.type else name)
+        is_angle = not self.type and kind_of(name) is KINDS["end"]
+        low, high = (self.start, self.end) if is_angle else (0.0, 1e100)
+        may_vanish = bool(self.type) and name in MAY_VANISH
+        least = LEAST_STROKE if name.startswith(("rise", "return")) else 0.0
+        if not (low < value < high and value >= least) and not (value == 0.0 and may_vanish):
+            allowed = f"{low:g} < {name} < {high:g}" if is_angle else f"{'>=' if may_vanish else '>'} 0"
+            if not (self.type or is_angle):
+                allowed = f"{name} {allowed}"
+            raise BlendError(f"{name} = {value:g}: outside its range; allowed: {allowed} {self.unit_of(name)}", name)
+
+    def _validate_combinations(self) -> None:
+        """Raise BlendError where settings of a type cannot be combined, or a point is outside the curves."""
         for name in self.settings:
             if name in SIZES and height_of(self.standard_name(name)) not in self.flats:
                 raise BlendError(
@@ -304,110 +410,11 @@ class Request:
                 raise BlendError(f"{text}; allowed: {self.start:g} < angle < {self.end:g} deg", POINT)
 
 
-KINDS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "h": ("{u}", "height of that curve"),
-        "span": ("deg", "span of that curve"),
-        "v": ("{u}/deg", "speed of that curve at its moving end"),
-        "a": ("{u}/deg^2", "largest acceleration of that curve"),
-        "end": ("deg", "cam angle where that curve ends"),
-        "rise": ("{u}", "height of that rise"),
-        "return": ("{u}", "height of that return"),
-    }
-)
-"""Kind of a setting of any sequence, followed by a number counted from 1 -> its unit and meaning."""
-
-
-@frozen
-class SequenceRequest:
-    """Request for any sequence of curves between two cam angles [deg].
-
-    Attributes
-    ----------
-    curves : names in order, such as ``C1``, ``H2``, ``P2``
-    settings : h1, span1 [deg], v1 [per deg], a1 [per deg²], end1, a cam angle [deg], of the curves counted from 1;
-        rise1, return1 of the strokes, each of adjacent curves in one direction
-    """
-
-    curves: tuple[str, ...]
-    start: float
-    end: float
-    settings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    unit: str = "mm"
-
-    @property
-    def type(self) -> str:
-        """Empty: no type of Yang's."""
-        return ""
-
-    @property
-    def sequence(self) -> str:
-        """Names of the curves: ``C1-H2-P2``."""
-        return "-".join(self.curves)
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether the last curve joins the first in the next turn: over the full turn, equal end states, no dwell."""
-        joins = ELEMENTS[self.curves[0]].start == ELEMENTS[self.curves[-1]].end != DWELL
-        return joins and self.end - self.start == 360.0
-
-    @property
-    def strokes(self) -> dict[str, tuple[int, ...]]:
-        """Stroke (rise1, return1, ...) -> indices of its curves, in the order of the motion."""
-        result: dict[str, tuple[int, ...]] = {}
-        counts = {1: 0, -1: 0}
-        for sign, run in groupby(range(len(self.curves)), key=lambda i: ELEMENTS[self.curves[i]].velocity_sign):
-            counts[sign] += 1
-            result[f"{'rise' if sign > 0 else 'return'}{counts[sign]}"] = tuple(run)
-        return result
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of all settings."""
-        rows = list(enumerate((ELEMENTS[name] for name in self.curves), 1))
-        return (
-            *self.strokes,
-            *(f"h{i}" for i, _ in rows),
-            *(f"span{i}" for i, _ in rows),
-            *(f"v{i}" for i, row in rows if row.speed),
-            *(f"a{i}" for i, row in rows if row.peak),
-            *(f"end{i}" for i, _ in rows[:-1]),
-        )
-
-    @property
-    def freedom(self) -> int:
-        """Number of settings: heights and spans, minus the joins without dwell, minus the total span."""
-        joins = sum(ELEMENTS[name].end != DWELL for name in self.curves[:-1]) + self.is_closed
-        return 2 * len(self.curves) - joins - 1
-
-    def unit_of(self, name: str) -> str:
-        """Unit of a setting, as printed."""
-        return KINDS[name.rstrip("0123456789")][0].format(u=self.unit)
-
-    def validate(self) -> None:
-        """Raise BlendError where curves do not join, a setting is unknown or a number is out of its range."""
-        if fault := sequence_error(self.sequence):
-            raise BlendError(f"sequence {self.sequence}: {fault}")
-        if not has_room(self.start, self.end):
-            raise BlendError(
-                f"start {self.start:g} deg, end {self.end:g} deg: outside their range; allowed: 0 <= start < end <= 360 deg"
-            )
-        for name, value in self.settings.items():
-            if name not in self.names:
-                allowed = " | ".join(self.names)
-                raise BlendError(f"{name}: no setting of {self.sequence}; allowed: {allowed}", name)
-            low, high = (self.start, self.end) if name.startswith("end") else (0.0, 1e100)
-            least = LEAST_STROKE if name.startswith(("rise", "return")) else 0.0
-            if not (low < value < high and value >= least):
-                shown = f"{low:g} < {name} < {high:g}" if high < 1e100 else f"{name} > {low:g}"
-                raise BlendError(f"{name} = {value:g}: outside its range; allowed: {shown} {self.unit_of(name)}", name)
-
-
 @frozen
 class BlendResult:
     """A blended motion: curves in order with spans [deg] and signed rises, from ``start`` of the request."""
 
-    request: Request | SequenceRequest
+    request: Request
     solution: BlendSolution
     segments: tuple[Segment, ...]
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
-from itertools import pairwise
+from functools import cached_property, lru_cache
+from itertools import groupby, pairwise
 from math import pi, sqrt
 from types import MappingProxyType
 
@@ -233,3 +233,66 @@ def sequence_error(sequence: str) -> str:
         if second not in usable[first]:
             return f"{second} cannot follow {first}: {join_error(first, second)}; allowed after {first}: {' | '.join(usable[first])}"
     return ""
+
+
+# -- any sequence ---------------------------------------------------------------------------------------------------
+
+
+@frozen
+class CurveChain:
+    """Curves that join, in any number; counted from 1.
+
+    Attributes
+    ----------
+    is_full_turn : whether the curves cover the full turn
+    """
+
+    curves: tuple[str, ...]
+    is_full_turn: bool
+
+    def __str__(self) -> str:
+        return "-".join(self.curves)
+
+    @cached_property
+    def joins(self) -> list[tuple[int, int]]:
+        """Indices of the curves that meet without dwell; the last one meets the first in the next turn."""
+        n = len(self.curves)
+        pairs = [*pairwise(range(n)), *([(n - 1, 0)] if self.is_full_turn else [])]
+        rows = [(i, k, ELEMENTS[self.curves[i]].end, ELEMENTS[self.curves[k]].start) for i, k in pairs]
+        return [(i, k) for i, k, end, start in rows if end == start != DWELL]
+
+    @cached_property
+    def strokes(self) -> dict[str, tuple[int, ...]]:
+        """Stroke (rise1, return1, ...) -> indices of its curves, in the order of the motion."""
+        result: dict[str, tuple[int, ...]] = {}
+        counts = {1: 0, -1: 0}
+        for sign, run in groupby(range(len(self.curves)), key=lambda i: ELEMENTS[self.curves[i]].velocity_sign):
+            counts[sign] += 1
+            result[f"{'rise' if sign > 0 else 'return'}{counts[sign]}"] = tuple(run)
+        return result
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of all settings."""
+        rows = list(enumerate((ELEMENTS[name] for name in self.curves), 1))
+        return (
+            *self.strokes,
+            *(f"h{i}" for i, _ in rows),
+            *(f"span{i}" for i, _ in rows),
+            *(f"v{i}" for i, row in rows if row.speed),
+            *(f"a{i}" for i, row in rows if row.peak),
+            *(f"end{i}" for i, _ in rows[:-1]),
+        )
+
+    def indices_of(self, name: str) -> tuple[int, ...]:
+        """Indices of the curves to which a setting belongs."""
+        if name in self.strokes:
+            return self.strokes[name]
+        kind = name.rstrip("0123456789")
+        last = int(name[len(kind) :])
+        return tuple(range(last)) if kind == "end" else (last - 1,)
+
+    @property
+    def freedom(self) -> int:
+        """Number of settings that determine the motion: heights and spans, minus the joins, minus the total span."""
+        return 2 * len(self.curves) - len(self.joins) - 1

@@ -469,7 +469,12 @@ class BlendCandidate:
 
 
 def candidates(request: Request) -> list[BlendCandidate]:
-    """Sequences of a type of motion with their families, fewest curves first. Raises BlendError without room."""
+    """Sequences of a type of motion with their families, fewest curves first. Raises BlendError without room.
+
+    A request for any sequence has none.
+    """
+    if not request.type:
+        return []
     request.validate_angles()
     rise, back = request.strokes
     flats = tuple((height, value / (request.end - request.start)) for height, value in sorted(request.flats.items()))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,19 +13,17 @@ from core.blend import (
     CONSTANT_VELOCITY,
     ELEMENTS,
     GOALS,
+    KINDS,
     MOTION_TYPES,
     SETTINGS,
     BlendError,
     BlendResult,
     Request,
-    SequenceRequest,
     best,
-    best_of_sequence,
     blend,
-    blend_sequence,
 )
 from core.blend.best import with_blend
-from core.blend.request import KINDS, LEAST_STROKE
+from core.blend.request import LEAST_STROKE
 from core.blend.sequences import motion_type_of, sequence_error
 from core.commands import DONE, Painter
 from core.commands.common import as_json, design_file, drive_name, ending_with, pictures, sorted_by, verdict
@@ -79,7 +76,6 @@ def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
 
 
 PICTURES = (".png", ".svg")
-_REQUIRED = ("type", "stroke", "start", "end")
 
 
 def _setting(text: str) -> tuple[str, float]:
@@ -114,13 +110,6 @@ def _curve(text: str) -> str:
     if text and text.upper() not in ELEMENTS:
         raise argparse.ArgumentTypeError(f"{text!r}: unknown curve; allowed: {' | '.join(ELEMENTS)}")
     return text.upper()
-
-
-def _type_of(sequence: str) -> tuple[str, str]:
-    """Type of motion and constant velocity of a sequence; the type is empty where the sequence has none. Raises BlendError."""
-    if broken := sequence_error(sequence):
-        raise BlendError(f"--sequence {sequence}: {broken}")
-    return motion_type_of(sequence)
 
 
 def _types_help() -> str:
@@ -203,10 +192,7 @@ def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
         words = arguments.table, arguments.type or ""
         print(to_json(table_data(*words)) if arguments.json else table_text(*words), end="")
         return DONE
-    constant, motion_type = arguments.constant_velocity, arguments.type
-    if arguments.sequence and motion_type is None:
-        motion_type, constant = _type_of(arguments.sequence)
-    blended = _blend_sequence(arguments) if motion_type == "" else _blend_type(arguments, motion_type, constant)
+    blended = _blend(arguments)
     if arguments.rank is not None:
         return _rank_blend(arguments.rank, arguments, blended)
     changes = ""
@@ -226,17 +212,23 @@ def run_blend(arguments: BlendArguments, painter: Painter | None) -> int:
     return DONE
 
 
-def _require(missing: Sequence[str]) -> None:
+def _blend(arguments: BlendArguments) -> BlendResult:
+    """Blend a motion of one of Yang's types, or any sequence of curves. Raises BlendError."""
+    constant, motion_type = arguments.constant_velocity, arguments.type
+    if arguments.sequence and motion_type is None:
+        if fault := sequence_error(arguments.sequence):
+            raise BlendError(f"--sequence {arguments.sequence}: {fault}")
+        motion_type, constant = motion_type_of(arguments.sequence)
+    values: dict[str, Any] = {
+        "type": motion_type, "stroke": arguments.stroke, "start": arguments.start, "end": arguments.end,
+    }  # fmt: skip
+    if motion_type == "":  # any sequence, whose settings may determine the strokes
+        values["stroke"] = arguments.stroke or 0.0
+    missing = [f"--{name}" for name, value in values.items() if value is None]
     if missing:
         raise BlendError(
             f"blend: {', '.join(missing)}: required for a motion; --table alone prints which curve may follow which"
         )
-
-
-def _blend_type(arguments: BlendArguments, motion_type: str | None, constant: str) -> BlendResult:
-    """Blend a motion of one of Yang's types. Raises BlendError."""
-    values: dict[str, Any] = {name: getattr(arguments, name) for name in _REQUIRED} | {"type": motion_type}
-    _require([f"--{name}" for name, value in values.items() if value is None])
     if constant == "rise" and arguments.type == "DRD-return":
         constant = "return"  # the only stroke
     request = Request(
@@ -249,25 +241,6 @@ def _blend_type(arguments: BlendArguments, motion_type: str | None, constant: st
         unit=arguments.unit,
     )
     return best(request, arguments.best) if arguments.best else blend(request)
-
-
-def _blend_sequence(arguments: BlendArguments) -> BlendResult:
-    """Blend any sequence of curves; a stroke belongs to the first rise, or to the first return. Raises BlendError."""
-    _require([f"--{name}" for name in ("start", "end") if getattr(arguments, name) is None])
-    if arguments.point:
-        raise BlendError(
-            "--point: only of the four types of motion; set the cam angle where a curve ends: --set end2=120"
-        )
-    assert arguments.start is not None
-    assert arguments.end is not None
-    request = SequenceRequest(
-        tuple(arguments.sequence.upper().split("-")), arguments.start, arguments.end, {}, arguments.unit
-    )
-    names = [name for name in ("rise1", "return1") if name in request.strokes]
-    values = arguments.stroke, arguments.return_stroke
-    strokes = {name: value for name, value in zip(names, values, strict=False) if value}
-    request = replace(request, settings=strokes | _settings(arguments.set))
-    return best_of_sequence(request, arguments.best) if arguments.best else blend_sequence(request)
 
 
 def _rank_blend(path: Path, arguments: BlendArguments, blended: BlendResult) -> int:

@@ -13,7 +13,7 @@ from functools import partial
 from itertools import groupby
 from math import isnan
 
-from core.blend import BlendResult, Request, best, blend, sequences
+from core.blend import BlendResult, best, blend, sequences
 from core.cam import form_row
 from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
 from core.errors import DesignError, KindynaError, NoSolution
@@ -261,7 +261,7 @@ def blend_candidates(
     request = blended.request
 
     rows: dict[str, Candidate] = {own_name: partial(put, blended)}
-    if isinstance(request, Request):  # of one of Yang's types, which has other sequences
+    if request.type:  # of Yang's, which has other sequences
 
         def of_sequence(name: str) -> Design:
             changed = replace(request, sequence=name)

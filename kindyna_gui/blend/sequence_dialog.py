@@ -12,16 +12,16 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTa
 
 from core.blend import (
     ELEMENTS,
+    KINDS,
     BlendError,
     BlendResult,
-    SequenceRequest,
+    Request,
     SettingRange,
-    best_of_sequence,
-    blend_sequence,
-    sequence_ranges,
+    best,
+    blend,
+    feasible_ranges,
 )
 from core.blend.best import with_blend
-from core.blend.request import KINDS
 from core.blend.sequences import sequence_error
 from core.design import UNITS, Unit, require_motion
 from core.design.fields import Info
@@ -136,11 +136,11 @@ class SequenceDialog(BlendPutDialog):
         pages.addTab(self.ranking, "In this &design")
         self.frame(column, FORM_WIDTH, pages, TYPICAL_SIZE, LEAST_SIZE)
 
-    def _show_rows(self, request: SequenceRequest) -> None:
+    def _show_rows(self, request: Request) -> None:
         """Show a row for each setting of these curves; ticked settings stay ticked."""
-        if request.names == self._shown:
+        if request.chain.names == self._shown:
             return
-        self._shown, self.rows = request.names, {}
+        self._shown, self.rows = request.chain.names, {}
         paper = QWidget()
         paper.setBackgroundRole(QPalette.ColorRole.Base)
         paper.setAutoFillBackground(True)
@@ -148,25 +148,26 @@ class SequenceDialog(BlendPutDialog):
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(2)
         grid.setColumnStretch(4, 1)
-        for i, name in enumerate(request.names):
+        for i, name in enumerate(request.chain.names):
             kind = name.rstrip("0123456789")
             unit = request.unit_of(name).replace("deg", "°").replace("^2", "²")
             label = f"{LABELS[kind]} ({name})"
-            setting = Setting(name, label, name, unit, SHARES.get(kind, 0.5), KINDS[kind][1].capitalize())
+            setting = Setting(name, label, name, unit, SHARES.get(kind, 0.5), KINDS[kind].meaning.capitalize())
             row = SettingRow(setting, Unit(unit, 1.0))
             row.setParent(paper)
             row.add_to(grid, 2 * i)
-            row.show(True, _curves_of(request, name))
+            indices = request.chain.indices_of(name)
+            row.show(True, " ".join(request.chain.curves[i] for i in (indices[-1:] if kind == "end" else indices)))
             if name in self._ticked:
                 row.give(self._ticked[name])
             row.changed.connect(self._setting_changed)
             self.rows[name] = row
-        grid.setRowStretch(2 * len(request.names), 1)
+        grid.setRowStretch(2 * len(request.chain.names), 1)
         self._settings_area.replace(paper)
 
     # -- request -----------------------------------------------------------------------------------------
 
-    def request(self) -> SequenceRequest:
+    def request(self) -> Request:
         """Return the request as typed; raises BlendError if the curves do not join or an angle is not a number."""
         curves = self._curves
         if fault := sequence_error("-".join(curves)):
@@ -175,7 +176,7 @@ class SequenceDialog(BlendPutDialog):
         start, end = self.start.number, self.end.number
         if start is None or end is None:
             raise BlendError("a cam angle is not a number; allowed: 0 <= start < end <= 360 deg")
-        request = SequenceRequest(tuple(curves), start, end, {}, self._unit)
+        request = Request("", 0.0, start, end, sequence="-".join(curves), unit=self._unit)
         return replace(request, settings={k: v for k, v in given.items() if k in request.names})
 
     @property
@@ -239,7 +240,7 @@ class SequenceDialog(BlendPutDialog):
             return
         self.curves.set_refused(False)
         self._show_rows(request)
-        missing = request.freedom - len(request.settings)
+        missing = request.chain.freedom - len(request.given)
         goal = self.goal.currentData()
         if missing < 0:
             self._show_count(
@@ -249,14 +250,14 @@ class SequenceDialog(BlendPutDialog):
             self._show_count(request, f"{missing} more to set, or select what to optimise")
         else:
             self._show_count(request, "")
-            solve = partial(best_of_sequence, request, goal) if missing else partial(blend_sequence, request)
+            solve = partial(best, request, goal) if missing else partial(blend, request)
             self.solver.start([(request, solve)])
             self.panel.cover.show_text(SEARCHING)
         names = [name for name, row in self.rows.items() if row.is_used or missing > 0]
         names.sort(key=lambda name: not self.rows[name].is_used)
         for name, row in self.rows.items():
             row.show_ranges(None if name in names else ())
-        self._range_jobs = [(name, partial(sequence_ranges, request, name)) for name in names]
+        self._range_jobs = [(name, partial(feasible_ranges, request, name)) for name in names]
         self._later.start()
 
     def stop(self) -> None:
@@ -267,8 +268,8 @@ class SequenceDialog(BlendPutDialog):
     def _start_ranges(self) -> None:
         self.ranges.start(self._range_jobs)
 
-    def _show_count(self, request: SequenceRequest, text: str, wrong: bool = False) -> None:
-        self.count.setText(f"{request.sequence} requires {request.freedom} settings" + (f": {text}" if text else ""))
+    def _show_count(self, request: Request, text: str, wrong: bool = False) -> None:
+        self.count.setText(f"{request.chain} requires {request.chain.freedom} settings" + (f": {text}" if text else ""))
         self.show_message("")
         if text:
             self.panel.cover.show_text(text)
@@ -281,7 +282,7 @@ class SequenceDialog(BlendPutDialog):
         self.show_message(reason(error), wrong=True)
         self.panel.cover.show_text(LAST)
 
-    def _show_result(self, request: SequenceRequest, result: BlendResult | KindynaError) -> None:
+    def _show_result(self, request: Request, result: BlendResult | KindynaError) -> None:
         if not isinstance(result, BlendResult):
             self._show_error(result)
             return
@@ -309,13 +310,6 @@ class SequenceDialog(BlendPutDialog):
             "unit": self._unit,
         }
         return command_text("blend", command_words(BlendArguments, {**options, **session_options(self._session)}))
-
-
-def _curves_of(request: SequenceRequest, name: str) -> str:
-    """Return the curves that a setting belongs to."""
-    if name in request.strokes:
-        return " ".join(request.curves[i] for i in request.strokes[name])
-    return request.curves[int(name.lstrip("abcdefghijklmnopqrstuvwxyz")) - 1]
 
 
 def open_sequence(session: Session, parent: QWidget) -> SequenceDialog:

@@ -16,13 +16,9 @@ from core.__main__ import main
 from core.blend import (
     BlendError,
     Request,
-    SequenceRequest,
     best,
-    best_of_sequence,
     blend,
-    blend_sequence,
     feasible_ranges,
-    sequence_ranges,
 )
 from core.process import resources
 from core.project import load
@@ -37,6 +33,10 @@ def walk(chance: random.Random) -> tuple[str, ...]:
     for _ in range(chance.randint(1, 7)):
         curves.append(chance.choice(NEXT[curves[-1]].split()))
     return tuple(curves)
+
+
+def request(curves: tuple[str, ...], start: float, end: float, told: dict[str, float]) -> Request:
+    return Request("", 0.0, start, end, settings=told, sequence="-".join(curves))
 
 
 def speed(curve: str) -> float:
@@ -106,7 +106,7 @@ def drawn(seed: int) -> tuple[Motion, dict[str, float]]:
 def check(seed: int) -> None:
     made, told = drawn(seed)
     end = made.start + sum(made.spans)
-    answer = blend_sequence(SequenceRequest(made.curves, made.start, end, told))
+    answer = blend(request(made.curves, made.start, end, told))
     parts = answer.segments
     got = Motion(
         tuple(s.curve.law.upper() for s in parts),
@@ -150,10 +150,10 @@ STROKES = {"rise1": 20.0, "return1": 20.0}
 
 
 def test_a_sequence_of_a_type_gives_what_the_type_gives() -> None:
-    got = blend_sequence(SequenceRequest(PICKER, 30.0, 330.0, {**STROKES, "h1": 1.5, "h3": 4.0}))
+    got = blend(request(PICKER, 30.0, 330.0, {**STROKES, "h1": 1.5, "h3": 4.0}))
     other = blend(Request("DRRD", 20.0, 30.0, 330.0, "rise", {"h1": 1.5, "h3": 4.0}, sequence="-".join(PICKER)))
     assert got.solution.spans == pytest.approx(other.solution.spans, rel=1e-12)
-    gentlest = best_of_sequence(SequenceRequest(PICKER, 30.0, 330.0, {**STROKES, "span2": 60.0}), "acceleration")
+    gentlest = best(request(PICKER, 30.0, 330.0, {**STROKES, "span2": 60.0}), "acceleration")
     other = best(
         Request("DRRD", 20.0, 30.0, 330.0, "rise", {"length": 60.0}, sequence="-".join(PICKER)), "acceleration"
     )
@@ -163,7 +163,7 @@ def test_a_sequence_of_a_type_gives_what_the_type_gives() -> None:
 @pytest.mark.stress
 @pytest.mark.parametrize(("name", "of_the_type"), [("h3", "h3"), ("v1", "vcv")])
 def test_ranges_are_those_of_the_type(name: str, of_the_type: str) -> None:
-    (got,) = sequence_ranges(SequenceRequest(PICKER, 30.0, 330.0, {**STROKES, "h1": 1.5}), name)
+    (got,) = feasible_ranges(request(PICKER, 30.0, 330.0, {**STROKES, "h1": 1.5}), name)
     (known,) = feasible_ranges(
         Request("DRRD", 20.0, 30.0, 330.0, "rise", {"h1": 1.5}, sequence="-".join(PICKER)), of_the_type
     )
@@ -173,7 +173,7 @@ def test_ranges_are_those_of_the_type(name: str, of_the_type: str) -> None:
 def test_over_the_whole_turn_the_last_curve_joins_the_first() -> None:
     curves = ("H1", "H2", "H3", "H4", "H1", "H2", "H3", "H4")
     told = {"rise1": 20.0, "return1": 12.0, "rise2": 10.0, "return2": 18.0}
-    b = best_of_sequence(SequenceRequest(curves, 0.0, 360.0, told), "acceleration").solution
+    b = best(request(curves, 0.0, 360.0, told), "acceleration").solution
     a = [np.pi**2 / 4.0 * h / s**2 for h, s in zip(b.heights, b.spans, strict=True)]
     assert a[0] == pytest.approx(a[-1], rel=1e-12)
 
@@ -213,7 +213,7 @@ def test_an_infeasible_setting_says_its_range() -> None:
     told = {"rise1": 20.0, "return1": 9.0, "span1": 350.0}
     words = r"^span1 = 350 deg is not feasible with rise1 = 20 mm, return1 = 9 mm; feasible: 0 < span1 < 300 deg$"
     with pytest.raises(BlendError, match=words) as caught:
-        blend_sequence(SequenceRequest(("C5", "C6"), 30.0, 330.0, told))
+        blend(request(("C5", "C6"), 30.0, 330.0, told))
     assert caught.value.allowed == pytest.approx((0.0, 300.0), rel=1e-9)
 
 

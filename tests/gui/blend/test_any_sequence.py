@@ -6,7 +6,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 from window_user import Open, User, settle, wait_for
 
-from core.blend import SequenceRequest, best_of_sequence, blend_sequence
+from core.blend import Request, best, blend
 from core.design import require_motion
 from kindyna_gui.blend.sequence_dialog import SequenceDialog
 from kindyna_gui.blend.settings import LiveBox
@@ -68,9 +68,8 @@ def test_curves_that_are_typed_and_set_become_the_motion(user: User, dialog: Seq
     assert not dialog.put_button.isEnabled()
     give(dialog, rise1="10", return1="10", span1="50")
     assert dialog.count.text() == "C1-H2-P2 requires 3 settings"
-    wanted = blend_sequence(
-        SequenceRequest(("C1", "H2", "P2"), 30.0, 200.0, {"rise1": 10.0, "return1": 10.0, "span1": 50.0})
-    )
+    given = {"rise1": 10.0, "return1": 10.0, "span1": 50.0}
+    wanted = blend(Request("", 0.0, 30.0, 200.0, settings=given, sequence="C1-H2-P2"))
     assert dialog.blended is not None
     assert dialog.blended.segments == wanted.segments
     give(dialog, span2="60")
@@ -94,7 +93,7 @@ def test_what_is_left_open_is_made_least_and_curves_that_do_not_join_are_refused
     QTest.keyClick(dialog.goal, Qt.Key.Key_Down)
     dialog.goal.activated.emit(dialog.goal.currentIndex())
     wait_for(lambda: not dialog.is_solving)
-    request = SequenceRequest(("C1", "H2", "P2"), 0.0, 360.0, {"rise1": 10.0, "return1": 10.0})
+    request = Request("", 10.0, 0.0, 360.0, return_stroke=10.0, sequence="C1-H2-P2")
     assert dialog.blended is not None
-    assert dialog.blended.segments == best_of_sequence(request, "acceleration").segments
+    assert dialog.blended.segments == best(request, "acceleration").segments
     dialog.reject()
