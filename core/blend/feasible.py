@@ -28,8 +28,8 @@ from core.blend.request import (
     SettingRange,
     hardest_first,
     height_of,
+    infeasible,
     merged,
-    ranges_text,
 )
 from core.blend.sequence import SequenceProblem, sequence_ranges
 from core.blend.sequences import sequences
@@ -254,7 +254,8 @@ def refusal(request: Request, complete: Sequence[BlendCandidate], constraints: S
         allowed = flat_ranges(request, name)
         value = request.settings[name]
         if allowed and not any(r.low < value < r.high for r in allowed):
-            return _flat_out_of_range(request, name, allowed)
+            rest = ", ".join(f"{n} = {v:.9g}" for n, v in request.settings.items() if n != name)
+            return infeasible(f"{name} = {value:.9g} deg", name, allowed, "deg", rest)
     independent = [c for c in complete if not are_dependent(request, c, constraints)]
     redundant = None if independent else _redundant(request, complete, constraints)
     if redundant is not None:
@@ -283,7 +284,7 @@ def _redundant(
             others = [c for c in constraints if c is not constraint]
             causes = determining(request, candidate, constraint, others)
             ranges = ranges_of(request, [candidate], causes, constraint) if causes is not None else []
-            if causes is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
+            if causes is not None and ranges and all(r.is_single for r in ranges):
                 name, unit = request.requested_name(constraint.name), request.unit_of(constraint.name)
                 allowed = ranges[0].low, ranges[-1].high
                 cause = f" by {', '.join(_text(request, c) for c in causes)}" if causes else ""
@@ -303,18 +304,9 @@ def _instead(request: Request, candidate: BlendCandidate, constraints: Sequence[
     names = [request.requested_name(n) for n in independent]
     ranges = ranges_of(request, [candidate], constraints, request.constraint(independent[0], 1.0))
     if ranges:
-        text = ranges_text(ranges, names[0])
+        text = " or ".join(r.text(names[0]) for r in ranges)
         names[0] = f"{names[0]} ({text} {request.unit_of(independent[0])})"
     return f"instead set {', '.join(names[:-1])} or {names[-1]}" if len(names) > 1 else f"instead set {names[0]}"
-
-
-def _flat_out_of_range(request: Request, name: str, allowed: Sequence[SettingRange]) -> BlendError:
-    """Refusal of a span of constant acceleration, with its feasible range."""
-    others = ", ".join(f"{setting} = {value:.9g}" for setting, value in request.settings.items() if setting != name)
-    tail = f" with {others}" if others else ""
-    shown = ranges_text(allowed, name)
-    text = f"{name} = {request.settings[name]:.9g} deg is not feasible{tail}; feasible: {shown} deg"
-    return BlendError(text, name, (allowed[0].low, allowed[-1].high))
 
 
 def _without_half_cycloid(request: Request) -> BlendError:
@@ -335,21 +327,18 @@ def _out_of_range(
     request: Request, constraint: Constraint, ranges: Sequence[SettingRange], other_constraints: Sequence[Constraint]
 ) -> BlendError:
     """Refusal of a setting, with its feasible range."""
-    unit, name, allowed = (
-        request.unit_of(constraint.name),
-        request.requested_name(constraint.name),
-        (ranges[0].low, ranges[-1].high),
-    )
+    unit, name = request.unit_of(constraint.name), request.requested_name(constraint.name)
+    allowed = ranges[0].low, ranges[-1].high
     others = ", ".join(_text(request, c) for c in other_constraints)
     tail = f" with {others}" if others else ""
     text = f"{_text(request, constraint)} {unit}"
-    if _is_one(*allowed):
+    if SettingRange(*allowed).is_single:
         return BlendError(f"{text}: already determined{tail}: {allowed[0]:.9g} {unit}; set another one", name, allowed)
-    shown = ranges_text(ranges, name)
     if any(_is_well_within(r, _shown_value(request, constraint)) for r in ranges):
+        shown = " or ".join(r.text(name) for r in ranges)
         text = f"{text}: many motions have this value{tail}, so it does not determine one"
         return BlendError(f"{text}; set another one, or one within {shown} {unit}", name, allowed)
-    return BlendError(f"{text} is not feasible{tail}; feasible: {shown} {unit}", name, allowed)
+    return infeasible(text, name, ranges, unit, others)
 
 
 def wrong_number(request: Request) -> BlendError:
@@ -392,11 +381,6 @@ def _text(request: Request, constraint: Constraint) -> str:
     """Constraint as text: ``point at 120 deg = 5``."""
     at = f" at {constraint.at + request.start:.9g} deg" if constraint.name == POINT else ""
     return f"{request.requested_name(constraint.name)}{at} = {_shown_value(request, constraint):.9g}"
-
-
-def _is_one(low: float, high: float) -> bool:
-    """Whether a range is one value."""
-    return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
 def _is_well_within(result: SettingRange, value: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import cached_property
@@ -77,20 +77,15 @@ LEAST_SPAN = 1e-3
 """Least span [deg] from start to end."""
 LEAST_STROKE = 1e-9
 NONLINEAR = ("acceleration", *SIZES, POINT)
-SAME_RANGE = 1e-9  # relative gap between two ranges below which they are merged
+SAME = 1e-9  # relative width of a range that is one value, and relative gap below which ranges are merged
 NEGLIGIBLE = 1e-12  # lower end relative to the upper end, below which it is 0
 TIED = 1e-12  # relative difference of equal values
 ROUNDING = 1e-13  # relative difference from nine digits that is rounding
-_RETURN_NAMES = {
-    "h1": "h4",
-    "h2": "h5",
-    "h3": "h6",
-    "vcv": "vcv2",
-    "flat1": "flat4",
-    "flat3": "flat6",
-    "a1": "a4",
-    "a3": "a6",
-}
+RETURN_NAMES: Mapping[str, str] = MappingProxyType(
+    {"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv", "flat4": "flat1", "flat6": "flat3", "a4": "a1", "a6": "a3"}
+)
+"""Settings of a return -> their names where the motion has no rise: Yang counts its curves from 1."""
+_STANDARD_NAMES = {counted: name for name, counted in RETURN_NAMES.items()}
 
 
 class Constraint(NamedTuple):
@@ -175,31 +170,38 @@ class SettingRange:
         """Range with both ends larger by an offset."""
         return SettingRange(self.low + offset, self.high + offset, self.low_open, self.high_open)
 
-    def text(self, name: str) -> str:
-        """Range as text, ``0.1 < vcv <= 0.2``; closed ends are rounded inwards, so that they can be entered."""
-        low = _nine_digits(self.low, ROUND_HALF_EVEN if self.low_open else ROUND_CEILING)
+    @property
+    def is_single(self) -> bool:
+        """Whether the range is one value."""
+        return isfinite(self.high) and self.high - self.low <= SAME * max(abs(self.low), abs(self.high))
+
+    def text(
+        self, name: str, digits: int = 9, same: float = ROUNDING, show: Callable[[float], str] = "{:.9g}".format
+    ) -> str:
+        """Range as text, ``0.1 < vcv <= 0.2``; closed ends are rounded inwards, so that they can be entered.
+
+        An end that is a round number but for a relative difference ``same`` is rounded to it.
+        """
+        low = show(rounded(self.low, digits, ROUND_HALF_EVEN if self.low_open else ROUND_CEILING, same))
         if self.high == inf:
-            return f"{name} {'>' if self.low_open else '>='} {low:.9g}"
-        high = _nine_digits(self.high, ROUND_HALF_EVEN if self.high_open else ROUND_FLOOR)
-        return f"{low:.9g} {'<' if self.low_open else '<='} {name} {'<' if self.high_open else '<='} {high:.9g}"
+            return f"{name} {'>' if self.low_open else '>='} {low}"
+        high = show(rounded(self.high, digits, ROUND_HALF_EVEN if self.high_open else ROUND_FLOOR, same))
+        return f"{low} {'<' if self.low_open else '<='} {name} {'<' if self.high_open else '<='} {high}"
 
 
-def _nine_digits(value: float, rounding: str) -> float:
-    """Value rounded as given to nine digits, but to the nearest where the difference is rounding."""
-    nearest, directed = (float(Context(prec=9, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding))
-    return nearest if abs(nearest - value) <= ROUNDING * abs(value) else directed
-
-
-def ranges_text(ranges: Iterable[SettingRange], name: str) -> str:
-    """Ranges as text, ``0 < h1 < 2 or 5 <= h1 < 6``."""
-    return " or ".join(r.text(name) for r in ranges)
+def rounded(value: float, digits: int, rounding: str = ROUND_HALF_EVEN, same: float = 0.0) -> float:
+    """Value rounded as given to some digits, but to the nearest where its relative difference is at most ``same``."""
+    nearest, directed = (
+        float(Context(prec=digits, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding)
+    )
+    return nearest if abs(nearest - value) <= same * abs(value) else directed
 
 
 def merged(ranges: Iterable[SettingRange]) -> list[SettingRange]:
     """Ranges in ascending order, with overlapping and adjacent ones merged."""
     result: list[SettingRange] = []
     for r in sorted(ranges, key=lambda r: (r.low, r.low_open)):
-        if result and r.low <= result[-1].high + SAME_RANGE * abs(result[-1].high):
+        if result and r.low <= result[-1].high + SAME * abs(result[-1].high):
             last = result.pop()
             high = max(last.high, r.high)
             low_open = last.low_open and (r.low_open or not tied(r.low, last.low))
@@ -229,6 +231,14 @@ class BlendError(KindynaError):
     def __init__(self, message: str, setting: str = "", allowed: tuple[float, float] | None = None) -> None:
         self.setting, self.allowed = setting, allowed
         super().__init__(message)
+
+
+def infeasible(text: str, name: str, ranges: Sequence[SettingRange], unit: str, other_settings: str) -> BlendError:
+    """Refusal of a setting, with its feasible ranges under other settings."""
+    tail = f" with {other_settings}" if other_settings else ""
+    shown = " or ".join(r.text(name) for r in ranges) or "none"
+    allowed = (ranges[0].low, ranges[-1].high) if ranges else None
+    return BlendError(f"{text} is not feasible{tail}; feasible: {shown} {unit}", name, allowed)
 
 
 @frozen
@@ -302,18 +312,17 @@ class Request:
 
     def standard_name(self, name: str) -> str:
         """Name of a setting in ``names``; a return alone may count its curves from 1 and call its speed vcv."""
-        return _RETURN_NAMES.get(name, name) if self.type and MOTION_TYPES[self.type].rise is None else name
+        return _STANDARD_NAMES.get(name, name) if self.type and MOTION_TYPES[self.type].rise is None else name
 
     def flat_name(self, height: str) -> str:
         """Setting for the span of constant acceleration in the curve of a height; a return alone counts from 1."""
         name = f"flat{height[-1]}"
-        names = {standard: requested for requested, standard in _RETURN_NAMES.items()}
-        return names.get(name, name) if MOTION_TYPES[self.type].rise is None else name
+        return RETURN_NAMES.get(name, name) if MOTION_TYPES[self.type].rise is None else name
 
     def requested_name(self, name: str) -> str:
         """Name of a setting as the request writes it: a return alone may count its curves from 1."""
         counts_from_one = any(self.standard_name(requested) != requested for requested in self.settings)
-        names = (*self.settings, *(_RETURN_NAMES if counts_from_one else ()))
+        names = (*self.settings, *(_STANDARD_NAMES if counts_from_one else ()))
         return next((requested for requested in names if self.standard_name(requested) == name), name)
 
     def constraint(self, name: str, value: float, at: float = 0.0) -> Constraint:

@@ -18,7 +18,7 @@ import numpy as np
 
 from core.blend.equations import BlendSolution
 from core.blend.evaluator import GOALS, peak_coefficient
-from core.blend.request import BlendError, BlendResult, Request, SettingRange, kind_of, ranges_text
+from core.blend.request import BlendError, BlendResult, Request, SettingRange, infeasible, kind_of
 from core.blend.sequences import CONSTANT, ELEMENTS, CurveChain, CurveSequence
 from core.design import NamedCurve, Segment
 from core.frozen import frozen
@@ -481,17 +481,10 @@ def _refusal(problem: SequenceProblem) -> BlendError:
     request, names = problem.request, list(problem.settings)
     for name in reversed(names):
         if ranges := sequence_ranges(request, name):
-            return _out_of_range(problem, name, ranges, [setting for setting in names if setting != name])
+            others = _texts(problem, [setting for setting in names if setting != name])
+            return infeasible(_texts(problem, [name]), name, ranges, request.unit_of(name), others)
     for i, name in enumerate(names):
         if not problem.restricted(names[: i + 1]).motions.size:
-            return _out_of_range(problem, name, _ranges(problem.restricted(names[:i]), name), names[:i])
+            ranges, others = _ranges(problem.restricted(names[:i]), name), _texts(problem, names[:i])
+            return infeasible(_texts(problem, [name]), name, ranges, request.unit_of(name), others)
     return BlendError(f"{_texts(problem, names)}: no such motion; change one of these settings")
-
-
-def _out_of_range(
-    problem: SequenceProblem, name: str, ranges: Sequence[SettingRange], other_settings: Sequence[str]
-) -> BlendError:
-    tail = f" with {_texts(problem, other_settings)}" if other_settings else ""
-    allowed = (ranges[0].low, ranges[-1].high) if ranges else None
-    feasible = f"feasible: {ranges_text(ranges, name) or 'none'} {problem.request.unit_of(name)}"
-    return BlendError(f"{_texts(problem, [name])} is not feasible{tail}; {feasible}", name, allowed)

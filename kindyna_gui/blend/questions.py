@@ -30,6 +30,7 @@ from core.blend import (
     TABLE,
     BlendError,
     CurveSequence,
+    Request,
     has_room,
     state_text,
     state_words,
@@ -39,7 +40,7 @@ from core.design import UNITS, Info
 from core.design.fields import LONGEST_MM
 from core.output.texts import succession_verdict
 from kindyna_gui.blend.kind import CURVE_SIZE, KindChoice, curve_icon
-from kindyna_gui.blend.request import AUTOMATIC, WizardRequest, count_text, has_both, open_candidates, plan, reason
+from kindyna_gui.blend.request import AUTOMATIC, count_text, default_request, has_both, open_candidates, plan, reason
 from kindyna_gui.blend.settings import LiveBox, SettingsArea, quiet
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -71,7 +72,8 @@ class Questions(QWidget):
     def __init__(self, unit: str) -> None:
         super().__init__()
         self.unit = unit
-        self._angles = WizardRequest.start, WizardRequest.end
+        default = default_request(unit)
+        self._angles = default.start, default.end
         self._sequences: list[tuple[str, bool | None]] = [(AUTOMATIC, None)]
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -158,7 +160,7 @@ class Questions(QWidget):
 
     # -- request -----------------------------------------------------------------------------------------
 
-    def request(self) -> WizardRequest:
+    def request(self) -> Request:
         """Return the request as typed; fields without a number are left out, so call ``find_faults`` first.
 
         While start and end leave no room for curves, the last valid ones are used: they decide which sequences are possible.
@@ -168,23 +170,27 @@ class Questions(QWidget):
             self._angles = start, end
         sequence, mirrored = self.chosen_sequence
         unequal = self.unequal.isChecked() and has_both(self.kind.type)
-        return WizardRequest(
+        return Request(
             type=self.kind.type,
             constant=self.kind.constant,
             stroke=self.stroke.number or 0.0,
             return_stroke=(self.back.number or 0.0) if unequal else 0.0,
             start=self._angles[0],
             end=self._angles[1],
-            given=self.settings.given,
+            settings=dict(self.settings.given),
             points=self.settings.precision_points,
             sequence=sequence,
             mirrored=mirrored,
-            goal=self.goal.currentData(),
             unit=self.unit,
         )
 
-    def set_request(self, request: WizardRequest) -> None:
-        """Fill the form with a request, without emitting ``changed``."""
+    @property
+    def chosen_goal(self) -> str:
+        """Quantity to minimise if settings are left open; empty for none."""
+        return str(self.goal.currentData())
+
+    def set_request(self, request: Request, goal: str = "") -> None:
+        """Fill the form with a request and a goal, without emitting ``changed``."""
         self.kind.set_choice(request.type, request.constant)
         for box, value in (
             (self.stroke, request.stroke),
@@ -200,7 +206,7 @@ class Questions(QWidget):
         self._show_type()
         self._fill_sequences(request)
         self.choose_sequence(request.sequence, request.mirrored)
-        self.goal.setCurrentIndex(self.goal.findData(request.goal))
+        self.goal.setCurrentIndex(self.goal.findData(goal))
         self.show_request()
 
     # -- sequences ---------------------------------------------------------------------------------------
@@ -210,12 +216,12 @@ class Questions(QWidget):
         self._fill_sequences(self.request())
         self.settings.show_request(self.request())
         request = self.request()
-        self.count.setText(count_text(request))
+        self.count.setText(count_text(request, self.chosen_goal))
         coloured(self.count, SCREEN.limit if plan(request).missing < 0 else SCREEN.quiet)
         if request.stroke > 0.0:
             self.stroke.set_step(min(nice_below(request.stroke / 20.0), 1.0))
 
-    def _fill_sequences(self, request: WizardRequest) -> None:
+    def _fill_sequences(self, request: Request) -> None:
         """List the sequences of the motion; the selected one stays selected if it is still possible."""
         rows = open_candidates(request)
         symmetric = {str(row.sequence) for row in rows if row.family.mirrored}

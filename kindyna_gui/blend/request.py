@@ -1,10 +1,10 @@
-"""Request of the blend wizard, the settings it offers, and the texts that the wizard shows."""
+"""Requests of the blend wizard, the settings it offers, and the texts that the wizard shows."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
+from itertools import islice
 from math import fsum, isfinite
 from types import MappingProxyType
 from typing import Any
@@ -20,6 +20,7 @@ from core.blend import (
     candidates,
     flat_heights,
 )
+from core.blend.request import RETURN_NAMES, rounded
 from core.design import UNITS, Motion, NamedCurve, Segment, join_angles
 from core.design.edits import is_dwell
 from core.frozen import frozen
@@ -127,65 +128,17 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
         )
     }
 )
-RETURN_NAMES = MappingProxyType(
-    {"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv", "flat4": "flat1", "flat6": "flat3", "a4": "a1", "a6": "a3"}
-)
-"""Settings of a return are renamed if the motion has no rise: Yang counts its curves from 1."""
-
 # -- request ---------------------------------------------------------------------------------------------
 
 
-@frozen
-class WizardRequest:
-    """Contents of the form.
+def default_request(unit: str) -> Request:
+    """Request of the form for a motion that has no rise."""
+    return Request("DRRD", 20.0, 30.0, 330.0, unit=unit)
 
-    Attributes
-    ----------
-    given : settings and their values, in the order of ticking
-    points : cam angle [deg] and level above the lowest [mm or deg] of each precision point
-    sequence, mirrored : one of the candidates; empty and None for the one that requires as many settings as are given
-    goal : quantity to minimise if settings are left open; empty for none
-    """
 
-    type: str = "DRRD"
-    constant: str = "none"
-    stroke: float = 20.0
-    return_stroke: float = 0.0
-    start: float = 30.0
-    end: float = 330.0
-    given: tuple[tuple[str, float], ...] = ()
-    points: tuple[tuple[float, float], ...] = ()
-    sequence: str = AUTOMATIC
-    mirrored: bool | None = None
-    goal: str = ""
-    unit: str = "mm"
-
-    @property
-    def solver_request(self) -> Request:
-        """The same request for ``core.blend``."""
-        return Request(
-            type=self.type,
-            stroke=self.stroke,
-            start=self.start,
-            end=self.end,
-            constant=self.constant,
-            settings=dict(self.given),
-            return_stroke=self.return_stroke if has_both(self.type) else 0.0,
-            points=self.points,
-            sequence=self.sequence,
-            mirrored=self.mirrored,
-            unit=self.unit,
-        )
-
-    @property
-    def count(self) -> int:
-        """Number of settings and points that use a degree of freedom; the span of a constant acceleration uses none."""
-        return len([name for name, _ in self.given if name not in FLATS]) + len(self.points)
-
-    @property
-    def flats(self) -> tuple[tuple[str, float], ...]:
-        """Spans of constant acceleration among the settings."""
-        return tuple((name, value) for name, value in self.given if name in FLATS)
+def count_given(request: Request) -> int:
+    """Number of settings and points that use a degree of freedom; the span of a constant acceleration uses none."""
+    return len([name for name in request.settings if name not in FLATS]) + len(request.points)
 
 
 def constants(motion_type: str) -> tuple[str, ...]:
@@ -216,22 +169,27 @@ def flat_names(candidate: BlendCandidate) -> frozenset[str]:
     return frozenset(name if candidate.sequence.rise else RETURN_NAMES.get(name, name) for name in names)
 
 
-def open_candidates(request: WizardRequest) -> list[BlendCandidate]:
+def open_candidates(request: Request) -> list[BlendCandidate]:
     """All sequences of the motion, whatever settings are given."""
-    free = replace(request, given=request.flats, points=(), sequence=AUTOMATIC, mirrored=None)
-    return candidates(free.solver_request)
+    return candidates(replace(request, settings=_flats(request), points=(), sequence=AUTOMATIC, mirrored=None))
 
 
-def shown_names(request: WizardRequest) -> list[str]:
+def _flats(request: Request) -> dict[str, float]:
+    """Spans of constant acceleration among the settings."""
+    return {name: value for name, value in request.settings.items() if name in FLATS}
+
+
+def shown_names(request: Request) -> list[str]:
     """Settings that can be ticked, in the order of the table: of the selected sequence, or of any.
 
     A constant acceleration excludes precision points.
     """
-    free, flat = (candidates(replace(request, given=given, points=()).solver_request) for given in ((), request.flats))
+    flats = _flats(request)
+    free, flat = (candidates(replace(request, settings=settings, points=())) for settings in ({}, flats))
     names = frozenset().union(
-        *(setting_names(row) | flat_names(row) for row in free), *(setting_names(row) for row in flat if request.flats)
+        *(setting_names(row) | flat_names(row) for row in free), *(setting_names(row) for row in flat if flats)
     )
-    if request.flats:
+    if flats:
         names -= {POINT}
     return [name for name in (*SETTINGS, POINT) if name in names]
 
@@ -251,36 +209,36 @@ class SequencePlan:
     missing: int
 
 
-def plan(request: WizardRequest) -> SequencePlan:
-    """Find the sequence for the settings, and how many settings are missing; with a goal none is missing."""
-    names = {name for name, _ in request.given if name not in FLATS} | ({POINT} if request.points else set())
-    rows = [row for row in candidates(request.solver_request) if names <= setting_names(row) or not names]
-    suitable = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
+def plan(request: Request, goal: str = "") -> SequencePlan:
+    """Find the sequence for the settings, and how many settings are missing; with a goal to minimise none is missing."""
+    names = {name for name in request.settings if name not in FLATS} | ({POINT} if request.points else set())
+    rows = [row for row in candidates(request) if names <= setting_names(row) or not names]
+    count = count_given(request)
+    suitable = sorted((row for row in rows if row.freedom >= count), key=lambda row: row.freedom)
     if suitable:
-        return SequencePlan(suitable[0], 0 if request.goal else suitable[0].freedom - request.count)
-    most = max((row.freedom for row in rows), default=0)
-    return SequencePlan(None, most - request.count)
+        return SequencePlan(suitable[0], 0 if goal else suitable[0].freedom - count)
+    return SequencePlan(None, max((row.freedom for row in rows), default=0) - count)
 
 
-def range_request(request: WizardRequest) -> Request:
+def range_request(request: Request, goal: str = "") -> Request:
     """Request whose feasible ranges are shown; while settings are missing, for the planned sequence."""
-    planned = plan(request)
+    planned = plan(request, goal)
     target = planned.target
     if target is None or not planned.missing or request.sequence:
-        return request.solver_request
-    return replace(request.solver_request, sequence=str(target.sequence), mirrored=target.family.mirrored or None)
+        return request
+    return replace(request, sequence=str(target.sequence), mirrored=target.family.mirrored or None)
 
 
-def count_text(request: WizardRequest) -> str:
+def count_text(request: Request, goal: str = "") -> str:
     """Sentence that says how many settings are given and required."""
-    planned, count = plan(request), request.count
+    planned, count = plan(request, goal), count_given(request)
     missing, sequence = planned.missing, str(planned.target.sequence) if planned.target is not None else ""
     if missing < 0:
         most = count + missing
         problem = f"{count} settings given, {most} possible" if most else "No sequence accepts these settings"
         return f"{problem}: untick {_number(-missing)}"
-    if request.goal:
-        return f"{_settings(count)} given; the rest is optimised for the least {request.goal}"
+    if goal:
+        return f"{_settings(count)} given; the rest is optimised for the least {goal}"
     if not missing:
         return f"{sequence} requires {_settings(count)}{': given' if count else '; tick any for other curves'}"
     more = f"tick {_number(missing)}{' more' if count else ''}"
@@ -295,28 +253,27 @@ def _number(count: int) -> str:
     return {1: "one", 2: "two", 3: "three", 4: "four"}.get(count, str(count))
 
 
-def command_options(request: WizardRequest) -> dict[str, Any]:
+def command_options(request: Request, goal: str) -> dict[str, Any]:
     """Return the request as fields of the command ``blend``."""
-    solver_request = request.solver_request
     return {
-        "type": solver_request.type,
-        "stroke": solver_request.stroke,
-        "return_stroke": solver_request.return_stroke,
-        "start": solver_request.start,
-        "end": solver_request.end,
-        "constant_velocity": solver_request.constant,
-        "set": [f"{name}={value!r}" for name, value in solver_request.settings.items()],
-        "point": [f"{angle!r}={level!r}" for angle, level in solver_request.points],
-        "sequence": solver_request.sequence,
-        "best": request.goal or None,
-        "unit": solver_request.unit,
+        "type": request.type or None,
+        "stroke": request.stroke or None,
+        "return_stroke": request.return_stroke,
+        "start": request.start,
+        "end": request.end,
+        "constant_velocity": request.constant,
+        "set": [f"{name}={value!r}" for name, value in request.settings.items()],
+        "point": [f"{angle!r}={level!r}" for angle, level in request.points],
+        "sequence": request.sequence,
+        "best": goal or None,
+        "unit": request.unit,
     }
 
 
 # -- request of a motion ---------------------------------------------------------------------------------
 
 
-def first_request(motion: Motion, chosen: int) -> WizardRequest:
+def first_request(motion: Motion, chosen: int) -> Request:
     """Request that gives the motion around a segment, or around the next one that is no dwell.
 
     It has the stroke and angles of that motion, and of a blend also the sequence and heights. A motion without any rise
@@ -326,7 +283,7 @@ def first_request(motion: Motion, chosen: int) -> WizardRequest:
     count = len(moving)
     at = next((i for k in range(count) if moving[i := (chosen + k) % count]), None)
     if at is None:
-        return WizardRequest(unit=motion.unit)
+        return default_request(motion.unit)
     run = _run_around(at, moving)
     stroke = _run_around(
         at,
@@ -347,7 +304,7 @@ def _run_around(at: int, selected: Sequence[bool]) -> list[int]:
     return list(range(first, last + 1))
 
 
-def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool]:
+def _request_of(motion: Motion, run: Sequence[int]) -> tuple[Request, bool]:
     """Return the request for a run of segments, and whether the run is a blend."""
     segments = [motion.segments[i] for i in run]
     begins = (*join_angles(motion), 360.0)
@@ -356,7 +313,7 @@ def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool
     kind = kinds.get(tuple(_directions(segments)), "RRR" if is_full_turn else "DRRD")
     rise, back = (abs(fsum(s.rise for s in segments if s.rise * direction > 0.0)) for direction in (1, -1))
     equal = abs(rise - back) <= 1e-9 or not (rise and back)
-    request = WizardRequest(
+    request = Request(
         type=kind,
         constant=_constant(segments),
         stroke=round(rise or back, 9),
@@ -386,24 +343,24 @@ def _constant(segments: Sequence[Segment]) -> str:
     )
 
 
-def _as_blend(request: WizardRequest, segments: Sequence[Segment]) -> WizardRequest | None:
+def _as_blend(request: Request, segments: Sequence[Segment]) -> Request | None:
     """Return the request with sequence and heights; None where the segments are not the curves of a sequence."""
     name = "-".join(s.curve.law.upper() for s in segments)
-    rows = [row for row in candidates(replace(request, sequence=name).solver_request) if not row.family.mirrored]
+    rows = [row for row in candidates(replace(request, sequence=name)) if not row.family.mirrored]
     if not rows:
         return None
     candidate = rows[0]
     heights = [abs(s.rise) for s in segments]
     rise, back = heights[: len(candidate.sequence.rise)], heights[len(candidate.sequence.rise) :]
-    given: list[tuple[str, float]] = []
+    given: dict[str, float] = {}
     for part, first, last in ((rise, "h1", "h3"), (back, "h4", "h6")):
         if len(part) > 1:
-            given.append((first, part[0]))
+            given[first] = part[0]
         if len(part) > 2:
-            given.append((last, part[-1]))
+            given[last] = part[-1]
     renamed = RETURN_NAMES if not rise else {}
-    heights_given = tuple((renamed.get(n, n), h) for n, h in given[: candidate.freedom])
-    plain = replace(request, given=(*heights_given, *_constant_accelerations(candidate, segments)))
+    settings = {renamed.get(n, n): h for n, h in islice(given.items(), candidate.freedom)}
+    plain = replace(request, settings=settings | dict(_constant_accelerations(candidate, segments)))
     target = plan(plain).target
     if target is not None and (target.sequence, target.family.mirrored) == (candidate.sequence, False):
         return plain
@@ -425,25 +382,13 @@ def _constant_accelerations(candidate: BlendCandidate, segments: Sequence[Segmen
 # -- texts of ranges -------------------------------------------------------------------------------------
 
 
-def rounded_end(value: float, inwards: bool, down: bool = False) -> float:
-    """Round the end of a range to a few digits.
-
-    Inwards for an end that is part of the range, so that it can be typed, unless it is a round number up to rounding errors.
-    """
-    nearest = float(Context(prec=DIGITS, rounding=ROUND_HALF_EVEN).create_decimal(value))
-    if not inwards or abs(nearest - value) <= SAME * abs(value):
-        return nearest
-    return float(Context(prec=DIGITS, rounding=ROUND_FLOOR if down else ROUND_CEILING).create_decimal(value))
-
-
 def _text(value: float) -> str:
     return shortest(value).replace("-", MINUS)
 
 
 def is_single_value(ranges: Sequence[SettingRange]) -> bool:
     """Whether the ranges contain a single value."""
-    low, high = (ranges[0].low, ranges[-1].high) if ranges else (0.0, 1.0)
-    return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
+    return bool(ranges) and SettingRange(ranges[0].low, ranges[-1].high).is_single
 
 
 def range_text(ranges: Sequence[SettingRange], name: str, size: float = 1.0) -> str:
@@ -452,17 +397,14 @@ def range_text(ranges: Sequence[SettingRange], name: str, size: float = 1.0) -> 
         return "no feasible value"
     ranges = [replace(interval, low=interval.low / size, high=interval.high / size) for interval in ranges]
     if is_single_value(ranges):
-        return f"= {_text(rounded_end(ranges[0].low, False))}, determined by the other settings"
-    return " or ".join(_interval_text(interval, name) for interval in ranges)
+        return f"= {_text(rounded(ranges[0].low, DIGITS))}, determined by the other settings"
+    return with_signs(" or ".join(_positive(interval).text(name, DIGITS, SAME, _text) for interval in ranges))
 
 
-def _interval_text(interval: SettingRange, name: str) -> str:
-    least = 0.0 if isfinite(interval.high) and abs(interval.low) <= SAME * abs(interval.high) else interval.low
-    low = rounded_end(least, not interval.low_open)
-    less, most = "<" if interval.low_open else "≤", "<" if interval.high_open else "≤"
-    if not isfinite(interval.high):
-        return f"{name} {'>' if interval.low_open else '≥'} {_text(low)}"
-    return f"{_text(low)} {less} {name} {most} {_text(rounded_end(interval.high, not interval.high_open, down=True))}"
+def _positive(interval: SettingRange) -> SettingRange:
+    """Range whose lower end is 0 where it is 0 to rounding."""
+    is_zero = isfinite(interval.high) and abs(interval.low) <= SAME * abs(interval.high)
+    return replace(interval, low=0.0) if is_zero else interval
 
 
 def initial_value(ranges: Sequence[SettingRange], share: float) -> float | None:
@@ -470,14 +412,14 @@ def initial_value(ranges: Sequence[SettingRange], share: float) -> float | None:
     if not ranges:
         return None
     if is_single_value(ranges):
-        return rounded_end(ranges[0].low, False)
+        return rounded(ranges[0].low, DIGITS)
     widest = max(ranges, key=lambda r: r.high - r.low)
     low, high = widest.low, widest.high
     if not isfinite(high):
-        return rounded_end(low * 3.0 if low > 0.0 else 1.0, False)
+        return rounded(low * 3.0 if low > 0.0 else 1.0, DIGITS)
     target = low + share * (high - low)
     for digits in (1, 2, 3, 6):
-        value = float(Context(prec=digits, rounding=ROUND_HALF_EVEN).create_decimal(target))
+        value = rounded(target, digits)
         if low < value < high:
             return value
     return target
@@ -485,7 +427,12 @@ def initial_value(ranges: Sequence[SettingRange], share: float) -> float | None:
 
 def reason(error: Exception) -> str:
     """Text of an error with ≤ and ≥; its first letter stays small, for h1 is a height and H1 a curve."""
-    return str(error).replace(">=", "≥").replace("<=", "≤")
+    return with_signs(str(error))
+
+
+def with_signs(text: str) -> str:
+    """Text with ≤ and ≥."""
+    return text.replace(">=", "≥").replace("<=", "≤")
 
 
 # -- texts of a blended motion ---------------------------------------------------------------------------

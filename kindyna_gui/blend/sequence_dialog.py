@@ -71,6 +71,7 @@ class SequenceDialog(BlendPutDialog):
         self._range_jobs: list[Job] = []
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._later = QTimer(self, singleShot=True, interval=RANGES_MS)
+        self.timers = self._soon, self._later
         self._lay_out()
         add_copy_of_line(self.buttons, self._as_command)
         for signal in (self.curves.textEdited, self.start.changed, self.end.changed, self.goal.activated):
@@ -259,11 +260,6 @@ class SequenceDialog(BlendPutDialog):
             row.show_ranges(None if name in names else ())
         self._range_jobs = [(name, partial(feasible_ranges, request, name)) for name in names]
         self._later.start()
-
-    def stop(self) -> None:
-        """Cancel all running calculations."""
-        for calculation in (self._soon, self._later, self.solver, self.ranges):
-            calculation.stop()
 
     def _start_ranges(self) -> None:
         self.ranges.start(self._range_jobs)

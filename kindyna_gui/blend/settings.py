@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.blend import FLATS, LENGTHS, MAY_VANISH, SIZES, BlendError, SettingRange
+from core.blend import FLATS, LENGTHS, MAY_VANISH, SIZES, BlendError, Request, SettingRange
 from core.design import UNITS, Info, Unit
 from core.design.fields import LARGEST
 from kindyna_gui.blend.request import (
@@ -26,7 +26,6 @@ from kindyna_gui.blend.request import (
     POINT,
     SETTINGS,
     Setting,
-    WizardRequest,
     initial_value,
     plan,
     range_text,
@@ -343,19 +342,19 @@ class SettingsArea(QScrollArea):
         values = [(row.at.number, row.level.number) for row in self.points]
         return tuple((at, level) for at, level in values if at is not None and level is not None)
 
-    def set_request(self, request: WizardRequest) -> None:
+    def set_request(self, request: Request) -> None:
         """Show the settings of a request, without emitting ``changed``."""
         for row in self.rows.values():
             row.untick()
         for point in list(self.points):
             self._remove_point(point, quietly=True)
-        self._order = [name for name, _ in request.given]
-        for name, value in request.given:
+        self._order = list(request.settings)
+        for name, value in request.settings.items():
             self.rows[name].give(value)
         for at, value in request.points:
             self.put_point(at, value, quietly=True)
 
-    def show_request(self, request: WizardRequest) -> None:
+    def show_request(self, request: Request) -> None:
         """Show the rows that apply to a request, and untick the others."""
         names, target = shown_names(request), plan(request).target
         rise, back = (target.sequence.rise, target.sequence.back) if target is not None else ((), ())
@@ -371,7 +370,7 @@ class SettingsArea(QScrollArea):
         if all(1.0 / LARGEST <= size <= LARGEST for size in (request.stroke, request.end - request.start)):
             self._set_steps(request)
 
-    def _set_steps(self, request: WizardRequest) -> None:
+    def _set_steps(self, request: Request) -> None:
         """Set round steps of the arrows, about a hundredth of a typical value, and the initial values without a range."""
         self._frame = request.start, request.end, request.stroke
         stroke, span = request.stroke, request.end - request.start

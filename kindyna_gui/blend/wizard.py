@@ -10,7 +10,7 @@ from PySide6.QtCore import QEvent, QObject, QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QRadioButton, QTabWidget, QVBoxLayout, QWidget
 
-from core.blend import BlendError, BlendResult, best, blend, feasible_ranges
+from core.blend import BlendError, BlendResult, Request, best, blend, feasible_ranges
 from core.blend.best import with_blend_as_motion, with_blend_between
 from core.design import UNITS, Design, faults, require_motion
 from core.errors import DesignError, KindynaError
@@ -24,7 +24,6 @@ from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.questions import Questions, SuccessionPage
 from kindyna_gui.blend.request import (
     HEADINGS,
-    WizardRequest,
     command_options,
     effect,
     figures,
@@ -192,13 +191,13 @@ class BlendPanel(QFrame):
 class BlendPutDialog(PutDialog):
     """Dialog that shows a blended motion in the design and puts it there as one step.
 
-    The motion follows every keystroke; while there is none, the last one stays visible under a cover. Subclasses implement
-    ``stop``.
+    The motion follows every keystroke; while there is none, the last one stays visible under a cover.
 
     Attributes
     ----------
     blended : motion that follows from the form; None while there is none
     design : the design with that motion; None if the motion cannot be put into it
+    timers : those after which a calculation starts
     """
 
     def __init__(self, session: Session, title: str, parent: QWidget | None) -> None:
@@ -207,6 +206,7 @@ class BlendPutDialog(PutDialog):
         self.design: Design | None = None
         self.panel, self.ranking = BlendPanel(require_motion(session.design).unit), RankingPanel()
         self.solver, self.ranges = Background(self), Background(self)
+        self.timers: tuple[QTimer, ...] = ()
 
     def show_in_design(self, blended: BlendResult, replace_motion: Callable[[BlendResult], Design]) -> bool:
         """Show the design with a blend, without changing the current design; False where the blend cannot be put into it."""
@@ -224,9 +224,19 @@ class BlendPutDialog(PutDialog):
         self.design = None if fault else design
         return True
 
+    def command_line(self, request: Request, goal: str) -> str:
+        """Command ``blend`` for a request."""
+        from core.commands.motions import BlendArguments
+
+        options = command_options(request, goal) | session_options(self._session)
+        return command_text("blend", command_words(BlendArguments, options))
+
     def stop(self) -> None:
         """Cancel all running calculations."""
-        raise NotImplementedError
+        for timer in self.timers:
+            timer.stop()
+        for calculation in (self.solver, self.ranges):
+            calculation.stop()
 
     def accept(self) -> None:
         """Put the motion into the design, if there is one."""
@@ -253,6 +263,7 @@ class BlendDialog(BlendPutDialog):
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
+        self.timers = self._soon, self._pause, self._slow
         self._waiting: list[RangedRow] = []  # rows without their range
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
@@ -323,7 +334,8 @@ class BlendDialog(BlendPutDialog):
         self.blended = self.design = None
         self.ranking.stop()
         self.put_button.setEnabled(False)
-        planned = plan(request)
+        goal = questions.chosen_goal
+        planned = plan(request, goal)
         missing = planned.missing
         if planned.target is not None:
             self.succession.show_sequence(request.type, planned.target.sequence)
@@ -332,14 +344,14 @@ class BlendDialog(BlendPutDialog):
             return
         self._waiting = questions.settings.shown_rows()
         self._slow.start()
-        if request.goal and not missing:
+        if goal and not missing:
             self._pause.start()  # the ranges follow the optimum
             return
         self._start_ranges(request)
         if missing:
             self._cover(f"{missing} more to set" if missing > 0 else f"{-missing} too many set")
         else:
-            self.solver.start([(request, partial(blend, request.solver_request))])
+            self.solver.start([(request, partial(blend, request))])
 
     @property
     def busy(self) -> bool:
@@ -351,27 +363,21 @@ class BlendDialog(BlendPutDialog):
         """Whether the motion is still being computed; the ranges follow later."""
         return self._soon.isActive() or self._pause.isActive() or self.solver.busy
 
-    def stop(self) -> None:
-        """Cancel all running calculations."""
-        for timer in (self._soon, self._pause, self._slow):
-            timer.stop()
-        for calculation in (self.solver, self.ranges):
-            calculation.stop()
-
     def _start_best(self) -> None:
-        request = self.questions.request()
-        self._cover(f"Calculating the least {request.goal} …")
-        self.solver.start([(request, partial(best, request.solver_request, request.goal))])
+        request, goal = self.questions.request(), self.questions.chosen_goal
+        self._cover(f"Calculating the least {goal} …")
+        self.solver.start([(request, partial(best, request, goal))])
 
-    def _start_ranges(self, request: WizardRequest) -> None:
+    def _start_ranges(self, request: Request) -> None:
         """Compute ranges: first of the focused row; then of the ticked rows, or of the others while a setting is missing."""
-        solver_request, is_complete = range_request(request), plan(request).missing == 0
+        goal = self.questions.chosen_goal
+        ranged, is_complete = range_request(request, goal), plan(request, goal).missing == 0
         focused = self.focusWidget()
         rows = sorted(self._waiting, key=lambda row: (focused not in row.boxes(), row.is_used != is_complete))
         jobs: list[Job] = []
         for row in rows:
             at = (row.at.number or 0.0,) if isinstance(row, PrecisionPointRow) else ()
-            jobs.append((self._waiting.index(row), partial(feasible_ranges, solver_request, row.name, *at)))
+            jobs.append((self._waiting.index(row), partial(feasible_ranges, ranged, row.name, *at)))
         self._requested_rows = tuple(self._waiting)
         self.ranges.start(jobs)
 
@@ -390,8 +396,8 @@ class BlendDialog(BlendPutDialog):
         if self.solver.busy:
             self._cover(SEARCHING)
 
-    def _show_result(self, request: WizardRequest, result: BlendResult | KindynaError) -> None:
-        if request.goal:
+    def _show_result(self, request: Request, result: BlendResult | KindynaError) -> None:
+        if self.questions.chosen_goal:
             self._start_ranges(request)
         if isinstance(result, BlendResult):
             self.blended = result
@@ -412,7 +418,7 @@ class BlendDialog(BlendPutDialog):
         if self.blended is not None:
             replace_motion = partial(REPLACEMENTS[self._replaced_part], self._session.design)
             self.show_in_design(self.blended, replace_motion)
-            compared = blend_candidates(self.blended, replace_motion, self.questions.request().goal)
+            compared = blend_candidates(self.blended, replace_motion, self.questions.chosen_goal)
             self.ranking.offer(self._session.design, compared, "-".join(self.blended.curves), "this blend")
         self.put_button.setEnabled(self.design is not None)
 
@@ -420,7 +426,7 @@ class BlendDialog(BlendPutDialog):
     def _replaced_part(self) -> str:
         return next(name for name, button in self.replaced.items() if button.isChecked())
 
-    def _show_replaced(self, request: WizardRequest) -> None:
+    def _show_replaced(self, request: Request) -> None:
         """Name the cam angles; a motion that does not return to its start cannot replace the full turn."""
         self.replaced["range"].setText(f"only {shortest(request.start)}° … {shortest(request.end)}°")
         self.replaced["turn"].setEnabled(has_both(request.type) and request.return_stroke in (0.0, request.stroke))
@@ -428,14 +434,7 @@ class BlendDialog(BlendPutDialog):
             self.replaced["range"].setChecked(True)
 
     def _as_command(self) -> str:
-        from core.commands.motions import BlendArguments
-
-        return command_text(
-            "blend",
-            command_words(
-                BlendArguments, {**command_options(self.questions.request()), **session_options(self._session)}
-            ),
-        )
+        return self.command_line(self.questions.request(), self.questions.chosen_goal)
 
 
 def open_blend(session: Session, parent: QWidget) -> BlendDialog:

@@ -152,7 +152,7 @@ def test_a_blend_is_put_into_the_linkage(user: User) -> None:
     dialog = user.window.findChild(BlendDialog)
     assert isinstance(dialog, BlendDialog)
     wait_for(lambda: not dialog.busy)
-    assert dialog.questions.request().solver_request.unit == "deg"
+    assert dialog.questions.request().unit == "deg"
     assert dialog.put_button.isEnabled()
     dialog.questions.stroke.setFocus()
     dialog.questions.stroke.selectAll()
