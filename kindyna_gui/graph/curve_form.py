@@ -84,7 +84,7 @@ class AxesForm(QWidget):
         self._graph, self._defaults = Graph(), dict.fromkeys(AXES, AxisDefaults())
         self.title = QLineEdit()
         self.title.setAccessibleName("Title of the graph")
-        self.title.editingFinished.connect(self._set_graph_title)
+        self.title.editingFinished.connect(lambda: self._set_title("", self.title))
         self.titles: dict[str, QLineEdit] = {}
         self.logs: dict[str, QCheckBox] = {}
         self.ends: dict[tuple[str, str], NumberBox] = {}
@@ -130,7 +130,7 @@ class AxesForm(QWidget):
         line.addWidget(unit)
         grid.addLayout(line, row + 2, 1)
         grid.addWidget(log, row + 3, 1)
-        title.editingFinished.connect(lambda axis=axis: self._set_title(axis))
+        title.editingFinished.connect(lambda: self._set_title(axis, title))
         log.toggled.connect(lambda on, axis=axis: self._set_log(axis, on))
         self.titles[axis], self.logs[axis], self._units[axis] = title, log, unit
 
@@ -151,16 +151,16 @@ class AxesForm(QWidget):
 
     # -- input ----------------------------------------------------------------------------------------------
 
-    def _set_graph_title(self) -> None:
-        if self.title.text().strip() != self._graph.title:
-            self.title.setModified(False)
-            self.changed.emit(replace(self._graph, title=self.title.text().strip()), "title")
-
-    def _set_title(self, axis: str) -> None:
-        text = self.titles[axis].text().strip()
-        if text != getattr(self._graph, axis).title:
-            self.titles[axis].setModified(False)
+    def _set_title(self, axis: str, box: QLineEdit) -> None:
+        """Set the title of an axis, or that of the graph for the axis ""."""
+        text, part = box.text().strip(), getattr(self._graph, axis) if axis else self._graph
+        if text == part.title:
+            return
+        box.setModified(False)
+        if axis:
             self._scale(axis, "title", title=text)
+        else:
+            self.changed.emit(replace(self._graph, title=text), "title")
 
     def _limit(self, axis: str, end: str, value: float | None) -> None:
         size, scale = self._defaults.get(axis, AxisDefaults()).size, getattr(self._graph, axis)
@@ -481,7 +481,7 @@ class CurveRows(QWidget):
         self.list.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.list.setIconSize(QSize(18, 10))
-        self.list.currentRowChanged.connect(self._choose)
+        self.list.currentRowChanged.connect(self.selected)
         self.list.itemChanged.connect(self._tick)
         self.list.moved.connect(lambda step: slots["up" if step < 0 else "down"]())
         self.list.removed.connect(lambda: slots["remove"]())
@@ -558,9 +558,6 @@ class CurveRows(QWidget):
         normal = item.listWidget().palette().text().color() if row.shown and not row.is_missing else SCREEN.quiet
         item.setForeground(QColor(SCREEN.limit if row.fault else normal))
         item.setIcon(swatch(row.colour, 16))
-
-    def _choose(self, row: int) -> None:
-        self.selected.emit(row)
 
     def _tick(self, item: QListWidgetItem) -> None:
         self.ticked.emit(self.list.row(item), item.checkState() == Qt.CheckState.Checked)

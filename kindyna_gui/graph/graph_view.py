@@ -308,17 +308,16 @@ class GraphView(PlotsView):
         self.form_buttons[name].setChecked(True)
         self._changed()
 
-    def _choose_plot(self, index: int) -> None:
-        if index != self.selection.active:
-            self.selection.active = index
-            self._rebuild()
-
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Activate the plot that is clicked; arrange the plots after a change of size."""
         if event.type() == QEvent.Type.MouseButtonPress:
             for index, panel in enumerate(self.panels):
-                if isinstance(watched, QWidget) and (panel.plot is watched or panel.plot.isAncestorOf(watched)):
-                    self._choose_plot(index)
+                is_clicked = isinstance(watched, QWidget) and (
+                    panel.plot is watched or panel.plot.isAncestorOf(watched)
+                )
+                if is_clicked and index != self.selection.active:
+                    self.selection.active = index
+                    self._rebuild()
         elif event.type() == QEvent.Type.Resize and watched is self.area.viewport():
             self._arrange()
         return super().eventFilter(watched, event)

@@ -507,7 +507,7 @@ def timing_file(design: Design, ending: str, unit: str = DEGREES, pair: Sequence
     if ending == ".csv":
         return events_csv(design).encode()
     ensure_app(offscreen=True)
-    height = _chart_height(design) + TITLE + FILE_LINE * _line_count(design, pair) + 2.5 * MARGIN
+    height = _chart_height(design) + TITLE + FILE_LINE * (len(design.timing) + (len(pair) == 2)) + 2.5 * MARGIN
 
     def paint(scale: float) -> Callable[[QPainter], None]:
         return lambda painter: _paint(painter, design, unit, tuple(pair), scale)
@@ -547,10 +547,6 @@ def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], 
 
 def _chart_height(design: Design) -> float:
     return BAND * len(design.drives) + AXIS
-
-
-def _line_count(design: Design, pair: Sequence[int]) -> int:
-    return len(design.timing) + (len(pair) == 2)
 
 
 def _lines(design: Design, pair: Sequence[int], chart: TimingChart) -> list[tuple[str, bool]]:

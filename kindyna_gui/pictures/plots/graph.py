@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
@@ -111,11 +112,6 @@ class GraphPlot(FixedPlot):
     def painted(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Points of all curves that are painted at this size and range."""
         return [(x, y) for x, y in (item.getData() for item in self._items) if x is not None]
-
-    @property
-    def drawn_points(self) -> int:
-        """Number of the points that are painted."""
-        return sum(len(x) for x, _ in self.painted)
 
     @property
     def titles(self) -> dict[str, str]:
@@ -273,22 +269,11 @@ class GraphPlot(FixedPlot):
         isolated = np.flatnonzero(_is_isolated(y)) if row is None or row.mark not in SYMBOLS else np.array([], int)
         if isolated.size:  # no line connects them
             isolated = isolated[:: max(1, -(-isolated.size // MOST_ISOLATED))]
-            dots = pg.ScatterPlotItem(
-                x[isolated], y[isolated], symbol="o", size=DOT + width, pen=None, brush=colour, useCache=False
-            )
-            dots.setParentItem(item)
+            _put_dots(item, x[isolated], y[isolated], symbol="o", size=DOT + width, pen=None, brush=colour)
         if row is not None and row.mark in SYMBOLS:
             every = max(1, -(-x.size // MOST_MARKS))
-            marks = pg.ScatterPlotItem(
-                x[::every],
-                y[::every],
-                symbol=SYMBOLS[row.mark],
-                size=MARK,
-                pen=self._theme.pen(colour),
-                brush=None,
-                useCache=False,
-            )
-            marks.setParentItem(item)
+            style = {"symbol": SYMBOLS[row.mark], "size": MARK, "pen": self._theme.pen(colour), "brush": None}
+            _put_dots(item, x[::every], y[::every], **style)
         if row is not None and row.mark == ANGLES:
             previous = sum(curve.mark == ANGLES for curve in self.graph.curves[: self.graph.number(row.key)])
             self._mark_angles(item, series, axis, colour, inwards=previous % 2 == 1)
@@ -309,10 +294,7 @@ class GraphPlot(FixedPlot):
         marks = angle_marks(series)
         x = scaled(np.array([x for x, *_ in marks]), self.graph.x.log)
         y = scaled(np.array([y for _, y, _ in marks]), self.data.axes[axis].scale.log, self.display_units[axis].size)
-        dots = pg.ScatterPlotItem(
-            x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper, useCache=False
-        )
-        dots.setParentItem(item)
+        _put_dots(item, x, y, symbol="o", size=MARK, pen=self._theme.pen(colour), brush=self._theme.paper)
         middle = [0.5 * (float(np.nanmin(values)) + float(np.nanmax(values))) for values in (x, y)] if marks else []
         for point, (*_, text) in zip(zip(x.tolist(), y.tolist(), strict=True), marks, strict=True):
             if isfinite(point[0]) and isfinite(point[1]):
@@ -515,6 +497,11 @@ class GraphPlot(FixedPlot):
         )
         self._draw_points()
         self.show_angle(self._angle)
+
+
+def _put_dots(item: pg.PlotDataItem, x: np.ndarray, y: np.ndarray, **style: Any) -> None:
+    """Draw dots of one style, pyqtgraph's keywords, with a curve."""
+    pg.ScatterPlotItem(x, y, useCache=False, **style).setParentItem(item)
 
 
 def _is_wide(x: np.ndarray | None, ends: tuple[float, float]) -> bool:

@@ -340,6 +340,7 @@ class FixedPlot(pg.GraphicsView):
     Attributes
     ----------
     corner : pixels of the upper right corner that something else covers; the legend leaves them free
+    legend : names of the curves above the plot
     """
 
     def __init__(
@@ -365,7 +366,7 @@ class FixedPlot(pg.GraphicsView):
         self._below: tuple[bool, str, bool] | None = None
         self._size_axes()
         self._background = Background(self._view, theme)
-        self._legend = Legend(canvas, theme.ink, centred)
+        self.legend = Legend(canvas, theme.ink, centred)
         self._message = Tag("", theme.quiet, theme, TEXT)
         self._include(self._message)
         self._message_text = ""
@@ -443,11 +444,6 @@ class FixedPlot(pg.GraphicsView):
 
     # -- legend ---------------------------------------------------------------------------------------------
 
-    @property
-    def legend(self) -> Legend:
-        """Names of the curves above the plot."""
-        return self._legend
-
     def reserve_corner(self, width: float) -> None:
         """Leave so many pixels of the upper right corner free of the legend."""
         self.corner = width
@@ -455,17 +451,17 @@ class FixedPlot(pg.GraphicsView):
 
     def _name(self, entries: Sequence[Entry], note: str = "") -> None:
         """Set the legend; it takes no room where nothing has a name."""
-        self._legend.set_entries(entries, note)
+        self.legend.set_entries(entries, note)
         self._fit_legend()
 
     def _fit_legend(self) -> None:
         """Fit the legend between the left axis and the reserved corner."""
         left = EDGE + sized(LEFT_WIDTH)
         width = self.width() - left - max(RIGHT_MARGIN, self.corner)
-        self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
+        self.legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
         layout = self._canvas.layout
-        if layout.rowMinimumHeight(0) != self._legend.height:
-            layout.setRowFixedHeight(0, self._legend.height)
+        if layout.rowMinimumHeight(0) != self.legend.height:
+            layout.setRowFixedHeight(0, self.legend.height)
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
         if event is not None:  # None: pyqtgraph's call during construction

@@ -70,6 +70,7 @@ class ChartPlot(FixedPlot):
 
     Attributes
     ----------
+    chart : chart that is drawn, None before the first one
     machine_point : dot at the machine's operating point
     ring : circle around the selected point
     """
@@ -78,7 +79,7 @@ class ChartPlot(FixedPlot):
         super().__init__(parent, theme, top=True)
         self.setAntialiasing(True)
         self.setAccessibleName("Chart of stability")
-        self._chart: Chart | None = None
+        self.chart: Chart | None = None
         self._across, self._upwards = "eta", "q"
         exact, approximate = theme.seen(VERMILION), theme.seen(BLUE)
         self._hull = self._outline(exact, Z_TONGUE - 1.0, fill=brush(exact, 0.12))
@@ -106,14 +107,9 @@ class ChartPlot(FixedPlot):
 
     # -- chart ----------------------------------------------------------------------------------------------
 
-    @property
-    def chart(self) -> Chart | None:
-        """Chart that is drawn, None before the first one."""
-        return self._chart
-
     def show_chart(self, chart: Chart, across: str = "eta", upwards: str = "q") -> None:
         """Draw a chart with the axes ``across`` and ``upwards``, keys of ``ACROSS`` and ``UPWARDS``."""
-        self._chart = chart
+        self.chart = chart
         if chart.machine is None:
             across, upwards = "eta", "q"
         self._across, self._upwards = across, upwards
@@ -145,8 +141,8 @@ class ChartPlot(FixedPlot):
 
     @property
     def _machine(self) -> Machine:
-        assert self._chart is not None
-        return self._chart.machine  # type: ignore[return-value]  # axes that need a machine are not selected without
+        assert self.chart is not None
+        return self.chart.machine  # type: ignore[return-value]  # axes that need a machine are not selected without
 
     def _tongues(self, chart: Chart, equation: str) -> QPainterPath:
         path = QPainterPath()
@@ -236,7 +232,7 @@ class ChartPlot(FixedPlot):
 
     def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
         """η and Q at a pixel of the widget; None outside the chart."""
-        if self._chart is None:
+        if self.chart is None:
             return None
         at = self.to_axes(pixel)
         (low, high), (bottom, top) = self._view.viewRange()
@@ -254,15 +250,15 @@ class ChartPlot(FixedPlot):
         self._axes["bottom"].show_title(ACROSS[self._across].title, self._theme.ink)
         self._axes["left"].show_title(UPWARDS[self._upwards].title, self._theme.ink)
         self._axes["top"].show_ticks(self._numbers(frame.first, frame.last, frame.width))
-        if self._chart is not None:
-            self._draw_machine(self._chart.machine)
+        if self.chart is not None:
+            self._draw_machine(self.chart.machine)
 
     def _numbers(self, low: float, high: float, width: float) -> list[tuple[float, str]]:
         """Ticks with the numbers of the tongues over their tips, where there is room."""
-        if self._chart is None or EXACT not in self._chart.tongues:
+        if self.chart is None or EXACT not in self.chart.tongues:
             return []
         rows: list[tuple[float, str]] = []
-        for n in range(1, self._chart.tongues[EXACT].count + 1):
+        for n in range(1, self.chart.tongues[EXACT].count + 1):
             x, text = float(self._x(np.array([0.5 * n]))[0]), f"n = {n}" if n == 1 else str(n)
             half = 0.5 * text_size(text)[0] * (high - low) / width
             is_free = all(abs(x - previous) > 2.6 * half for previous, _ in rows)

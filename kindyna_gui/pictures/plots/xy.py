@@ -147,6 +147,7 @@ class XYPlot(FixedPlot):
     ----------
     display_unit : unit of the values at the cursor
     shown : curves that were drawn last
+    dots : single points that are drawn
     """
 
     def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
@@ -159,7 +160,7 @@ class XYPlot(FixedPlot):
         self._ticks: tuple[Ticks, Ticks] | None = None
         self._extra: list[QGraphicsItem] = []
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
-        self._dots: tuple[Dots, ...] = ()
+        self.dots: tuple[Dots, ...] = ()
         self.display_unit = NO_UNIT
         self._valued: list[Line] = []
         self._readouts: list[Readout] = []
@@ -180,11 +181,6 @@ class XYPlot(FixedPlot):
     def message(self) -> str:
         """Text shown in place of curves; empty where there are curves."""
         return self._message_text
-
-    @property
-    def dots(self) -> tuple[Dots, ...]:
-        """Single points that are drawn."""
-        return self._dots
 
     @property
     def rules(self) -> list[Rule]:
@@ -267,7 +263,7 @@ class XYPlot(FixedPlot):
             tag = Tag(rule.text, rule.colour, self._theme, lean=(0.0, 0.0), backing=True)
             self._include(tag, Z_CURSOR)
             self._ruled.append((rule, self._outline(rule.colour, Z_LIMIT, DASHED), tag))
-        self._dots = tuple(dots)
+        self.dots = tuple(dots)
         for group in dots:
             item = pg.ScatterPlotItem(group.x, group.y, size=group.size, antialias=True, **self._dot_style(group))
             self._add(item, Z_BEHIND if group.behind else Z_DOTS)
@@ -408,7 +404,7 @@ class XYPlot(FixedPlot):
     def _clear(self) -> None:
         for item in (*self._drawn, *self._extra, *(item for _, *items in self._ruled for item in items)):
             self._view.removeItem(item)
-        self._drawn, self._extra, self._ruled, self._dots = [], [], [], ()
+        self._drawn, self._extra, self._ruled, self.dots = [], [], [], ()
         self._ticks = None
         self._filled = False
 
