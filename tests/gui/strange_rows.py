@@ -88,6 +88,7 @@ def test_a_law_is_picked_by_its_picture(same_window: Open) -> None:
     assert spans(user.design.drive.motion)[3].short == "TRE"
 
 
+@pytest.mark.stress
 def test_all_laws_are_drawn_over_each_other(same_window: Open, file: Path) -> None:
     user: User = same_window(file)
     page = user.see("laws")
@@ -133,6 +134,7 @@ def test_a_column_in_the_unit_is_read_converted_and_written(tmp_path: Path) -> N
     assert hours == pytest.approx([0.0018, 0.0036, 0.0018])
 
 
+@pytest.mark.stress
 def test_an_axis_in_the_unit_is_read_without_exponent(same_window: Open, tmp_path: Path) -> None:
     table = tmp_path / "pump.csv"
     table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n")
@@ -207,6 +209,7 @@ def test_the_quantity_is_picked_and_drawn_with_the_line_of_its_limit(same_window
     assert "limit 80 kN" in [limit.text for panel in graph.panels for limit in limits(panel.plot)]
 
 
+@pytest.mark.stress
 def test_find_keeps_the_limit(same_window: Open, pressed: Path, capsys: pytest.CaptureFixture[str]) -> None:
     view = same_window(pressed).see("find")
     assert isinstance(view, FindView)

@@ -5,12 +5,27 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+from sampled import stressed
+
 HERE = Path(__file__).parent
 PATIENCE = 120  # seconds
 
 
-def test_one_row_is_all_that_a_law_a_unit_a_quantity_or_a_limit_needs() -> None:
-    words = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "strangers", str(HERE / "strange_rows.py")]
+@pytest.mark.parametrize("chosen", ["not stress", stressed("stress")])
+def test_one_row_is_all_that_a_law_a_unit_a_quantity_or_a_limit_needs(chosen: str) -> None:
+    words = [
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:xdist",
+        "-p",
+        "strangers",
+        "-m",
+        chosen,
+        str(HERE / "strange_rows.py"),
+    ]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(HERE.parent), str(HERE.parents[1])))}
     environment.pop("PYTEST_ADDOPTS", None)
     done = subprocess.run(

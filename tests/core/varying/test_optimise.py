@@ -263,7 +263,7 @@ def dominated(points, grid):
 
 
 def test_two_goals_give_a_front_none_of_whose_points_is_dominated():
-    points, grid = front_and_grid(30)
+    points, grid = front_and_grid(20)
     assert len(points) >= 20
     assert (np.diff(points[:, 0]) > 0.0).all()
     assert (np.diff(points[:, 1]) < 0.0).all()

@@ -53,7 +53,7 @@ def _opens(app: QApplication) -> None:
     settle()
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.fuzz) for seed in range(2, 60))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.fuzz) for seed in range(1, 60))])
 def test_settings_of_forged_kinds_are_as_none(app: QApplication, seed: int) -> None:
     rng = Random(seed)
     _forge({key: rng.choice(VALUES) for key in KEYS})
