@@ -31,6 +31,7 @@ from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN, SERIF
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.requirements import NOT_PINNED, Unavailable
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
@@ -73,10 +74,7 @@ class CompareView(View):
         self.save.clicked.connect(self._save)
         self.comparison: Comparison | None = None
         self._pinned: tuple[Study, ComparedDesign] | None = None  # of the pinned variant, which edits do not change
-        row = QHBoxLayout()
-        row.setContentsMargins(6, 3, 6, 3)
-        for widget in (self.choice, self.pin, self.unpin, self.save):
-            row.addWidget(widget)
+        row = fill(QHBoxLayout(), self.choice, self.pin, self.unpin, self.save, margins=(6, 3, 6, 3))
         self.set_column(row, self.table, grows=self.table)
         self.pins.changed.connect(self.invalidate)
 
@@ -178,8 +176,7 @@ class ExplainView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.choice = QComboBox(editable=True)
-        self.choice.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        self.choice = QComboBox(editable=True, insertPolicy=QComboBox.InsertPolicy.NoInsert)
         self.choice.setAccessibleName("Number to explain")
         if (line := self.choice.lineEdit()) is not None:
             line.setAccessibleName("Number to explain")
@@ -189,21 +186,20 @@ class ExplainView(View):
             completer.setFilterMode(Qt.MatchFlag.MatchContains)
             completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
         self.largest = QCheckBox("Where it is largest")
-        self.header = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
-        self.header.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.header.setMargin(6)
+        self.header = QLabel(
+            wordWrap=True,
+            textFormat=Qt.TextFormat.PlainText,
+            textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+            margin=6,
+        )
         font = self.header.font()
         font.setFamilies([*SERIF, *font.families()])
         self.header.setFont(font)
-        self.proof = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
-        self.proof.setMargin(6)
+        self.proof = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText, margin=6)
         coloured(self.proof, SCREEN.quiet)
         self.table = RowsTable(EXPLAIN_HEADINGS)
         self.table.setFont(font)
-        row = QHBoxLayout()
-        row.setContentsMargins(6, 3, 6, 0)
-        row.addWidget(self.choice)
-        row.addWidget(self.largest)
+        row = fill(QHBoxLayout(), self.choice, self.largest, margins=(6, 3, 6, 0))
         self.set_column(row, self.header, self.table, self.proof, grows=self.table)
         self._names: list[str] = []
         self._chosen = ""

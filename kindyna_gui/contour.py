@@ -34,6 +34,7 @@ from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
 from kindyna_gui.pictures.units import readable
+from kindyna_gui.rebuilt import STRETCH, fill
 
 # -- picture ---------------------------------------------------------------------------------------------
 
@@ -188,23 +189,12 @@ class CurveDialog(PutDialog):
             form.addRow(text, box)
         self.gap.setToolTip(sentence(GAP.help))
         form.addRow("&Gap, mm", self.gap)
-        left = QVBoxLayout()
-        left.addLayout(form)
-        left.addSpacing(8)
-        left.addWidget(bold_label("Result"))
         self.figures = QFormLayout()
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
-        left.addLayout(self.figures)
-        left.addStretch(1)
-        above = QHBoxLayout()
-        above.setSpacing(6)
-        above.addWidget(self.picture, 1)
-        above.addWidget(self.jumps, 1)
-        right = QVBoxLayout()
-        right.setSpacing(6)
-        right.addLayout(above, 5)
-        right.addWidget(self.plot, 4)
+        left = fill(QVBoxLayout(), form, 8, bold_label("Result"), self.figures, STRETCH)
+        above = fill(QHBoxLayout(), (self.picture, 1), (self.jumps, 1), spacing=6)
+        right = fill(QVBoxLayout(), (above, 5), (self.plot, 4), spacing=6)
         self.frame(left, LEFT_WIDTH, right, DEFAULT_SIZE, LEAST_SIZE)
 
     def _take(self, box: NumberBox, value: float) -> None:

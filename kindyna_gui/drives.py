@@ -32,6 +32,7 @@ from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.labels import reason
 from kindyna_gui.look import sign, tool_bar
 from kindyna_gui.pictures.style import BALANCE, SCREEN
+from kindyna_gui.rebuilt import fill
 
 # -- edits of the list -----------------------------------------------------------------------------------
 
@@ -232,11 +233,7 @@ class DriveStrip(QWidget):
             self.arrangements[name] = action
             self.arrangement_bar.addAction(action)
         self.arrangements[ONE].setChecked(True)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(4, 1, 4, 1)
-        row.setSpacing(0)
-        row.addWidget(self.bar, 1)
-        row.addWidget(self.arrangement_bar)
+        fill(QHBoxLayout(self), (self.bar, 1), self.arrangement_bar, margins=(4, 1, 4, 1), spacing=0)
         self.hide()
 
     def _arrange(self, name: str, *_: object) -> None:

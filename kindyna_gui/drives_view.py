@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -32,7 +32,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import ContentArea, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu, single_shot
 from kindyna_gui.requirements import ONE_DRIVE, require_list
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View, ViewHost
@@ -131,8 +131,7 @@ class DrivesView(View):
         self._form_holder = ContentArea(session)
         self._form: Form | None = None
         self._section = ""
-        self._torque_timer = QTimer(self, singleShot=True, interval=TORQUE_MS)
-        self._torque_timer.timeout.connect(self._show_torques)
+        self._torque_timer = single_shot(self, self._show_torques, TORQUE_MS)
         self.set_column(self.table, bar, self._form_holder, grows=self.table)
         self.table.currentCellChanged.connect(self._choose)
         self.table.itemChanged.connect(self._rename)

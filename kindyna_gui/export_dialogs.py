@@ -35,6 +35,7 @@ from kindyna_gui.dialogs import file_to_save, give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.settings import Settings
 
 # -- tables and animation --------------------------------------------------------------------------------
@@ -74,9 +75,7 @@ class TablesDialog(RequestDialog):
         self.folder.setMinimumWidth(360)
         browse = QPushButton("Browse...")
         browse.clicked.connect(self._browse)
-        where = QHBoxLayout()
-        where.addWidget(self.folder, 1)
-        where.addWidget(browse)
+        where = fill(QHBoxLayout(), (self.folder, 1), browse)
         form = RequestForm(ExportArguments, above=[("Folder", where)])
         form.name_row("samples", f"{angle.capitalize()}s per turn")
         super().__init__(parent, "Export tables", form, "Export", summary)
@@ -198,9 +197,7 @@ class ReportDialog(QDialog):
         give_help(self, "tour#writes one file to hand on")
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
-        column = QVBoxLayout(self)
-        column.addLayout(form)
-        column.addWidget(buttons)
+        fill(QVBoxLayout(self), form, buttons)
 
     @property
     def request(self) -> ReportRequest:

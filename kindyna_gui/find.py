@@ -60,6 +60,7 @@ from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import STRETCH, fill, single_shot
 from kindyna_gui.requirements import NO_SIZES, Unavailable
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView
@@ -158,8 +159,12 @@ class FindView(BackgroundView):
         self.plot.setMinimumSize(220, 110)
         self.what.setAccessibleName("Dimension to find")
         self.choice.setAccessibleName("Which one")
-        self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
-        self.answer.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.answer = QLabel(
+            wordWrap=True,
+            textFormat=Qt.TextFormat.RichText,
+            alignment=Qt.AlignmentFlag.AlignTop,
+            textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+        )
         self.update_style()
         self.take, self.cancel, self.again = (
             QPushButton("Take over"),
@@ -173,8 +178,7 @@ class FindView(BackgroundView):
         self.counted = QLabel()
         self._lay_out()
         self._work.result.connect(self._show_result)
-        self._patience = QTimer(self, singleShot=True, interval=PATIENCE_MS)
-        self._patience.timeout.connect(self._show_progress)
+        self._patience = single_shot(self, self._show_progress, PATIENCE_MS)
         self._tick = QTimer(self, interval=TICK_MS)
         self._tick.timeout.connect(self._show_count)
         self.what.activated.connect(self._choose)
@@ -204,23 +208,11 @@ class FindView(BackgroundView):
             self._footer.addWidget(page)
         self._footer.setFixedHeight(self.take.sizeHint().height() + 2)
         self._form = QWidget()
-        form = QVBoxLayout(self._form)
-        form.setContentsMargins(0, 0, 0, 0)
-        form.setSpacing(4)
-        for field in (self.what, self.choice, self.limits):
-            form.addWidget(field)
-        form.addStretch(1)
-        result = QVBoxLayout()
-        result.setContentsMargins(0, 0, 0, 0)
-        result.setSpacing(4)
-        result.addWidget(self.plot, 1)
-        result.addWidget(self.answer)
-        result.addWidget(self._footer)
-        self._sides = QBoxLayout(QBoxLayout.Direction.TopToBottom)
-        self._sides.setContentsMargins(8, 6, 8, 6)
-        self._sides.setSpacing(6)
-        self._sides.addWidget(self._form)
-        self._sides.addLayout(result, 1)
+        fill(QVBoxLayout(self._form), self.what, self.choice, self.limits, STRETCH, margins=0, spacing=4)
+        result = fill(QVBoxLayout(), (self.plot, 1), self.answer, self._footer, margins=0, spacing=4)
+        self._sides = fill(
+            QBoxLayout(QBoxLayout.Direction.TopToBottom), self._form, (result, 1), margins=(8, 6, 8, 6), spacing=6
+        )
         self.set_content_layout(self._sides)
 
     def resizeEvent(self, event: QResizeEvent) -> None:

@@ -36,7 +36,7 @@ from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.pictures.units import MINUS, brief, measure, number, with_unit
-from kindyna_gui.rebuilt import ContentArea, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu, fill
 from kindyna_gui.settings import in_units, size_of, symbol_of
 
 # -- texts -----------------------------------------------------------------------------------------------
@@ -330,12 +330,9 @@ class LimitRows(QWidget):
         self.message = QLabel(wordWrap=True)
         coloured(self.message, SCREEN.limit)
         self.message.hide()
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
-        column.addWidget(self._rows)
-        column.addWidget(self.message)
-        column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
+        fill(
+            QVBoxLayout(self), self._rows, self.message, (self.add, 0, Qt.AlignmentFlag.AlignLeft), margins=0, spacing=2
+        )
 
     def show_limits(
         self, design: Design, limits: Mapping[str, ActiveLimit], others: Sequence[str], explained: bool

@@ -19,6 +19,7 @@ from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 # -- certificate view ------------------------------------------------------------------------------------
@@ -159,9 +160,7 @@ class FindingsView(View):
         self.table.setMinimumHeight(1)
         self._findings: tuple[Finding, ...] = ()
         # without a parent its first page would flash up as a window
-        self._pages = QStackedLayout(self.content)
-        self._pages.addWidget(self.table)
-        self._pages.addWidget(self.empty)
+        self._pages = fill(QStackedLayout(self.content), self.table, self.empty)
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
         self.offer_explanation(self.table)

@@ -18,6 +18,7 @@ from core.laws import LAWS
 from core.materials import MATERIALS
 from kindyna_gui.labels import SECTION_NAMES, entry_name, sentence
 from kindyna_gui.places import help_text, lesson_files
+from kindyna_gui.rebuilt import fill
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _HEADINGS: Mapping[int, tuple[int, float, float]] = MappingProxyType({1: (2, 0.0, 8.0), 2: (1, 14.0, 4.0)})
@@ -203,15 +204,11 @@ class HelpWindow(QWidget):
         for name, (title, _) in PAGES.items():
             item = QListWidgetItem(title, self.list)
             item.setData(Qt.ItemDataRole.UserRole, name)
-        self.text = QTextBrowser()
-        self.text.setOpenLinks(False)
+        self.text = QTextBrowser(openLinks=False)
         self.text.document().setDocumentMargin(20)
         self.text.anchorClicked.connect(self._follow)
         self.list.currentItemChanged.connect(lambda item, _: self._show(item.data(Qt.ItemDataRole.UserRole)))
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.list)
-        layout.addWidget(self.text, 1)
+        fill(QHBoxLayout(self), self.list, (self.text, 1), margins=6)
 
     def open(self, name: str, words: str = "") -> None:
         """Show a page in front of all windows, scrolled to these words."""

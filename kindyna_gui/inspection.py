@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QModelIndex, QPointF, QRectF, QSize, Qt, QTimer
+from PySide6.QtCore import QModelIndex, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QTransform
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -52,6 +52,7 @@ from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
+from kindyna_gui.rebuilt import fill, single_shot
 
 # -- form of the probe -----------------------------------------------------------------------------------
 
@@ -101,9 +102,7 @@ class InspectionDialog(ComputedDialog):
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design = design
         self.lift, self.band = XYPlot(ANGLE, "Lift, mm"), XYPlot(ANGLE, "Band, µm")
-        plots = QVBoxLayout()
-        plots.addWidget(self.lift, 3)
-        plots.addWidget(self.band, 2)
+        plots = fill(QVBoxLayout(), (self.lift, 3), (self.band, 2))
         for plot in (self.lift, self.band):
             plot.setMinimumSize(420, 130)
         super().__init__(parent, "inspection table", ProbeForm(design), plots)
@@ -374,8 +373,7 @@ class MeasuredCamDialog(QDialog):
         coloured(self.notes, SCREEN.quiet)
         self.picture, self.rows = DeviationPicture(), RowsTable(HEADINGS)
         self._lay_out()
-        self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
-        self._pause.timeout.connect(self._compute)
+        self._pause = single_shot(self, self._compute, PAUSE_MS)
         self._work.result.connect(self._take)
         self.form.changed.connect(self._changed)
         self.fit.toggled.connect(self._changed)
@@ -387,35 +385,20 @@ class MeasuredCamDialog(QDialog):
         self._changed()
 
     def _lay_out(self) -> None:
-        self.again = QPushButton("&Read again")
+        self.again = QPushButton("&Read again", autoDefault=False)
         self.again.setToolTip("Read the file again after it was corrected or measured again")
-        self.again.setAutoDefault(False)
         name = QLabel(self._path.name)
         name.setToolTip(str(self._path))
-        header = QHBoxLayout()
-        header.addWidget(name, 1)
-        header.addWidget(self.again)
-        left = QVBoxLayout()
-        left.setContentsMargins(0, 0, 0, 0)
-        left.addLayout(header)
-        left.addWidget(self.form)
-        left.addSpacing(6)
-        left.addWidget(self.verdict)
-        left.addWidget(self.notes)
-        left.addWidget(self.rows, 1)
+        header = fill(QHBoxLayout(), (name, 1), self.again)
+        left = fill(QVBoxLayout(), header, self.form, 6, self.verdict, self.notes, (self.rows, 1), margins=0)
         side = QWidget()
         side.setLayout(left)
         side.setFixedWidth(LEFT_WIDTH)
-        middle = QHBoxLayout()
-        middle.setSpacing(12)
-        middle.addWidget(side)
-        middle.addWidget(self.picture, 1)
+        middle = fill(QHBoxLayout(), side, (self.picture, 1), spacing=12)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         add_copy(buttons, self._window, "inspection", self._command_options, of_drive=True)
         buttons.rejected.connect(self.reject)
-        column = QVBoxLayout(self)
-        column.addLayout(middle, 1)
-        column.addWidget(buttons)
+        fill(QVBoxLayout(self), (middle, 1), buttons)
         self.setMinimumSize(LEAST_SIZE)
         self.resize(DEFAULT_SIZE.boundedTo(self.screen().availableGeometry().size() - QSize(40, 60)))
 

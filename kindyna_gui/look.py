@@ -44,6 +44,7 @@ from core.findings import ERROR, NOTE, WARNING
 from kindyna_gui import settings
 from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, cached_by_theme, draw_in
 from kindyna_gui.places import icon_file
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.requirements import suggestions_for
 from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
 
@@ -235,9 +236,8 @@ class FocusRing(QWidget):
             ring.follow(None)
 
     def __init__(self, window: QWidget) -> None:
-        super().__init__(window)
+        super().__init__(window, focusPolicy=Qt.FocusPolicy.NoFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def follow(self, widget: QWidget | None) -> None:
         """Frame this widget and follow its movements, or frame none."""
@@ -432,8 +432,7 @@ class SteadyText(QWidget):
 
     def __init__(self, colour: str = "") -> None:
         super().__init__()
-        self._label = QLabel(self, wordWrap=True)
-        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._label = QLabel(self, wordWrap=True, textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         if colour:
             coloured(self._label, colour)
         self.setMinimumHeight(self._label.fontMetrics().height())
@@ -462,10 +461,6 @@ class SteadyText(QWidget):
 
 def row_with_text(box: QWidget, text: QLabel) -> QHBoxLayout:
     """Row of a selection box and a text with a fixed height of two lines, so that nothing below it moves."""
-    row = QHBoxLayout()
-    row.setContentsMargins(6, 4, 6, 2)
-    row.setSpacing(8)
-    row.addWidget(box)
-    row.addWidget(text, 1)
+    row = fill(QHBoxLayout(), box, (text, 1), margins=(6, 4, 6, 2), spacing=8)
     text.setMinimumHeight(2 * text.fontMetrics().lineSpacing() + 2)
     return row

@@ -45,6 +45,7 @@ from kindyna_gui.look import coloured
 from kindyna_gui.pictures.painter import RATIO
 from kindyna_gui.pictures.paper.paper_figures import paper_file
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 
@@ -106,8 +107,7 @@ class FiguresWindow(QWidget):
     """
 
     def __init__(self, parent: QWidget, open_design: Callable[[str], None]) -> None:
-        super().__init__(parent, Qt.WindowType.Window)
-        self.setWindowTitle("Figures of the papers")
+        super().__init__(parent, Qt.WindowType.Window, windowTitle="Figures of the papers")
         dialogs.give_help(self, "papers#Kinds of verdict")
         self.resize(1180, 690)  # of a screen of 1280 x 720
         self._open_design = open_design
@@ -154,19 +154,11 @@ class FiguresWindow(QWidget):
         header.resizeSection(1, self.fontMetrics().horizontalAdvance(max(VERDICTS, key=len)) + 16)
 
     def _lay_out(self) -> None:
-        buttons = QHBoxLayout()
-        buttons.addStretch(1)
-        buttons.addWidget(self.open_button)
-        buttons.addWidget(self.save_button)
-        buttons.addWidget(copy_button(self._as_command))
-        words = QVBoxLayout()
-        for label in (self.heading, self.says, self.result, self.verdict):
-            words.addWidget(label)
-        words.addLayout(buttons)
+        buttons = fill(QHBoxLayout(), STRETCH, self.open_button, self.save_button, copy_button(self._as_command))
+        words = fill(QVBoxLayout(), self.heading, self.says, self.result, self.verdict, buttons)
         below = QWidget()
         below.setLayout(words)
-        scrolled = QScrollArea()
-        scrolled.setWidgetResizable(True)
+        scrolled = QScrollArea(widgetResizable=True)
         scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
         scrolled.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scrolled.setWidget(below)
@@ -180,9 +172,7 @@ class FiguresWindow(QWidget):
         sides.addWidget(right)
         sides.setStretchFactor(1, 1)
         sides.setSizes([LIST_WIDTH, 850])
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(sides)
+        fill(QHBoxLayout(self), sides, margins=6)
 
     # -- selected row ---------------------------------------------------------------------------------------
 
@@ -319,9 +309,11 @@ def _colour(verdict: str) -> str:
 
 
 def _text() -> QLabel:
-    label = QLabel(wordWrap=True)
-    label.setTextFormat(Qt.TextFormat.PlainText)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    label = QLabel(
+        wordWrap=True,
+        textFormat=Qt.TextFormat.PlainText,
+        textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+    )
     return label
 
 

@@ -1,4 +1,6 @@
-"""Parts of the window that are replaced: for another kind of design, another segment, another number of plots.
+"""Layouts of the window, the parts that are replaced, and calls after a pause.
+
+Parts are replaced for another kind of design, another segment, another number of plots.
 
 A part that is replaced is one widget, the content of a ``ContentArea``; no layout is emptied item by item. PySide keeps
 a wrapper for each item of a layout that was filled and then added to another one. If the widgets of such a layout are
@@ -11,13 +13,46 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtGui import QActionGroup
-from PySide6.QtWidgets import QApplication, QMenu, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QFormLayout, QLayout, QMenu, QVBoxLayout, QWidget
 
 AGAIN_MS = 100  # interval of the checks whether a removed part can be deleted
+STRETCH = None
+"""Part of a layout that takes the remaining room."""
+
+Part = QWidget | QLayout | tuple[str | QWidget | QLayout | int | Qt.AlignmentFlag, ...] | int | None
+Filled = TypeVar("Filled", bound=QLayout)
+
+
+def fill(
+    layout: Filled, *parts: Part, margins: int | tuple[int, int, int, int] | None = None, spacing: int | None = None
+) -> Filled:
+    """Add parts to a layout, and return it.
+
+    A part of a row or column is a widget or layout, alone or with its stretch and alignment, a space in pixels, or
+    ``STRETCH``; a part of a form is a widget or layout, alone or after its label.
+    """
+    if margins is not None:
+        layout.setContentsMargins(*((margins,) * 4 if isinstance(margins, int) else margins))
+    if spacing is not None:
+        layout.setSpacing(spacing)
+    target: Any = layout
+    for part in parts:
+        item = part if isinstance(part, tuple) else (part,)
+        if isinstance(layout, QFormLayout):
+            target.addRow(*item)
+        elif part is STRETCH:
+            target.addStretch(1)
+        elif isinstance(part, int):
+            target.addSpacing(part)
+        elif isinstance(item[0], QLayout):
+            target.addLayout(*item)
+        else:
+            target.addWidget(*item)
+    return layout
 
 
 def remove_part(part: QWidget, *sources: QObject) -> None:
@@ -39,9 +74,7 @@ def delete_later(part: QObject) -> None:
     if QApplication.activeModalWidget() is None and QApplication.activePopupWidget() is None:
         part.deleteLater()
         return
-    again = QTimer(part, singleShot=True, interval=AGAIN_MS)
-    again.timeout.connect(partial(delete_later, part))
-    again.start()
+    single_shot(part, partial(delete_later, part), AGAIN_MS).start()
 
 
 def clear_menu(menu: QMenu) -> None:
@@ -67,9 +100,7 @@ class ContentArea(QWidget):
         super().__init__()
         self._sources = sources
         self._content: QWidget | None = None
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(0, 0, 0, 0)
-        self._column.setSpacing(0)
+        self._column = fill(QVBoxLayout(self), margins=0, spacing=0)
 
     @property
     def content(self) -> QWidget | None:
@@ -85,16 +116,32 @@ class ContentArea(QWidget):
         content.show()
 
 
+def single_shot(owner: QObject, action: Callable[[], Any], interval: int = 0) -> QTimer:
+    """Timer that calls a function once, ``interval`` milliseconds after it was last started."""
+    timer = QTimer(owner, singleShot=True, interval=interval)
+    timer.timeout.connect(action)
+    return timer
+
+
 def call_soon(owner: QObject, action: Callable[[], Any]) -> None:
     """Call a function in the next turn of the event loop, unless its owner has been deleted by then.
 
     ``QTimer.singleShot`` keeps its function for ever if the owner is deleted first, and with a method everything its
     object refers to. A timer of the owner is deleted with it.
     """
-    timer = QTimer(owner, singleShot=True)
-    timer.timeout.connect(action)
+    timer = single_shot(owner, action)
     timer.timeout.connect(timer.deleteLater)
     timer.start()
 
 
-__all__ = ["ContentArea", "call_soon", "clear_menu", "delete_later", "remove_part"]
+__all__ = [
+    "STRETCH",
+    "ContentArea",
+    "Part",
+    "call_soon",
+    "clear_menu",
+    "delete_later",
+    "fill",
+    "remove_part",
+    "single_shot",
+]

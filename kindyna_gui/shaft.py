@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QProgressBar, QSplitter, QWidget
 
@@ -31,6 +31,7 @@ from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable
 from kindyna_gui.player import Player, obey
+from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.requirements import NO_SERVO, NO_WHEEL, ONE_DRIVE_TORQUE, Unavailable, require_list, turned_shaft
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
@@ -243,8 +244,7 @@ class _TurnView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self._read_timer = QTimer(self, singleShot=True, interval=LATER_MS)
-        self._read_timer.timeout.connect(self._show_later)
+        self._read_timer = single_shot(self, self._show_later, LATER_MS)
 
     def _lay_out(self, count: int, *more: QWidget) -> None:
         """Lay out a number of plots with common angles, and other widgets below them."""

@@ -27,8 +27,7 @@ class PathCanvas(QWidget):
     """Drawing of the path (n, 3) [mm], its shadow, axes through the lowest corner, and the part; a drag turns it."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setAccessibleName("Path in space")
+        super().__init__(accessibleName="Path in space")
         self.path = np.zeros((1, 3))
         self.part = np.zeros(3)
         self.text = ""

@@ -43,6 +43,7 @@ from kindyna_gui.look import coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, with_unit
+from kindyna_gui.rebuilt import fill
 
 # -- fields of a point -----------------------------------------------------------------------------------
 
@@ -354,8 +355,7 @@ class StabilityPages(QTabWidget):
         self._drawn: set[int] = set()
         self.verdicts, self.speeds = _text(), _text()
         # a line for each drive: it wraps, which the table above does not
-        self.steady = QLabel(wordWrap=True, margin=8)
-        self.steady.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.steady = QLabel(wordWrap=True, margin=8, textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.addTab(_scrolled(self.verdicts, self.steady), "Verdicts")
         self.addTab(self._speeds_page(), "Speeds")
         self.plots: dict[str, tuple[XYPlot, ...]] = {}
@@ -371,12 +371,14 @@ class StabilityPages(QTabWidget):
         self.speed = NumberBox(Info("Speed", low=0.0, high=1e5, open_low=True, step=10.0), UNITS["rpm"])
         self.needed = QLabel(wordWrap=True)
         self.needed.setMinimumWidth(1)
-        row = QHBoxLayout()
-        row.setContentsMargins(8, 6, 8, 0)
-        row.addWidget(QLabel("To run at"))
-        row.addWidget(self.speed)
-        row.addWidget(UnitLabel(UNITS["rpm"]))
-        row.addWidget(self.needed, 1)
+        row = fill(
+            QHBoxLayout(),
+            QLabel("To run at"),
+            self.speed,
+            UnitLabel(UNITS["rpm"]),
+            (self.needed, 1),
+            margins=(8, 6, 8, 0),
+        )
         return _scrolled(row, self.speeds)
 
     # -- content --------------------------------------------------------------------------------------------
@@ -468,9 +470,12 @@ class StabilityPages(QTabWidget):
 
 
 def _text() -> QLabel:
-    label = QLabel(alignment=Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft, margin=8)
-    label.setTextFormat(Qt.TextFormat.RichText)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    label = QLabel(
+        alignment=Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft,
+        margin=8,
+        textFormat=Qt.TextFormat.RichText,
+        textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+    )
     return label
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QHideEvent, QPalette, QShowEvent
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout, QWidget
 
@@ -25,6 +25,7 @@ from kindyna_gui.pictures.plots.mouse import DraggablePoint
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill, single_shot
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
 from kindyna_gui.stability_pages import (
     ChartPoint,
@@ -83,8 +84,7 @@ class PointReading(QLabel):
         coloured(self, SCREEN.quiet)
         self.background = Background(self)
         self.background.result.connect(self._add_verdict)
-        self._pause = QTimer(self, singleShot=True, interval=REST_MS)
-        self._pause.timeout.connect(self._start)
+        self._pause = single_shot(self, self._start, REST_MS)
         self._stability: Stability | None = None
         self.point: tuple[float, float] | None = None
         self.verdicts: tuple[Verdict, ...] = ()
@@ -198,18 +198,15 @@ class StabilityView(View):
             Background(),
             Background(),
         )
-        self._soon_update = QTimer(self, singleShot=True, interval=SOON_MS)
-        self._soon_update.timeout.connect(self._start_update)
-        self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
-        self._pause.timeout.connect(self._begin)
+        self._soon_update = single_shot(self, self._start_update, SOON_MS)
+        self._pause = single_shot(self, self._begin, PAUSE_MS)
         self._lay_out()
         self._connect()
 
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        self.header = QLabel()
-        self.header.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.header = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.header.setMinimumWidth(1)
         self.progress = QProgressBar(textVisible=False, minimum=0, maximum=0)
         self.progress.setAccessibleName("Computing")
@@ -219,25 +216,14 @@ class StabilityView(View):
         self.use = QPushButton("Use this shaft")
         self.use.setToolTip("Use the stiffness and inertia of this point in the design (one undo step)")
         self.use.hide()
-        tools = QHBoxLayout()
-        tools.setContentsMargins(8, 2, 8, 0)
-        tools.addWidget(self.fields)
-        tools.addSpacing(8)
-        tools.addWidget(self.header, 1)
-        tools.addSpacing(8)
-        tools.addWidget(self.progress)
-        tools.addWidget(self.use)
+        tools = fill(QHBoxLayout(), self.fields, 8, (self.header, 1), 8, self.progress, self.use, margins=(8, 2, 8, 0))
         for text, box in (("across", self.across), ("upwards", self.upwards)):
             name = QLabel(text)
             coloured(name, SCREEN.quiet)
             tools.addWidget(name)
             tools.addWidget(box)
         upper = QWidget()
-        column = QVBoxLayout(upper)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
-        column.addLayout(tools)
-        column.addWidget(self.chart, 1)
+        fill(QVBoxLayout(upper), tools, (self.chart, 1), margins=0, spacing=2)
         splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         splitter.addWidget(upper)
         splitter.addWidget(self.pages)

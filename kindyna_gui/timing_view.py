@@ -46,6 +46,7 @@ from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, Timin
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.timing_canvas import HOW, TimingCanvas
 from kindyna_gui.view import View
 
@@ -125,13 +126,15 @@ class TimingRows(QWidget):
             label.setBuddy(box)
             self._grid.addWidget(label, row, 0)
             self._grid.addWidget(box, row, 1, 1, 1 if row else 4)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.list, 1)
-        column.addLayout(row_of_buttons(self.buttons.values(), above=1))
-        column.addWidget(self._form)
-        column.addWidget(self.message)
+        fill(
+            QVBoxLayout(self),
+            (self.list, 1),
+            row_of_buttons(self.buttons.values(), above=1),
+            self._form,
+            self.message,
+            margins=0,
+            spacing=0,
+        )
         self.list.selectionModel().currentRowChanged.connect(lambda index, *_: self._choose(index.row()))
         self.list.moved.connect(self._move)
         self.list.removed.connect(self._remove)
@@ -291,25 +294,19 @@ class TimingView(View):
         self.overlap = QLabel()
         self.overlap.setMinimumWidth(1)
         bar = QWidget()
-        line = QHBoxLayout(bar)
-        line.setContentsMargins(6, 2, 6, 2)
         label = QLabel("Axis")
         label.setBuddy(self.unit)
         self._overlap_label = QLabel("Overlap of")
         self._overlap_label.setBuddy(self.pair[0])
-        for part in (label, self.unit, self._overlap_label, *self.pair):
-            line.addWidget(part)
-        line.addWidget(self.overlap, 1)
+        fill(
+            QHBoxLayout(bar), label, self.unit, self._overlap_label, *self.pair, (self.overlap, 1), margins=(6, 2, 6, 2)
+        )
         left = QWidget()
-        column = QVBoxLayout(left)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(bar)
         scroll = QScrollArea(widgetResizable=True)  # for many drives
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scroll.setWidget(self.canvas)
-        column.addWidget(scroll, 1)
+        fill(QVBoxLayout(left), bar, (scroll, 1), margins=0, spacing=0)
         self.splitter = QSplitter(Qt.Orientation.Horizontal)
         self.splitter.addWidget(left)
         self.splitter.addWidget(self.rows)

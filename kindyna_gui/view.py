@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QAction, QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -39,7 +39,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.rebuilt import STRETCH, call_soon, fill, single_shot
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
 from kindyna_gui.settings import DISPLAY, is_default
 
@@ -93,8 +93,7 @@ class RefreshQueue(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._waiting: dict[Callable[[], None], QObject] = {}
-        self._next = QTimer(self, singleShot=True, interval=0)
-        self._next.timeout.connect(self._run_next)
+        self._next = single_shot(self, self._run_next)
 
     def append(self, owner: QObject, job: Callable[[], None]) -> None:
         """Append a job, which is skipped if its owner is deleted first; a job in the queue keeps its position."""
@@ -125,18 +124,17 @@ class ReasonPage(QScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setMinimumSize(1, 1)  # else a long sentence takes its height and moves the docks
-        self.label = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
-        self.label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.label = QLabel(
+            wordWrap=True,
+            alignment=Qt.AlignmentFlag.AlignCenter,
+            textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+        )
         paper = QWidget()
-        column = QVBoxLayout(paper)
-        column.addStretch(1)
-        column.addWidget(self.label)
         self._buttons = QVBoxLayout()
         self._buttons.setSpacing(4)
-        column.addLayout(self._buttons)
         if retry is not None:
             self._add("Try again", retry)
-        column.addStretch(1)
+        fill(QVBoxLayout(paper), STRETCH, self.label, self._buttons, STRETCH)
         self.setWidget(paper)
         for widget in (self.viewport(), paper):
             widget.setAutoFillBackground(False)
@@ -263,16 +261,11 @@ class View(QWidget):
         self._fault: ReasonPage | None = None
         self._trouble: ReasonPage | None = None
         self._content = content if content is not None else QWidget()
-        self._stack = QStackedLayout(self)
-        self._stack.setContentsMargins(0, 0, 0, 0)
-        self._stack.addWidget(self._content)
-        self._pause = QTimer(self, singleShot=True, interval=self.pause_ms)
-        self._pause.timeout.connect(self._pull_if_seen)
-        self._soon = QTimer(self, singleShot=True, interval=0)
-        self._soon.timeout.connect(self._pull_if_seen)
+        self._stack = fill(QStackedLayout(self), self._content, margins=0)
+        self._pause = single_shot(self, self._pull_if_seen, self.pause_ms)
+        self._soon = single_shot(self, self._pull_if_seen)
         self._queue = RefreshQueue.of(session)
-        self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
-        self._reading.timeout.connect(self._catch_up)
+        self._reading = single_shot(self, self._catch_up, self.reading_ms)
         self._followed = player.theta
         self._host: ViewHost | None = None
         self._awaits = False  # a result that it reads is being calculated, or was cancelled
@@ -295,15 +288,8 @@ class View(QWidget):
 
     def set_column(self, *rows: QWidget | QLayout, grows: QWidget, spacing: int = 0) -> None:
         """Fill the content with rows, without margins; ``grows`` takes the remaining height."""
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(spacing)
-        for row in rows:
-            if isinstance(row, QLayout):
-                column.addLayout(row)
-            else:
-                column.addWidget(row, 1 if row is grows else 0)
-        self.set_content_layout(column)
+        parts = ((row, 1) if row is grows else row for row in rows)
+        self.set_content_layout(fill(QVBoxLayout(), *parts, margins=0, spacing=spacing))
 
     # -- for subclasses -----------------------------------------------------------------------------------
 

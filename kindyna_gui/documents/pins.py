@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, Signal
 
 from core.design import Design, only
 from core.errors import KindynaError, NoSolution
@@ -18,6 +18,7 @@ from kindyna_gui.background import Background
 from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
+from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.requirements import Unavailable
 
 REST_MS = 300  # from the last change of the design to the computation of its bands
@@ -61,8 +62,7 @@ class Bands(QObject):
         self._requested: dict[Key, None] = {}
         self._work = Background(self)
         self._work.result.connect(self._add)
-        self._soon = QTimer(self, singleShot=True, interval=REST_MS)
-        self._soon.timeout.connect(self._compute)
+        self._soon = single_shot(self, self._compute, REST_MS)
         session.full_design_changed.connect(self._renew)
 
     def set_shown(self, on: bool) -> None:

@@ -49,6 +49,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
 from kindyna_gui.look import MessageLabel
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import fill
 
 UNSAVED = Path("DESIGN.toml")
 CommandOptions = Callable[[], tuple[str, Sequence[str]]]
@@ -114,9 +115,8 @@ def copy_button(line: Callable[[], str]) -> QPushButton:
         QApplication.clipboard().setText(line())
         button.setText("Copied")
 
-    button = QPushButton("Copy as command")
+    button = QPushButton("Copy as command", autoDefault=False)
     button.setToolTip("Copy the command that does the same to the clipboard")
-    button.setAutoDefault(False)
     button.clicked.connect(lambda: copy())
     return button
 
@@ -328,11 +328,7 @@ class RecoveryDialog(QDialog):
         for button in (self.discard, self.later, self.open_file, self.recover):
             footer.addWidget(button)
         footer.insertStretch(1, 1)
-        column = QVBoxLayout(self)
-        for widget in (header, self.list, self.note):
-            column.addWidget(widget)
-        column.addWidget(self.table, 1)
-        column.addLayout(footer)
+        fill(QVBoxLayout(self), header, self.list, self.note, (self.table, 1), footer)
         self.resize(*SIZE)
         self.list.currentRowChanged.connect(self._show)
         self.list.setCurrentRow(0)
@@ -343,8 +339,7 @@ class RecoveryDialog(QDialog):
         return self.entries[self.list.currentRow()]
 
     def _button(self, text: str, choice: OnRecovery) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
+        button = QPushButton(text, autoDefault=False)
         button.clicked.connect(lambda: self._choose(choice))
         return button
 

@@ -57,6 +57,7 @@ from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example
+from kindyna_gui.rebuilt import fill
 
 NEW_LAW = "modified-sine"  # of the rise and the return of a new design
 FIRST_OF_KIND: Mapping[str, str] = MappingProxyType(
@@ -185,20 +186,19 @@ class LinkageDialog(QDialog):
         self.inputs.setToolTip("Driving joints: the first is the driver, the others follow it")
         self.picture, self.message = QLabel(), MessageLabel(SCREEN.quiet)
         self.picture.setFixedSize(PICTURE)
-        form = QFormLayout()
-        form.addRow("Lengths in", self.units)
-        form.addRow("Inputs", self.inputs)
-        form.addRow(self.mirror)
+        form = fill(QFormLayout(), ("Lengths in", self.units), ("Inputs", self.inputs), self.mirror)
         self.buttons, self.ok = dialogs.accept_buttons(self, "Begin")
         add_copy_of_line(self.buttons, self._as_command)
-        column = QVBoxLayout(self)
-        column.addWidget(bold_label("Linkage from Pyslvs, PMKS+ or Linkage"))
-        column.addWidget(self.text, 1)
-        column.addWidget(self.open_button)
-        column.addLayout(form)
-        column.addWidget(self.picture, 0, Qt.AlignmentFlag.AlignHCenter)
-        column.addWidget(self.message)
-        column.addWidget(self.buttons)
+        fill(
+            QVBoxLayout(self),
+            bold_label("Linkage from Pyslvs, PMKS+ or Linkage"),
+            (self.text, 1),
+            self.open_button,
+            form,
+            (self.picture, 0, Qt.AlignmentFlag.AlignHCenter),
+            self.message,
+            self.buttons,
+        )
         self.resize(560, 700)
         self.open_button.clicked.connect(self._open)
         self.text.textChanged.connect(self._change_text)

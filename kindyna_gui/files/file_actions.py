@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QFileSystemWatcher, QObject, Qt, QTimer, Signal
+from PySide6.QtCore import QFileSystemWatcher, QObject, Qt, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
 
@@ -19,6 +19,7 @@ from kindyna_gui.dialogs import IncompleteChoice, OnConflict, SaveAnswer
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misfit_sentences
 from kindyna_gui.look import sign
+from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.settings import Settings
 
 NOT_ON_DISK = {
@@ -261,8 +262,7 @@ class FileWatch(QObject):
         self.sources: tuple[str, ...] = ()
         self._session = session
         self._system = QFileSystemWatcher(self)
-        self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
-        self._soon.timeout.connect(self.compare)
+        self._soon = single_shot(self, self.compare, PAUSE_MS)
         self._system.fileChanged.connect(self._begin_pause)
         self._system.directoryChanged.connect(self._begin_pause)
         session.file_changed.connect(self._file_changed)

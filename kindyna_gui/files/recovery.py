@@ -16,7 +16,7 @@ from threading import Event, Thread
 from time import monotonic
 from types import FrameType
 
-from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, QTimer, Signal
+from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, Signal
 from PySide6.QtWidgets import QWidget
 
 from core.design import Design
@@ -28,6 +28,7 @@ from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.documents.session import Session
 from kindyna_gui.files.file_actions import Documents
 from kindyna_gui.places import state_folder
+from kindyna_gui.rebuilt import single_shot
 
 PAUSE = 0.5  # seconds between two writes
 PAUSE_AFTER_FAILURE = 5.0
@@ -137,8 +138,7 @@ class Recovery(QObject):
         self._writer: RecoveryWriter | None = None
         self._submitted: tuple[object, ...] | None = None
         self._failure = ""
-        self._check = QTimer(self, singleShot=True, interval=CHECK_MS)
-        self._check.timeout.connect(self._report_failure)
+        self._check = single_shot(self, self._report_failure, CHECK_MS)
 
     # -- writing -------------------------------------------------------------------------------------
 

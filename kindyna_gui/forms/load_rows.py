@@ -53,6 +53,7 @@ from kindyna_gui.forms.number_box import WordBox, row_height
 from kindyna_gui.labels import reason
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import STRETCH, fill
 
 _ARROWS = {"up": Qt.ArrowType.UpArrow, "down": Qt.ArrowType.DownArrow}
 _STEPS: Mapping[int, int] = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
@@ -247,12 +248,7 @@ def taken_by_list(rows: Any, event: QKeyEvent) -> bool:
 
 def row_of_buttons(buttons: Iterable[QToolButton], above: int = 0) -> QHBoxLayout:
     """Return a row with the buttons at the left, and some pixels above and below them."""
-    row = QHBoxLayout()
-    row.setContentsMargins(4, above, 4, above)
-    row.setSpacing(0)
-    for button in buttons:
-        row.addWidget(button)
-    row.addStretch(1)
+    row = fill(QHBoxLayout(), *buttons, STRETCH, margins=(4, above, 4, above), spacing=0)
     return row
 
 
@@ -302,17 +298,10 @@ class WhenRow(QWidget):
         )
         label = NameLabel("When", False)
         label.setBuddy(self.box)
-        line = QHBoxLayout()
-        line.addWidget(label)
-        line.addWidget(self.box, 1)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 3)
-        column.setSpacing(2)
-        column.addLayout(line)
-        column.addLayout(row_of_buttons(self._table_buttons))
+        line = fill(QHBoxLayout(), label, (self.box, 1))
         self.rest = QLabel(wordWrap=True)
         coloured(self.rest, SCREEN.quiet)
-        column.addWidget(self.rest)
+        fill(QVBoxLayout(self), line, row_of_buttons(self._table_buttons), self.rest, margins=(0, 0, 0, 3), spacing=2)
         self.box.activated.connect(self._choose)
 
     @property

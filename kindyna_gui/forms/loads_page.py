@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import partial
 
-from PySide6.QtCore import QSignalBlocker, QSize, QTimer, Signal
+from PySide6.QtCore import QSignalBlocker, QSize, Signal
 from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
@@ -23,7 +23,7 @@ from kindyna_gui.forms.load_rows import AttachmentRows, WhenRow, list_button, ro
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import digits, readable
-from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.rebuilt import clear_menu, fill, single_shot
 
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),
@@ -205,15 +205,9 @@ class LoadsPage(QWidget):
         self.buttons["add"].setMenu(self.menu)
         self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         bar = row_of_buttons(self.buttons.values())
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.table)
-        column.addLayout(bar)
-        column.addWidget(self.form, 1)
+        fill(QVBoxLayout(self), self.table, bar, (self.form, 1), margins=0, spacing=0)
         self.form.setMinimumHeight(LOWEST)
-        self._later = QTimer(self, singleShot=True, interval=LARGEST_MS)
-        self._later.timeout.connect(self._find_largest)
+        self._later = single_shot(self, self._find_largest, LARGEST_MS)
         self.table.chosen.connect(self._choose)
         self.table.moved.connect(self._move)
         self.table.removed.connect(self._remove)
@@ -301,12 +295,8 @@ class LoadsPage(QWidget):
         if parts_of(group)[0] != "process":
             return rows
         both = QWidget()
-        column = QVBoxLayout(both)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
         self.whens[group] = WhenRow(self._session, group)
-        column.addWidget(rows)
-        column.addWidget(self.whens[group])
+        fill(QVBoxLayout(both), rows, self.whens[group], margins=0, spacing=0)
         return both
 
     @property

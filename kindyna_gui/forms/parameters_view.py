@@ -23,7 +23,7 @@ from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.rebuilt import call_soon, fill
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View, ViewHost
 
@@ -110,27 +110,20 @@ class ParametersView(View):
         self._subject = ""  # the drive that is shown
         self._scrolls: dict[str, tuple[str, int]] = {}
         session.started.connect(self._scrolls.clear)
-        header = QHBoxLayout()
-        header.setContentsMargins(8, 5, 8, 3)
-        header.addWidget(self.name, 1)
-        self.filter = QLineEdit(clearButtonEnabled=True)
-        self.filter.setPlaceholderText("Filter")
+        header = fill(QHBoxLayout(), (self.name, 1), margins=(8, 5, 8, 3))
+        self.filter = QLineEdit(clearButtonEnabled=True, placeholderText="Filter")
         self.filter.setAccessibleName("Filter of fields")
         self.filter.setToolTip("Show only fields with these words in their name")
         self.filter.setMaximumWidth(110)
         self.filter.textChanged.connect(self._look_for)
-        footer = QHBoxLayout()
-        footer.setContentsMargins(10, 2, 10, 4)
-        footer.addWidget(self.filter)  # in the header it would take the room of a long name
-        footer.addWidget(self.legend, 1)
-        footer.addWidget(self.kind)
-        layout = QVBoxLayout()
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(3)
-        layout.addLayout(header)
-        layout.addWidget(self.tabs, 1)
-        layout.addWidget(self.incomplete_bar)
-        layout.addLayout(footer)
+        footer = fill(
+            QHBoxLayout(),
+            self.filter,  # in the header it would take the room of a long name
+            (self.legend, 1),
+            self.kind,
+            margins=(10, 2, 10, 4),
+        )
+        layout = fill(QVBoxLayout(), header, (self.tabs, 1), self.incomplete_bar, footer, margins=0, spacing=3)
         self.set_content_layout(layout)
 
     def belong_to(self, window: ViewHost) -> None:

@@ -11,7 +11,7 @@ from dataclasses import Field
 from html import escape
 from typing import Any, TypeVar
 
-from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -40,6 +40,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, coloured
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import fill, single_shot
 
 Kind = TypeVar("Kind")
 Summary = Callable[[Mapping[str, Any]], str]
@@ -88,17 +89,10 @@ class PutDialog(QDialog):
         left = QWidget()
         left.setLayout(questions)
         left.setFixedWidth(width)
-        middle = QHBoxLayout()
-        middle.setSpacing(12)
-        middle.addWidget(left)
+        middle = fill(QHBoxLayout(), left, spacing=12)
         _add_stretched(middle, shown)
-        footer = QHBoxLayout()
-        footer.addWidget(self.message, 1)
-        footer.addWidget(self.buttons)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(12, 10, 12, 10)
-        column.addLayout(middle, 1)
-        column.addLayout(footer)
+        footer = fill(QHBoxLayout(), (self.message, 1), self.buttons)
+        fill(QVBoxLayout(self), (middle, 1), footer, margins=(12, 10, 12, 10))
         self.setMinimumSize(least)
         self.resize(default.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
@@ -157,10 +151,7 @@ class RequestForm(QWidget):
         super().__init__()
         self.kind = kind
         self.boxes: dict[str, Any] = {}
-        self.rows = QFormLayout(self)
-        self.rows.setContentsMargins(0, 0, 0, 0)
-        for label, field in above:
-            self.rows.addRow(label, field)
+        self.rows = fill(QFormLayout(self), *above, margins=0)
         self._fields = {field.name: field for field in request_fields(kind) if info_of(field) is not None}
         self._groups: dict[str, list[str]] = {}
         for name, row in self._fields.items():
@@ -315,11 +306,8 @@ class ComputedDialog(QDialog):
         sides = QHBoxLayout()
         sides.addLayout(left)
         _add_stretched(sides, shown)
-        column = QVBoxLayout(self)
-        column.addLayout(sides)
-        column.addWidget(self.buttons)
-        self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
-        self._pause.timeout.connect(lambda: self._work.start([("", self.job())]))
+        fill(QVBoxLayout(self), sides, self.buttons)
+        self._pause = single_shot(self, lambda: self._work.start([("", self.job())]), PAUSE_MS)
         self._work.result.connect(self._take)
         self.finished.connect(self._pause.stop)
         self.finished.connect(self._work.close)
@@ -441,13 +429,8 @@ class ScaleDialog(QDialog):
             ),
         )
         give_help(self, "tour#Scale the design")
-        form = QFormLayout()
-        form.addRow(FACTOR.label, self.factor)
-        form.addRow(self.masses)
-        column = QVBoxLayout(self)
-        column.addLayout(form)
-        column.addWidget(self.text)
-        column.addWidget(self.buttons)
+        form = fill(QFormLayout(), (FACTOR.label, self.factor), self.masses)
+        fill(QVBoxLayout(self), form, self.text, self.buttons)
         self.factor.entered.connect(self._enter)
         self.factor.unreadable.connect(self._refuse)
         self.masses.toggled.connect(self._show)

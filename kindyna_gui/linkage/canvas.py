@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QContextMenuEvent,
@@ -30,6 +30,7 @@ from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.shapes import joined, outline
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nearest
+from kindyna_gui.rebuilt import single_shot
 
 NOTCH, STEP = 120.0, 1.25  # angle of a notch of the wheel, and its zoom factor
 FURTHEST, CLOSEST = 0.05, 400.0  # zoom limits relative to the scale that fits the mechanism
@@ -111,8 +112,7 @@ class Canvas(QGraphicsView):
         self._centre, self._scale = QPointF(), 1.0
         self._grip: QPointF | None = None
         self._pressed = QPointF()
-        self.rest = QTimer(self, singleShot=True, interval=REST_MS)
-        self.rest.timeout.connect(scene.lay_labels)
+        self.rest = single_shot(self, scene.lay_labels, REST_MS)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

@@ -260,10 +260,9 @@ class CircleView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.diagram = CircleDiagram()
-        self.text = QLabel(wordWrap=True)
+        self.text = QLabel(wordWrap=True, textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.text.setMinimumSize(1, 1)
         self.text.setContentsMargins(8, 0, 8, 0)
-        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.count = QLabel(alignment=Qt.AlignmentFlag.AlignCenter)
         self.back, self.next, self.end = QPushButton("&Back"), QPushButton("&Next"), QPushButton("&End")
         self.back.setToolTip("One step back")

@@ -22,6 +22,7 @@ from kindyna_gui.linkage.typed_values import TypedValues
 from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill
 
 EMPTY_WIDTH_MM = 260.0  # visible width of an empty drawing
 _FIRST = "0123456789.-+("  # characters that open the input boxes
@@ -57,16 +58,9 @@ class DrawBar(QWidget):
             self.tools.addAction(action)
         self.prompt = QLabel()
         self.state = SteadyText()
-        row = QHBoxLayout()
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(self.tools)
-        row.addWidget(self.prompt, 1)
+        row = fill(QHBoxLayout(), self.tools, (self.prompt, 1), margins=0)
         self.prompt.setMinimumWidth(1)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(4, 1, 4, 2)
-        column.setSpacing(1)
-        column.addLayout(row)
-        column.addWidget(self.state)
+        fill(QVBoxLayout(self), row, self.state, margins=(4, 1, 4, 2), spacing=1)
         self.hide()
 
 

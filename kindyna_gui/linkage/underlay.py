@@ -35,6 +35,7 @@ from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.draw_tools import nearest_mark
 from kindyna_gui.linkage.typed_values import Box, Typed, TypedBoxes
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import Settings
 
 MM, DEG = UNITS["mm"], UNITS["deg"]
@@ -345,9 +346,7 @@ class UnderlayPanel(QDialog):
         self.remove = QPushButton("&Remove")
         self.remove.clicked.connect(lambda *_: desk.put(None))
         self.boxes: dict[str, NumberBox] = {}
-        form = QFormLayout()
-        form.addRow(self.name)
-        form.addRow(_row(choose, self.remove))
+        form = fill(QFormLayout(), self.name, _row(choose, self.remove))
         for label, name, unit in FIELDS:
             box = NumberBox(Info(label.replace("&", "")), unit) if unit is not None else NumberBox(Info("mm of a unit"))
             box.entered.connect(partial(self._enter, name))
@@ -416,9 +415,5 @@ class UnderlayPanel(QDialog):
 
 
 def _row(*widgets: QWidget) -> QHBoxLayout:
-    row = QHBoxLayout()
-    row.setContentsMargins(0, 0, 0, 0)
-    for widget in widgets:
-        row.addWidget(widget)
-    row.addStretch(1)
+    row = fill(QHBoxLayout(), *widgets, STRETCH, margins=0)
     return row

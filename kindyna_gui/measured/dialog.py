@@ -57,6 +57,7 @@ from kindyna_gui.measured.segments import (
 )
 from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
 from kindyna_gui.pictures.plots.xy import XYPlot
+from kindyna_gui.rebuilt import fill
 
 WAIT = 0.15  # seconds for a fast result, before the dialog says that it is computing
 COMPUTING = "Reading the table and fitting the motion. Cancel stops it."
@@ -110,9 +111,8 @@ class MeasuredDialog(PutDialog):
         self.cells.setPlaceholderText("All cells, or A1:C400")
         self.cells.setToolTip("Cells of the table, by two opposite corners")
         self.sheet = SheetTable()
-        self.leave = QPushButton("Leave these rows &out")
+        self.leave = QPushButton("Leave these rows &out", autoDefault=False)
         self.leave.setToolTip("Leave these lines out; the file does not change")
-        self.leave.setAutoDefault(False)
         self.leave.hide()
         self.alternatives = WordBox()
         self.alternatives.setAccessibleName("Rows that may be wrong")
@@ -130,8 +130,6 @@ class MeasuredDialog(PutDialog):
     # -- layout ------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        left = QVBoxLayout()
-        left.addLayout(self._file_row())
         self.workbook = QWidget()
         workbook_row = QHBoxLayout(self.workbook)
         workbook_row.setContentsMargins(0, 0, 0, 0)
@@ -141,23 +139,14 @@ class MeasuredDialog(PutDialog):
             workbook_row.addWidget(label)
             workbook_row.addWidget(box, 1)
         self.workbook.setVisible(self.pages.count() > 0)
-        left.addWidget(self.workbook)
-        left.addWidget(self.form)
-        left.addSpacing(4)
-        self.estimate = QPushButton("Esti&mate")
+        self.estimate = QPushButton("Esti&mate", autoDefault=False)
         self.estimate.setToolTip(
             "Estimate the errors from the scatter of the rows, at least the rounding of the last digit"
         )
-        self.estimate.setAutoDefault(False)
-        heading = QHBoxLayout()
-        heading.addWidget(bold_label("Fit"), 1)
-        heading.addWidget(self.estimate)
-        left.addLayout(heading)
-        left.addLayout(self._number_rows())
+        heading = fill(QHBoxLayout(), (bold_label("Fit"), 1), self.estimate)
         checks = QHBoxLayout()
         for check in (self.laws, self.dwells, self.keep_all, self.mirror):
             checks.addWidget(check)
-        left.addLayout(checks)
         result = QWidget()
         self.figures = QFormLayout(result)
         self.figures.setVerticalSpacing(3)
@@ -166,20 +155,23 @@ class MeasuredDialog(PutDialog):
         tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its tab bar has the focus instead
         tabs.addTab(self.sheet, "T&able")
         tabs.addTab(result, "Res&ult")
-        left.addWidget(tabs, 1)
-        right = QVBoxLayout()
-        right.setSpacing(2)
-        right.addWidget(self.rows_plot, 4)
+        left = fill(
+            QVBoxLayout(),
+            self._file_row(),
+            self.workbook,
+            self.form,
+            4,
+            heading,
+            self._number_rows(),
+            checks,
+            (tabs, 1),
+        )
+        right = fill(QVBoxLayout(), (self.rows_plot, 4), spacing=2)
         for plot in self.derivative_plots:
             right.addWidget(plot, 2)
         right.addWidget(self.residual_plot, 3)
-        footer = QHBoxLayout()
-        footer.addWidget(self.segments, 11)
-        notes = QVBoxLayout()
-        notes.addWidget(self.entries)
-        notes.addWidget(self.leave, 0, Qt.AlignmentFlag.AlignLeft)
-        notes.addWidget(self.alternatives)
-        footer.addLayout(notes, 10)
+        notes = fill(QVBoxLayout(), self.entries, (self.leave, 0, Qt.AlignmentFlag.AlignLeft), self.alternatives)
+        footer = fill(QHBoxLayout(), (self.segments, 11), (notes, 10))
         right.addLayout(footer, 3)
         self.frame(left, FORM_WIDTH, right, TYPICAL_SIZE, LEAST_SIZE)
 
@@ -191,15 +183,12 @@ class MeasuredDialog(PutDialog):
             self.setTabOrder(previous, following)
 
     def _file_row(self) -> QHBoxLayout:
-        row = QHBoxLayout()
         name = bold_label(self._path.name)
         name.setToolTip(str(self._path))
         name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.again = QPushButton("&Read again")
+        self.again = QPushButton("&Read again", autoDefault=False)
         self.again.setToolTip("Read the file again after you corrected it")
-        self.again.setAutoDefault(False)
-        row.addWidget(name, 1)
-        row.addWidget(self.again)
+        row = fill(QHBoxLayout(), (name, 1), self.again)
         return row
 
     def _number_rows(self) -> QGridLayout:

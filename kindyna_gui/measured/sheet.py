@@ -33,6 +33,7 @@ from kindyna_gui.look import bold_label
 from kindyna_gui.measured.form import symbol
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import STRETCH, fill
 
 TITLE, FILES = "Import controller table", "Tables of controllers (*)"
 FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 330, QSize(900, 480), QSize(700, 360)
@@ -61,13 +62,8 @@ class ControllerTableDialog(PutDialog):
         self._unit = require_motion(session.design).unit
         self.controller_motion: ControllerMotion | None = None
         self.controller, self.interpolation, self.plot = QComboBox(), QComboBox(), XYPlot("", "")
-        self.form = QFormLayout()
-        self.form.addRow("Controller", self.controller)
-        self.form.addRow("Between two rows", self.interpolation)
-        left = QVBoxLayout()
-        left.addWidget(bold_label(path.name))
-        left.addLayout(self.form)
-        left.addStretch(1)
+        self.form = fill(QFormLayout(), ("Controller", self.controller), ("Between two rows", self.interpolation))
+        left = fill(QVBoxLayout(), bold_label(path.name), self.form, STRETCH)
         self.frame(left, FORM_WIDTH, self.plot, TYPICAL_SIZE, LEAST_SIZE)
         add_copy_of_line(self.buttons, self._as_command)
         fill_choices(self.controller, {slug: row.label for slug, row in self._rows.items()})

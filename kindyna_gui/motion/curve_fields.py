@@ -60,7 +60,7 @@ from kindyna_gui.motion.diagram import snap_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
 from kindyna_gui.settings import DISPLAY, symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
@@ -385,16 +385,8 @@ class PointsTable(QWidget):
             "add", "Point", "Add a point on the curve at the current cam angle (Ins)", self.add
         )
         self.remove_button = self._button("close", "Remove", "Remove the selected point (Del)", self.remove)
-        buttons = QVBoxLayout()
-        buttons.setSpacing(1)
-        buttons.addWidget(self.add_button)
-        buttons.addWidget(self.remove_button)
-        buttons.addStretch(1)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(4)
-        row.addWidget(self.table, 1)
-        row.addLayout(buttons)
+        buttons = fill(QVBoxLayout(), self.add_button, self.remove_button, STRETCH, spacing=1)
+        fill(QHBoxLayout(self), (self.table, 1), buttons, margins=0, spacing=4)
 
     def _button(self, name: str, text: str, tip: str, slot: Any) -> QToolButton:
         button = QToolButton(autoRaise=True)
@@ -472,11 +464,8 @@ class SegmentCurveForm(QWidget):
         self._shown: tuple[int, type | str, tuple[str, ...]] = (-1, "", ())
         self.fields: dict[str, Field] = {}
         self.points: PointsTable | None = None
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(10, 3, 6, 0)
-        self._column.setSpacing(2)
         self._form_area = ContentArea(session, player)
-        self._column.addWidget(self._form_area)
+        self._column = fill(QVBoxLayout(self), self._form_area, margins=(10, 3, 6, 0), spacing=2)
         self.update_style()
 
     def update_style(self) -> None:
@@ -506,8 +495,7 @@ class SegmentCurveForm(QWidget):
         self._form_area.replace(self._paper)
 
     def _add_sentence(self, text: str) -> None:
-        label = QLabel(text)
-        label.setWordWrap(True)
+        label = QLabel(text, wordWrap=True)
         coloured(label, SCREEN.quiet)
         self._grid().addWidget(label, 0, 0)
 

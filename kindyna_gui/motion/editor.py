@@ -48,6 +48,7 @@ from kindyna_gui.motion.diagram import (
 )
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player, obey
+from kindyna_gui.rebuilt import fill
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 LEAST_HEIGHT = 350  # pixels of height from which the derivatives are shown
@@ -89,15 +90,11 @@ class DerivativePlots(QWidget):
     visibility_changed = Signal()
 
     def __init__(self, diagram: MotionDiagram) -> None:
-        super().__init__()
+        super().__init__(autoFillBackground=True)
         self.setBackgroundRole(QPalette.ColorRole.Base)
-        self.setAutoFillBackground(True)
         self._diagram = diagram
         self.plots = tuple(LivePlot(names=False, angles=name == QUANTITIES[-1]) for name in QUANTITIES)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(diagram, DIAGRAM)
+        column = fill(QVBoxLayout(self), (diagram, DIAGRAM), margins=0, spacing=0)
         for plot in self.plots:
             plot.setMinimumHeight(1)
             plot.hide()

@@ -29,7 +29,7 @@ from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
-from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.rebuilt import ContentArea, fill
 
 STROKE = Info(
     "Stroke",
@@ -104,24 +104,17 @@ class MotionHeader(QWidget):
         self.fields: dict[str, Field] = {}
         self.has_stroke = False
         self._fields_area, self.errors = ContentArea(session), ContentArea(session)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self._fields_area)
         self.origin, self.unlink_button = QLabel(), QPushButton("Make it a motion of its own")
         self.unlink_button.setToolTip("Unlink the motion from these files, so that you can edit it here")
         self.unlink_button.clicked.connect(self._unlink)
         self._following = QWidget()
-        row = QHBoxLayout(self._following)
-        row.setContentsMargins(10, 2, 6, 4)
-        row.addWidget(self.origin, 1)
-        row.addWidget(self.unlink_button)
+        fill(QHBoxLayout(self._following), (self.origin, 1), self.unlink_button, margins=(10, 2, 6, 4))
         self._following.hide()
         self.cycle = QLabel()
         self.cycle.setContentsMargins(10, 0, 6, 3)
         self.cycle.setToolTip("Figures of one turn; energy with recovery is reduced by the energy of braking")
         self.cycle.hide()
-        column.addWidget(self._following)
-        column.addWidget(self.cycle)
+        fill(QVBoxLayout(self), self._fields_area, self._following, self.cycle, margins=0)
 
     def show_motion(self, design: Design) -> None:
         """Show the values of a design's motion."""

@@ -21,7 +21,7 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
 from kindyna_gui.settings import DISPLAY
 
 SPACING = 6  # pixels between a name and its field
@@ -105,16 +105,18 @@ class MotionPage(QScrollArea):
         chooser.addWidget(self.segment, 0, 1)
         chooser.setColumnStretch(1, 1)
         paper = QWidget()
-        column = QVBoxLayout(paper)
-        column.setContentsMargins(0, 0, 0, 4)
-        column.setSpacing(1)
-        column.addWidget(self.header)
-        column.addWidget(self.header.errors)
-        column.addLayout(chooser)
-        column.addWidget(self._segment_area)
-        column.addWidget(self.curve)
-        column.addWidget(self.bar)
-        column.addStretch(1)
+        fill(
+            QVBoxLayout(paper),
+            self.header,
+            self.header.errors,
+            chooser,
+            self._segment_area,
+            self.curve,
+            self.bar,
+            STRETCH,
+            margins=(0, 0, 0, 4),
+            spacing=1,
+        )
         self.setWidget(paper)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)

@@ -19,7 +19,7 @@ from kindyna_gui.pictures.items import wrapped
 from kindyna_gui.pictures.plots.quantities import paint_law
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.pictures.units import short
-from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.rebuilt import call_soon, fill
 
 LEAST_VELOCITY = 1e-9  # a smaller velocity at an end of a law is 0 [rise/span]
 COLUMNS = 4
@@ -205,15 +205,14 @@ class LawPicker(QFrame):
     closed = Signal()
 
     def __init__(self, parent: QWidget, current: str, typed: str = "") -> None:
-        super().__init__(parent, Qt.WindowType.Popup)
+        super().__init__(parent, Qt.WindowType.Popup, frameShape=QFrame.Shape.Box)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setFrameShape(QFrame.Shape.Box)
         self.setStyleSheet(f"LawPicker {{ border: 1px solid {SCREEN.line}; }}")
         self.grid = LawGrid()
         self.grid.choose(current)
-        self.filter = QLineEdit(typed)
-        self.filter.setPlaceholderText("Type a part of the name, such as cycl, 3-4-5, blending")
-        self.filter.setClearButtonEnabled(True)
+        self.filter = QLineEdit(
+            typed, placeholderText="Type a part of the name, such as cycl, 3-4-5, blending", clearButtonEnabled=True
+        )
         self.filter.textChanged.connect(self._filter)
         self.filter.installEventFilter(self)
         self.no_match = QLabel("No name of a law contains this text.", alignment=Qt.AlignmentFlag.AlignCenter)
@@ -231,13 +230,7 @@ class LawPicker(QFrame):
         self.area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.area.viewport().setStyleSheet(f"background: {SCREEN.paper};")
-        column = QVBoxLayout(self)
-        column.setContentsMargins(6, 6, 6, 6)
-        column.setSpacing(4)
-        column.addWidget(self.filter)
-        column.addWidget(self.no_match)
-        column.addWidget(self.area, 1)
-        column.addWidget(legend)
+        fill(QVBoxLayout(self), self.filter, self.no_match, (self.area, 1), legend, margins=6, spacing=4)
         bar = self.area.verticalScrollBar().sizeHint().width()
         self.area.setFixedWidth(self.grid.width() + bar)
         self.area.setMinimumHeight(min(LIST_HEIGHT, self.grid.height()))

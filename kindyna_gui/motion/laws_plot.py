@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QHideEvent, QPainter, QPaintEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -42,7 +42,7 @@ from kindyna_gui.pictures.plots.plot import RIGHT_MARGIN, shown_range
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SCREEN, SKY, SMALL, VERMILION, Theme, font
 from kindyna_gui.pictures.units import digits
-from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.rebuilt import ContentArea, fill, single_shot
 from kindyna_gui.requirements import NO_RANKING
 from kindyna_gui.settings import sized
 
@@ -279,8 +279,7 @@ class RankingPanel(QWidget):
         self._order: tuple[int, bool] | None = (0, False)  # figure, descending
         self._work = Background(self, POLL_MS)
         self._work.result.connect(self._take_result)
-        self._soon = QTimer(self, singleShot=True, interval=REDRAW_MS)
-        self._soon.timeout.connect(self._show)
+        self._soon = single_shot(self, self._show, REDRAW_MS)
         self.bar, self.text = QProgressBar(textVisible=False), QLabel()
         self.bar.setAccessibleName("Ranking")
         self.bar.setFixedHeight(10)
@@ -295,11 +294,7 @@ class RankingPanel(QWidget):
         row.setContentsMargins(6, 3, 6, 3)
         for part in (self.text, self.bar, self.cancel, self.resume):
             row.addWidget(part, 1 if part in (self.text, self.bar) else 0)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self._table, 1)
-        column.addLayout(row)
+        fill(QVBoxLayout(self), (self._table, 1), row, margins=0, spacing=0)
 
     @property
     def busy(self) -> bool:

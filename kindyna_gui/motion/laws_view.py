@@ -41,7 +41,7 @@ from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import SCREEN, cached_by_theme
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.rebuilt import clear_menu, fill
 from kindyna_gui.view import View, ViewHost
 
 Index = QModelIndex | QPersistentModelIndex
@@ -405,27 +405,18 @@ class LawsView(View):
         self.ranking.text.linkActivated.connect(window.do)
 
     def _plot_pages(self) -> QWidget:
-        self._paper = QWidget()
+        self._paper = QWidget(autoFillBackground=True)
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
-        self._paper.setAutoFillBackground(True)
         self._grid = QGridLayout(self._paper)
         self._grid.setContentsMargins(0, 4, 4, 4)
         self._grid.setSpacing(2)
         self._grid.addWidget(self.legend, 0, 0, 1, 2)
-        pages = QWidget()
-        pages.setMinimumHeight(LEAST_PLOTS_HEIGHT)
+        pages = QWidget(minimumHeight=LEAST_PLOTS_HEIGHT, autoFillBackground=True)
         pages.setBackgroundRole(QPalette.ColorRole.Base)
-        pages.setAutoFillBackground(True)
-        self._pages = QStackedLayout(pages)
-        self._pages.addWidget(self._paper)
-        self._pages.addWidget(self.empty)
-        self._pages.addWidget(self.ranking)
+        self._pages = fill(QStackedLayout(pages), self._paper, self.empty, self.ranking)
         return pages
 
     def _tools(self) -> QHBoxLayout:
-        row = QHBoxLayout()
-        row.setContentsMargins(6, 3, 6, 3)
-        row.setSpacing(6)
         self.use_button.setIcon(icon("insert"))
         self.use_button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.use_button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
@@ -442,8 +433,7 @@ class LawsView(View):
         )
         self.all_button.setToolTip("Put the law into every segment that moves instead of the selected one")
         coloured(self.note, SCREEN.limit)
-        row.addWidget(self.use_button)
-        row.addWidget(self.clear_button)
+        row = fill(QHBoxLayout(), self.use_button, self.clear_button, margins=(6, 3, 6, 3), spacing=6)
         for button in (self.rank_button, self.all_button):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             row.addWidget(button)

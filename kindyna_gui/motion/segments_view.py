@@ -8,7 +8,7 @@ from math import degrees, radians
 from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QBoxLayout,
@@ -55,7 +55,7 @@ from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, Se
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.rebuilt import STRETCH, call_soon, fill, single_shot
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
@@ -216,22 +216,16 @@ class SegmentBar(QWidget):
         super().__init__()
         self._enabled: dict[str, bool] = {}
         self.buttons = {name: self._button(name) for name, row in ACTIONS.items() if row.has_button}
-        row = QHBoxLayout(self)
-        row.setContentsMargins(4, 1, 4, 3)
-        row.setSpacing(0)
-        for button in self.buttons.values():
-            row.addWidget(button)
-        row.addStretch(1)
+        row = fill(QHBoxLayout(self), *self.buttons.values(), STRETCH, margins=(4, 1, 4, 3), spacing=0)
         row.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
         self._text_width = sum(button.sizeHint().width() for button in self.buttons.values()) + 8
 
     def _button(self, name: str) -> QToolButton:
         row = ACTIONS[name]
-        button = QToolButton(autoRaise=True)
+        button = QToolButton(autoRaise=True, toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setText(row.text)
         button.setIcon(icon(row.icon))
         button.setToolTip(row.tip)
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setIconSize(QSize(16, 16))
         button.clicked.connect(lambda: self.action_requested.emit(name, None))
         return button
@@ -284,12 +278,7 @@ class SegmentForm(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         paper = QWidget()
-        column = QVBoxLayout(paper)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(1)
-        for part in parts:
-            column.addWidget(part)
-        column.addStretch(1)
+        fill(QVBoxLayout(paper), *parts, STRETCH, margins=0, spacing=1)
         self.setWidget(paper)
 
     def set_view_height(self, view_height: int) -> None:
@@ -327,8 +316,7 @@ class SegmentsView(MarkedView):
         self.curve = SegmentCurveForm(session, player)
         self.header = MotionHeader(session)
         self.incomplete_bar = IncompleteBar()
-        self.message = QLabel(wordWrap=True)
-        self.message.setMargin(6)
+        self.message = QLabel(wordWrap=True, margin=6)
         coloured(self.message, SCREEN.limit)
         self.message.hide()
         self.bar = SegmentBar()
@@ -338,36 +326,24 @@ class SegmentsView(MarkedView):
         self._hides_before = False  # the motion before the last edit
         self._before: Design | None = None
         self._displacement_before: np.ndarray | None = None
-        self._sharing = QTimer(self, singleShot=True, interval=0)  # after the layout
-        self._sharing.timeout.connect(self._divide_height)
+        self._sharing = single_shot(self, self._divide_height)  # after the layout
         self._lay_out()
         self._connect()
 
     def _lay_out(self) -> None:
         lower = QWidget()
-        self._parts = QBoxLayout(QBoxLayout.Direction.TopToBottom, lower)
-        self._parts.setContentsMargins(0, 0, 0, 0)
-        self._parts.setSpacing(1)
         lower_form = QWidget()
-        column = QVBoxLayout(lower_form)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(1)
-        column.addWidget(self.form)
-        column.addWidget(self.bar)
-        self._parts.addWidget(self.table, 1)
-        self._parts.addWidget(lower_form)
-        self.splitter = QSplitter(Qt.Orientation.Vertical)
-        self.splitter.setChildrenCollapsible(False)
+        fill(QVBoxLayout(lower_form), self.form, self.bar, margins=0, spacing=1)
+        self._parts = fill(
+            QBoxLayout(QBoxLayout.Direction.TopToBottom, lower), (self.table, 1), lower_form, margins=0, spacing=1
+        )
+        self.splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         self.splitter.addWidget(self.derivatives)
         self.splitter.addWidget(lower)
         self._lower = lower
         self.splitter.setStretchFactor(0, 1)
         self.splitter.setStretchFactor(1, 0)
-        layout = QVBoxLayout()
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(1)
-        layout.addWidget(self.header)
-        layout.addWidget(self.splitter, 1)
+        layout = fill(QVBoxLayout(), self.header, (self.splitter, 1), margins=0, spacing=1)
         self.set_content_layout(layout)
 
     def _connect(self) -> None:

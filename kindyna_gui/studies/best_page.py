@@ -23,6 +23,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
 from kindyna_gui.look import bold_label, coloured
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.studies.rows import ToleranceRows, WaveRow
 from kindyna_gui.studies.texts import figure_label, label_of, optimum_html, parts_html, tighter_html, value_text
 
@@ -87,21 +88,20 @@ class BestPage(QWidget):
             grid.addWidget(self.directions[row], row, 1)
             grid.addWidget(self.goals[row], row, 2)
         grid.setColumnStretch(2, 1)
-        buttons = QHBoxLayout()
-        for button in (self.start, self.stop):
-            buttons.addWidget(button)
-        buttons.addStretch(1)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(8, 6, 6, 6)
-        column.setSpacing(8)
-        column.addWidget(bold_label("The best design within the limits"))
-        column.addLayout(grid)
-        column.addWidget(self.robust)
-        column.addLayout(buttons)
-        column.addWidget(self.progress)
-        column.addWidget(self.result_text)
-        column.addWidget(self.take, 0, Qt.AlignmentFlag.AlignLeft)
-        column.addStretch(1)
+        buttons = fill(QHBoxLayout(), self.start, self.stop, STRETCH)
+        fill(
+            QVBoxLayout(self),
+            bold_label("The best design within the limits"),
+            grid,
+            self.robust,
+            buttons,
+            self.progress,
+            self.result_text,
+            (self.take, 0, Qt.AlignmentFlag.AlignLeft),
+            STRETCH,
+            margins=(8, 6, 6, 6),
+            spacing=8,
+        )
         self._show_state()
 
     def _word(self, name: str, act: Callable[[int], None]) -> WordBox:
@@ -234,12 +234,18 @@ class TolerancePage(QWidget):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.note = QLabel(wordWrap=True)
         coloured(self.note, SCREEN.quiet)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(8, 6, 6, 6)
-        column.setSpacing(8)
-        for part in (self.rows, self.waves, self.bands, self.tighter, self.note, self.parts):
-            column.addWidget(part)
-        column.addStretch(1)
+        fill(
+            QVBoxLayout(self),
+            self.rows,
+            self.waves,
+            self.bands,
+            self.tighter,
+            self.note,
+            self.parts,
+            STRETCH,
+            margins=(8, 6, 6, 6),
+            spacing=8,
+        )
 
     def show_design(self, design: Design) -> None:
         """Show the tolerances of a design."""

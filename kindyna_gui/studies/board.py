@@ -36,6 +36,7 @@ from kindyna_gui.forms.tables import CopyKey
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.units import short
 from kindyna_gui.places import state_folder
+from kindyna_gui.rebuilt import STRETCH, fill
 
 CURRENT = "Current"
 IMAGE = QSize(112, 72)  # pixels
@@ -153,9 +154,8 @@ class Board(QWidget):
             action = QAction(text, self.list)
             action.triggered.connect(partial(self._call_for_current, slot))
             self.list.addAction(action)
-        self.compare = QPushButton("Compare")
+        self.compare = QPushButton("Compare", autoDefault=False)
         self.compare.setCheckable(True)
-        self.compare.setAutoDefault(False)
         self.compare.setToolTip("Show the cards in a table, each value with its difference from the current design")
         self.compare.hide()
         self.table = CardsTable()
@@ -164,18 +164,8 @@ class Board(QWidget):
         self._height = self.fontMetrics().lineSpacing()
         self.list.hide()
         self.sort.hide()
-        row = QHBoxLayout()
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(self.keep)
-        row.addStretch(1)
-        row.addWidget(self.compare)
-        row.addWidget(self.sort)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
-        column.addLayout(row)
-        column.addWidget(self.list)
-        column.addWidget(self.table)
+        row = fill(QHBoxLayout(), self.keep, STRETCH, self.compare, self.sort, margins=0)
+        fill(QVBoxLayout(self), row, self.list, self.table, margins=0, spacing=2)
         self.compare.toggled.connect(self._switch)
         self.table.cellDoubleClicked.connect(self._open_row)
         self.keep.clicked.connect(self.keep_requested)

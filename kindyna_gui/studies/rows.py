@@ -20,7 +20,7 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea, clear_menu
+from kindyna_gui.rebuilt import ContentArea, clear_menu, fill
 from kindyna_gui.studies.texts import (
     STATISTICS,
     info_of,
@@ -60,13 +60,15 @@ class _Rows(QWidget):
         self.add, self.menu = QPushButton(add), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.setMenu(self.menu)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
-        column.addWidget(bold_label(title))
-        column.addWidget(self._area)
-        column.addWidget(self.message)
-        column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
+        fill(
+            QVBoxLayout(self),
+            bold_label(title),
+            self._area,
+            self.message,
+            (self.add, 0, Qt.AlignmentFlag.AlignLeft),
+            margins=0,
+            spacing=2,
+        )
 
     def offer(self, groups: Mapping[str, Mapping[str, str]]) -> None:
         """Fill the menu of rows that can be added: group -> key -> name."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
 
@@ -40,7 +40,7 @@ from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.rebuilt import clear_menu, single_shot
 from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
 from kindyna_gui.studies.texts import name_of, number_text, reason_text, span_title, value_text
 from kindyna_gui.view import View, ViewHost
@@ -66,8 +66,7 @@ class _BackgroundRun(QObject):
         self._request: tuple[Any, ...] = ()
         self._work = Background(self)
         self._work.result.connect(self._receive)
-        self._timer = QTimer(self, singleShot=True, interval=pause_ms)
-        self._timer.timeout.connect(self._start_if_visible)
+        self._timer = single_shot(self, self._start_if_visible, pause_ms)
 
     @property
     def busy(self) -> bool:
@@ -349,9 +348,8 @@ class SurveyPages(QStackedWidget):
         for page in (self.map, self._curves_page, self.parallel, self.front):
             self.addWidget(page)
         self.setMinimumSize(*LEAST_PAGE)
-        self.tip = QLabel(self.map)
+        self.tip = QLabel(self.map, margin=MARGIN)
         self.tip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.tip.setMargin(MARGIN)
         self.tip.setBackgroundRole(QPalette.ColorRole.Base)
         self.tip.setAutoFillBackground(True)
         self.tip.hide()

@@ -47,6 +47,7 @@ from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.studies.best_page import BestPage, TolerancePage
 from kindyna_gui.studies.board import Board, BoardFile, Card
 from kindyna_gui.studies.plots import SurveyQuantity
@@ -119,13 +120,11 @@ class StudyView(BackgroundView):
         self.curves, self.tip = self.pages.curves, self.pages.tip
         self.message = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
         self.update_style()
-        self.share = QLabel(wordWrap=True)
-        self.share.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.share = QLabel(wordWrap=True, textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.bands = Bands.of(session)
         self._board_file = BoardFile(session, self.board)
         self.open = StudyMenu(lambda: (self._design, self.session.chosen))
-        self.save = QPushButton("Save the study …")
-        self.save.setAutoDefault(False)
+        self.save = QPushButton("Save the study …", autoDefault=False)
         self.save.setToolTip("Save a study file for the commands kindyna --headless vary and tolerance")
         self._lay_out()
         self._connect()
@@ -138,14 +137,8 @@ class StudyView(BackgroundView):
 
     def _lay_out(self) -> None:
         vary = QWidget()
-        column = QVBoxLayout(vary)
-        column.setContentsMargins(8, 6, 6, 6)
-        column.setSpacing(10)
-        column.addWidget(self.rows)
-        column.addWidget(self.figure_rows)
-        column.addStretch(1)
-        self.tabs = QTabWidget()
-        self.tabs.setDocumentMode(True)
+        fill(QVBoxLayout(vary), self.rows, self.figure_rows, STRETCH, margins=(8, 6, 6, 6), spacing=10)
+        self.tabs = QTabWidget(documentMode=True)
         for title, page in (("Vary", vary), ("Tolerances", self.tolerances), ("Best design", self.best)):
             scroll = QScrollArea(widgetResizable=True)
             scroll.setFrameShape(QFrame.Shape.NoFrame)
@@ -153,31 +146,13 @@ class StudyView(BackgroundView):
             scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             scroll.setWidget(page)
             self.tabs.addTab(scroll, title)
-        files = QHBoxLayout()
-        files.setContentsMargins(8, 0, 6, 0)
-        files.addWidget(self.open)
-        files.addWidget(self.save)
-        files.addStretch(1)
+        files = fill(QHBoxLayout(), self.open, self.save, STRETCH, margins=(8, 0, 6, 0))
         self.share.setContentsMargins(8, 0, 6, 4)
         self._form = QWidget()
         self._form.setFixedWidth(FORM_WIDTH)
-        left = QVBoxLayout(self._form)
-        left.setContentsMargins(0, 4, 0, 0)
-        left.setSpacing(4)
-        left.addLayout(files)
-        left.addWidget(self.tabs, 1)
-        left.addWidget(self.share)
-        result = QVBoxLayout()
-        result.setContentsMargins(0, 4, 6, 4)
-        result.setSpacing(4)
-        result.addWidget(self.pages, 1)
-        result.addWidget(self.message)
-        result.addWidget(self.board)
-        sides = QHBoxLayout()
-        sides.setContentsMargins(0, 0, 0, 0)
-        sides.setSpacing(0)
-        sides.addWidget(self._form)
-        sides.addLayout(result, 1)
+        fill(QVBoxLayout(self._form), files, (self.tabs, 1), self.share, margins=(0, 4, 0, 0), spacing=4)
+        result = fill(QVBoxLayout(), (self.pages, 1), self.message, self.board, margins=(0, 4, 6, 4), spacing=4)
+        sides = fill(QHBoxLayout(), self._form, (result, 1), margins=0, spacing=0)
         self.set_content_layout(sides)
         self.setFocusProxy(self.open)
 

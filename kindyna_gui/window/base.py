@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol
 
-from PySide6.QtCore import QObject, Qt, QTimer
+from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMainWindow, QTabBar, QTabWidget, QVBoxLayout, QWidget
 
@@ -15,6 +15,7 @@ from kindyna_gui.export import Exports
 from kindyna_gui.files.file_actions import Documents
 from kindyna_gui.pictures.plots.quantities import title_for
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill, single_shot
 from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
@@ -56,11 +57,7 @@ class CentralPages(QWidget):
         self.tabs.tabCloseRequested.connect(self.tabs.removeTab)
         self.tabs.currentChanged.connect(self._front_changed)
         self.bar = PLAYER_BAR(session, player)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
-        layout.addWidget(self.tabs, 1)
-        layout.addWidget(self.bar)
+        fill(QVBoxLayout(self), (self.tabs, 1), self.bar, margins=0, spacing=0)
 
     def begin(self) -> None:
         """Show the mechanism, whose page has no button to close it."""
@@ -244,8 +241,7 @@ class Titles(QObject):
         super().__init__(window)
         self._window, self._session = window, window.session
         self._entries: dict[str, tuple[str, str]] = {}  # text and tip of menu entries as in MENUS
-        self._soon = QTimer(self, singleShot=True, interval=0)
-        self._soon.timeout.connect(self._show_or_hide)
+        self._soon = single_shot(self, self._show_or_hide)
         self._session.file_changed.connect(self.name_window)
         self._session.design_changed.connect(self.name_docks)
         self.name_window()

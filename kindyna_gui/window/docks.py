@@ -10,7 +10,7 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QPaintEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -26,6 +26,7 @@ from PySide6.QtWidgets import (
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.view import View, is_in_sight
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
@@ -84,8 +85,7 @@ class DockShares(QObject):
         self._sizes: dict[str, QSize] = {}
         self._noted, self._seen = QSize(), QSize()  # sizes of the window: at the note, and at the last check
         self._echo = False
-        self._late = QTimer(self, singleShot=True, interval=0)
-        self._late.timeout.connect(self._settle)
+        self._late = single_shot(self, self._settle)
         window.installEventFilter(self)
         for dock in self._docks:
             dock.installEventFilter(self)
@@ -333,8 +333,7 @@ class Dock(QDockWidget):
         self._no_title.setParent(self)
         self._no_title.hide()
         self.setWidget(self._blank)
-        self._soon = QTimer(self, singleShot=True, interval=0)
-        self._soon.timeout.connect(self.wake)
+        self._soon = single_shot(self, self.wake)
         self.visibilityChanged.connect(self._visibility_changed)
 
     @property

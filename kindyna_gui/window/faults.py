@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any
 from weakref import ref
 
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QDialog
 from shiboken6 import isValid
@@ -24,6 +24,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Work
 from kindyna_gui.fault_log import FaultLog, short
 from kindyna_gui.look import Note
+from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.view import View
 from kindyna_gui.window.base import Window, title_of
 from kindyna_gui.window.docks import VIEWS
@@ -58,8 +59,7 @@ class Faults(QObject):
         self._action = ""  # menu entry of the current event
         self._failures: list[tuple[str, str]] = []  # of the current event: title of the view, exception in one line
         self._going_back = False
-        self._event_end = QTimer(self, singleShot=True, interval=0)
-        self._event_end.timeout.connect(self._settle)
+        self._event_end = single_shot(self, self._settle)
         self._session.stack.indexChanged.connect(self._step_taken)
         self._session.design_changed.connect(self._event_end.start)
         self._session.incomplete_changed.connect(self._event_end.start)

@@ -30,6 +30,7 @@ from kindyna_gui.help import sections
 from kindyna_gui.labels import allowed_text, choice_text, entry_name, no_number, sentence, step_text, value_text
 from kindyna_gui.motion.header import stroke_entry
 from kindyna_gui.pictures.units import legible
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS
@@ -273,11 +274,9 @@ class Finder(QFrame):
             (TableHeading("Kind"), TableHeading("What", wide=True), TableHeading("Keys, value", number=True))
         )
         self.rows.setParent(self)
-        self.list = QTableView(self)
+        self.list = QTableView(self, showGrid=False, wordWrap=False)
         self.list.setModel(self.rows)
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.list.setShowGrid(False)
-        self.list.setWordWrap(False)
         self.list.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.list.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.list.horizontalHeader().hide()
@@ -288,10 +287,7 @@ class Finder(QFrame):
         self.list.setColumnWidth(2, 150)
         self.list.horizontalHeader().setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
         self.list.clicked.connect(lambda _: self.choose())
-        column = QVBoxLayout(self)
-        column.setContentsMargins(6, 6, 6, 6)
-        column.addWidget(self.line)
-        column.addWidget(self.list)
+        fill(QVBoxLayout(self), self.line, self.list, margins=6)
         self.hide()
 
     def open(self) -> None:

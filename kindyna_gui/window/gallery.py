@@ -44,6 +44,7 @@ from kindyna_gui.look import coloured
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
+from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.base import Window
 
@@ -283,24 +284,13 @@ class Gallery(QDialog):
             pictures.currentRowChanged.connect(partial(self._choose, pictures))
             pictures.itemActivated.connect(lambda _: self.accept())
         self.names.currentRowChanged.connect(self._show)
-        middle = QHBoxLayout()
-        middle.addWidget(self.names)
-        middle.addWidget(self._stack, 1)
-        column = QVBoxLayout(self)
-        column.addLayout(middle, 1)
+        middle = fill(QHBoxLayout(), self.names, (self._stack, 1))
         self.orders = {order: QRadioButton(order) for order in ORDERS}
         self._order = QWidget()
         self._order.setVisible(asks_order)
-        row = QHBoxLayout(self._order)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(QLabel("The motion begins with"))
-        for button in self.orders.values():
-            row.addWidget(button)
-        row.addStretch(1)
+        fill(QHBoxLayout(self._order), QLabel("The motion begins with"), *self.orders.values(), STRETCH, margins=0)
         self.orders[RISE].setChecked(True)
-        column.addWidget(self._order)
-        column.addWidget(hint)
-        column.addWidget(self.buttons)
+        fill(QVBoxLayout(self), (middle, 1), self._order, hint, self.buttons)
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint)
         self.show_group(first if first in self.groups else next(iter(self.groups)))
@@ -381,10 +371,7 @@ class CircuitsDialog(QDialog):
         buttons.rejected.connect(self.reject)
         add_copy(buttons, parent, "circuits", lambda: ("taken.toml", ["--take", str(self.pictures.currentRow() + 1)]))
         self.pictures.itemActivated.connect(lambda _: self.accept())
-        column = QVBoxLayout(self)
-        column.addWidget(self.pictures, 1)
-        column.addWidget(hint)
-        column.addWidget(buttons)
+        fill(QVBoxLayout(self), (self.pictures, 1), hint, buttons)
         columns = min(len(circuits), MOST_COLUMNS - 2)
         rows = -(-len(circuits) // max(columns, 1))
         grid = THUMBS[0] + CAPTION

@@ -12,6 +12,7 @@ from kindyna_gui.fault_log import log_file, log_text, report_text
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.view import View
 
 EMPTY = "No errors. An error is logged here with its time, the actions before it, and the place in the program."
@@ -24,8 +25,7 @@ class LogView(View):
         super().__init__(session, player)
         self.text = QPlainTextEdit(readOnly=True, placeholderText=EMPTY)
         self.text.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
-        self.file = QLabel()
-        self.file.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.file = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.file.setMinimumWidth(1)
         self.text.setAccessibleName("Log")
         coloured(self.file, SCREEN.quiet)
@@ -34,11 +34,7 @@ class LogView(View):
         self.report = QPushButton("Copy for a report")
         self.report.setToolTip("Copy versions, system and log, to send with a report of the error")
         self.report.clicked.connect(lambda: QApplication.clipboard().setText(report_text()))
-        header = QHBoxLayout()
-        header.setContentsMargins(8, 4, 8, 2)
-        header.addWidget(self.file, 1)
-        header.addWidget(self.copy)
-        header.addWidget(self.report)
+        header = fill(QHBoxLayout(), (self.file, 1), self.copy, self.report, margins=(8, 4, 8, 2))
         self.set_column(header, self.text, grows=self.text)
 
     def refresh(self, study: Study) -> None:

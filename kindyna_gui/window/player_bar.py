@@ -37,6 +37,7 @@ from kindyna_gui.look import icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, initial_speed, obey, speeds, step_of
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
@@ -62,11 +63,8 @@ class AngleSlider(QAbstractSlider):
     GROOVE, HANDLE, EDGE = 12.0, 9.0, 7.0
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setOrientation(Qt.Orientation.Horizontal)
+        super().__init__(orientation=Qt.Orientation.Horizontal, singleStep=FINE, pageStep=10 * FINE)
         self.setRange(0, 360 * FINE)
-        self.setSingleStep(FINE)
-        self.setPageStep(10 * FINE)
         self.setAccessibleName("Cam angle")
         self.setToolTip(f"Cam angle; drag or click. {KEYS_HELP}")
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -160,22 +158,27 @@ class PlayerBar(View):
         self.reverse.setCheckable(True)
         self.slider = AngleSlider()
         self.angle = self._angle_box()
-        self.speed = QComboBox()
+        self.speed = QComboBox(sizeAdjustPolicy=QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.speed.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.speed.setAccessibleName("Speed of playing")
         self.speed.setToolTip("Playback speed, as a multiple of the shaft's speed, and the duration of one turn")
-        self.speed.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
-        row = QHBoxLayout()
-        row.setContentsMargins(6, 3, 6, 3)
-        row.setSpacing(0)
-        for button in (self.join_back, self.back, self.play, self.forward, self.join_forward, self.reverse):
-            row.addWidget(button)
-        row.addSpacing(4)
-        row.addWidget(self.slider, 1)
-        row.addSpacing(4)
-        row.addWidget(self.angle)
-        row.addSpacing(4)
-        row.addWidget(self.speed)
+        row = fill(
+            QHBoxLayout(),
+            self.join_back,
+            self.back,
+            self.play,
+            self.forward,
+            self.join_forward,
+            self.reverse,
+            4,
+            (self.slider, 1),
+            4,
+            self.angle,
+            4,
+            self.speed,
+            margins=(6, 3, 6, 3),
+            spacing=0,
+        )
         self.set_content_layout(row)
         self.setFixedHeight(self.content.sizeHint().height())
         self.setMinimumWidth(LEAST)

@@ -26,6 +26,7 @@ from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
 
 
@@ -50,22 +51,14 @@ class PreferencesDialog(QDialog):
         self.author, self.company, self.logo = QLineEdit(), QLineEdit(), QLineEdit()
         self.message = MessageLabel(SCREEN.limit)
         self.logo.textChanged.connect(self._check_logo)
-        sides = QHBoxLayout()
-        sides.addWidget(self._units())
-        right = QVBoxLayout()
-        right.addWidget(self._look())
-        right.addWidget(self._paper())
-        right.addStretch(1)
-        sides.addLayout(right, 1)
+        right = fill(QVBoxLayout(), self._look(), self._paper(), STRETCH)
+        sides = fill(QHBoxLayout(), self._units(), (right, 1))
         standard = QDialogButtonBox.StandardButton
         self.buttons = QDialogButtonBox(standard.Ok | standard.Cancel | standard.Reset)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         self.buttons.button(standard.Reset).clicked.connect(lambda: self.show_all(Preferences()))
-        column = QVBoxLayout(self)
-        column.addLayout(sides)
-        column.addWidget(self.message)
-        column.addWidget(self.buttons)
+        fill(QVBoxLayout(self), sides, self.message, self.buttons)
         self.show_all(now)
 
     def _units(self) -> QGroupBox:
@@ -86,24 +79,17 @@ class PreferencesDialog(QDialog):
 
     def _look(self) -> QGroupBox:
         group = QGroupBox("Look")
-        form = QFormLayout(group)
-        form.addRow("Theme", self.theme)
-        form.addRow("Font size", self.font_size)
-        form.addRow(self.still)
+        fill(QFormLayout(group), ("Theme", self.theme), ("Font size", self.font_size), self.still)
         return group
 
     def _paper(self) -> QGroupBox:
         group = QGroupBox("Reports and drawings")
-        form = QFormLayout(group)
-        form.addRow("Paper", self.paper)
-        form.addRow("Author", self.author)
-        form.addRow("Company", self.company)
         browse = QPushButton("Browse...", autoDefault=False)
         browse.clicked.connect(self._browse)
-        row = QHBoxLayout()
-        row.addWidget(self.logo, 1)
-        row.addWidget(browse)
-        form.addRow("Logo", row)
+        row = fill(QHBoxLayout(), (self.logo, 1), browse)
+        fill(
+            QFormLayout(group), ("Paper", self.paper), ("Author", self.author), ("Company", self.company), ("Logo", row)
+        )
         return group
 
     def _browse(self) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from math import pi
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QMenu, QStatusBar, QToolButton
 
@@ -22,7 +22,7 @@ from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon, clear_menu
+from kindyna_gui.rebuilt import call_soon, clear_menu, single_shot
 from kindyna_gui.requirements import suggestions_for
 
 PAUSE_MS = 150  # after a change, before the findings are counted
@@ -45,9 +45,8 @@ class StatusLine(QStatusBar):
         super().__init__()
         self._session, self._player = session, player
         self._refusal = self._question = self._entry = ""
-        self.findings = QToolButton(autoRaise=True)
+        self.findings = QToolButton(autoRaise=True, toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.findings.setText("limits not checked")
-        self.findings.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.findings.clicked.connect(lambda: show_findings())
         self.faults = text_button("Log", flat=True)
         self.faults.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
@@ -57,8 +56,7 @@ class StatusLine(QStatusBar):
         self.suggestion = text_button("", flat=True)
         self.suggestion.clicked.connect(lambda: do(self._entry))
         self.suggestion.hide()
-        self.misfit = QToolButton(autoRaise=True)
-        self.misfit.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.misfit = QToolButton(autoRaise=True, toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.misfit.setIcon(sign(ERROR))
         self.misfit.clicked.connect(lambda: focus_field(session.misfit.reasons[0][0]))
         self.misfit.hide()
@@ -94,8 +92,7 @@ class StatusLine(QStatusBar):
         self._long.setFrameShape(QLabel.Shape.StyledPanel)
         self._long.setAutoFillBackground(True)
         self._long.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
-        self._soon.timeout.connect(self.count_findings)
+        self._soon = single_shot(self, self.count_findings, PAUSE_MS)
         self.messageChanged.connect(self._ask_again)
         self.messageChanged.connect(self._offer)
         self.messageChanged.connect(self._show_long)

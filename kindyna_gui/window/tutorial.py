@@ -26,7 +26,7 @@ from core.frozen import frozen
 from core.study import extremes_of, findings_of, quantity
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example, lesson_files
-from kindyna_gui.rebuilt import remove_part
+from kindyna_gui.rebuilt import fill, remove_part
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.tutorial_steps import ACTIONS, CannotDo, play, region_of, settle, wait_for
 
@@ -183,9 +183,8 @@ class Mark(QWidget):
     """A frame around a part of a window, dialog or menu, its parent; it ignores the mouse."""
 
     def __init__(self, top: QWidget) -> None:
-        super().__init__(top)
+        super().__init__(top, accessibleName="Position of this step")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setAccessibleName("Position of this step")
 
     def put(self, widget: QWidget, rect: QRect) -> None:
         """Move the frame around a part of a widget."""
@@ -224,10 +223,7 @@ class TutorialStrip(QToolBar):
         self.leave.setToolTip("End the tutorial and keep the design")
         content = QWidget()
         content.setFixedHeight(LINES * self.fontMetrics().lineSpacing() + 10)
-        row = QHBoxLayout(content)
-        row.setContentsMargins(8, 4, 8, 4)
-        row.addWidget(self.count)
-        row.addWidget(self.text, 1)
+        row = fill(QHBoxLayout(content), self.count, (self.text, 1), margins=(8, 4, 8, 4))
         for button, act in (
             (self.where, self._show_where), (self.done, self._do), (self.next, self.go_on), (self.leave, self.end),
         ):  # fmt: skip

@@ -26,7 +26,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
 from kindyna_gui.window.base import Window
 
 THUMB = QSize(132, 96)
@@ -96,8 +96,7 @@ class Welcome(QWidget):
     """
 
     def __init__(self, window: Window, room: QSize | None = None) -> None:
-        super().__init__(window, Qt.WindowType.Window)
-        self.setWindowTitle("Welcome to KINDYNA")
+        super().__init__(window, Qt.WindowType.Window, windowTitle="Welcome to KINDYNA")
         dialogs.give_help(self, "tour#opens when KINDYNA starts")
         self._window = window
         room = self.screen().availableGeometry().size() if room is None else room
@@ -112,10 +111,7 @@ class Welcome(QWidget):
         )
         self.at_start.setChecked(window.settings.welcome)
         self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))
-        row = QHBoxLayout(self)
-        row.setContentsMargins(10, 10, 10, 10)
-        row.addWidget(self._side())
-        row.addWidget(self._examples((self.width() - SIDE - 60) // CARD), 1)
+        fill(QHBoxLayout(self), self._side(), (self._examples((self.width() - SIDE - 60) // CARD), 1), margins=10)
         self._waiting = list(self.cards)
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint_next)
@@ -125,8 +121,6 @@ class Welcome(QWidget):
     def _side(self) -> QWidget:
         side = QWidget()
         side.setFixedWidth(SIDE)
-        column = QVBoxLayout(side)
-        column.setContentsMargins(0, 4, 10, 0)
         self.new_button, self.open_button = QPushButton("&New..."), QPushButton("&Open...")
         self.tour_button = QPushButton("&Tour")
         self.new_button.setToolTip("Begin a new design with a mechanism chosen from images")
@@ -135,17 +129,21 @@ class Welcome(QWidget):
         self.new_button.clicked.connect(self._window.designing.new_by_picture)
         self.open_button.clicked.connect(self._window.documents.open_file)
         self.tour_button.clicked.connect(partial(self._window.show_help, "tour"))
-        for button in (self.new_button, self.open_button, self.tour_button):
-            column.addWidget(button)
-        column.addSpacing(12)
-        column.addWidget(self.recent)
-        column.addStretch(1)
-        column.addWidget(self.at_start)
+        fill(
+            QVBoxLayout(side),
+            self.new_button,
+            self.open_button,
+            self.tour_button,
+            12,
+            self.recent,
+            STRETCH,
+            self.at_start,
+            margins=(0, 4, 10, 0),
+        )
         return side
 
     def _examples(self, columns: int) -> QWidget:
-        inside = QWidget()
-        inside.setAutoFillBackground(True)
+        inside = QWidget(autoFillBackground=True)
         colours = inside.palette()
         colours.setColor(inside.backgroundRole(), SCREEN.paper)
         inside.setPalette(colours)
@@ -165,8 +163,7 @@ class Welcome(QWidget):
             stack.addLayout(grid)
             stack.addSpacing(10)
         stack.addStretch(1)
-        scrolled = QScrollArea()
-        scrolled.setWidgetResizable(True)
+        scrolled = QScrollArea(widgetResizable=True)
         scrolled.setFrameShape(QFrame.Shape.StyledPanel)
         scrolled.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scrolled.setWidget(inside)
@@ -183,18 +180,14 @@ class Welcome(QWidget):
 
     def _list_recent(self) -> None:
         content, files = QWidget(), self._window.settings.recent
-        column = QVBoxLayout(content)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
         heading = QLabel("Recent files" if files else "Recent files appear here.", wordWrap=True)
         coloured(heading, SCREEN.quiet)
-        column.addWidget(heading)
+        column = fill(QVBoxLayout(content), heading, margins=0, spacing=2)
         for path in files:
-            button = QPushButton()
+            button = QPushButton(flat=True)
             button.setText(
                 button.fontMetrics().elidedText(path.name, Qt.TextElideMode.ElideMiddle, SIDE - 36).replace("&", "&&")
             )
-            button.setFlat(True)
             button.setStyleSheet("text-align: left")
             button.setToolTip(str(path))
             button.clicked.connect(partial(self._window.documents.open_path, path))

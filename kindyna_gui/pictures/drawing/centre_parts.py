@@ -494,9 +494,8 @@ class CircleDiagram(QWidget):
     NUMBER = 11.0  # radius of a number's disc, pixels
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(accessibleName="Circle diagram")
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setAccessibleName("Circle diagram")
         self.bodies: tuple[str, ...] = ()
         self.solid: tuple[tuple[str, str], ...] = ()
         self.dotted: tuple[tuple[str, str], ...] = ()

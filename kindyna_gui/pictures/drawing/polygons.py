@@ -254,9 +254,8 @@ class PolygonSheet(QWidget):
     """
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(accessibleName="Polygon")
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setAccessibleName("Polygon")
         self._theme = SCREEN
         self._box = (0j, 0j)
         self._diagram: PolygonDiagram | None = None
