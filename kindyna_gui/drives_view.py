@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
@@ -32,7 +31,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import ContentArea, clear_menu, single_shot
+from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, single_shot
 from kindyna_gui.requirements import ONE_DRIVE, require_list
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View, ViewHost
@@ -267,30 +266,25 @@ class DrivesView(View):
     def _fill(self, menu: QMenu) -> None:
         clear_menu(menu)
         for kind, row in FOLLOWER_KINDS.items():
-            action = menu.addAction(row.label)
-            action.setStatusTip(f"Add a drive: {row.label}")
-            action.triggered.connect(partial(self._add, kind))
-        for text, tip, slot in (
-            (
-                "Chosen by its picture...",
-                "Select a follower with its face and the form of its cam, or a linkage",
-                self.picture_requested.emit,
-            ),
-            ("From a file...", "Add all drives of a design file", self._add_from_file),
-        ):
-            action = menu.addAction(text)
-            action.setStatusTip(tip)
-            action.triggered.connect(partial(_without_state, slot))
+            add_entry(menu, row.label, partial(self._add, kind), f"Add a drive: {row.label}")
+        add_entry(
+            menu,
+            "Chosen by its picture...",
+            self.picture_requested.emit,
+            "Select a follower with its face and the form of its cam, or a linkage",
+        )
+        from_file = partial(add_from_file, self.session, self)
+        add_entry(menu, "From a file...", from_file, "Add all drives of a design file")
         menu.addSeparator()
-        action = menu.addAction("Balance cam")
-        action.setStatusTip("Balance cam: a spring-loaded cam that compensates the torque of the other drives")
-        action.setEnabled(self.session.full_design.balancer is None)
-        action.triggered.connect(lambda: drives.add_balancer(self.session))
+        add_entry(
+            menu,
+            "Balance cam",
+            partial(drives.add_balancer, self.session),
+            "Balance cam: a spring-loaded cam that compensates the torque of the other drives",
+            enabled=self.session.full_design.balancer is None,
+        )
 
-    def _add_from_file(self, *_: object) -> None:
-        add_from_file(self.session, self)
-
-    def _add(self, slug: str, *_: object) -> None:
+    def _add(self, slug: str) -> None:
         drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
 
     def focus_field(self, path: str) -> bool:
@@ -303,8 +297,3 @@ class DrivesView(View):
         if field is not None:
             field.focus()
         return field is not None
-
-
-def _without_state(slot: Callable[[], object], *_: object) -> None:
-    """Call a slot without the argument of ``triggered``."""
-    slot()

@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, QTimer
-from PySide6.QtGui import QActionGroup
+from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QApplication, QFormLayout, QLayout, QMenu, QVBoxLayout, QWidget
 
 AGAIN_MS = 100  # interval of the checks whether a removed part can be deleted
@@ -90,6 +90,25 @@ def clear_menu(menu: QMenu) -> None:
     delete_later(removed)
 
 
+def add_entry(
+    menu: QMenu,
+    text: str,
+    action: Callable[[], object],
+    tip: str = "",
+    *,
+    enabled: bool = True,
+    checked: bool | None = None,
+) -> QAction:
+    """Add an entry to a menu, which calls a function without arguments; None for ``checked``: it cannot be checked."""
+    entry = menu.addAction(text)
+    entry.setStatusTip(tip)
+    entry.setEnabled(enabled)
+    entry.setCheckable(checked is not None)
+    entry.setChecked(bool(checked))
+    entry.triggered.connect(lambda: action())
+    return entry
+
+
 class ContentArea(QWidget):
     """Area with one content, which is replaced.
 
@@ -138,6 +157,7 @@ __all__ = [
     "STRETCH",
     "ContentArea",
     "Part",
+    "add_entry",
     "call_soon",
     "clear_menu",
     "delete_later",

@@ -22,6 +22,7 @@ from kindyna_gui.labels import value_text as shown_value
 from kindyna_gui.pictures.plots.quantities import limits_on, rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import measure
+from kindyna_gui.rebuilt import add_entry
 from kindyna_gui.saving import copy_picture
 from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
@@ -141,7 +142,7 @@ def open_menu(
     if target is not None:
         menu.addSection(target.noun)
     for text, run in menu_entries(target, view, host):
-        menu.addAction(text).triggered.connect(lambda _, run=run: run())
+        add_entry(menu, text, run)
     if more is not None and more.actions():
         menu.addSeparator()
         menu.addActions(more.actions())

@@ -23,7 +23,7 @@ from kindyna_gui.forms.load_rows import AttachmentRows, WhenRow, list_button, ro
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import digits, readable
-from kindyna_gui.rebuilt import clear_menu, fill, single_shot
+from kindyna_gui.rebuilt import add_entry, clear_menu, fill, single_shot
 
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),
@@ -318,12 +318,7 @@ class LoadsPage(QWidget):
         clear_menu(self.menu)
         for name in load_lists(self._session.typed.drive):
             text, tip = WHAT[name]
-            action = self.menu.addAction(text)
-            action.setStatusTip(tip)
-            action.triggered.connect(partial(self._add, name))
-
-    def _add(self, name: str, *_: object) -> None:
-        self.added.emit(name)
+            add_entry(self.menu, text, partial(self.added.emit, name), tip)
 
     def choose(self, path: str) -> None:
         """Select a load; with an empty path the first row."""

@@ -41,7 +41,7 @@ from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import SCREEN, cached_by_theme
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import clear_menu, fill
+from kindyna_gui.rebuilt import add_entry, clear_menu, fill
 from kindyna_gui.view import View, ViewHost
 
 Index = QModelIndex | QPersistentModelIndex
@@ -539,16 +539,10 @@ class LawsView(View):
         clear_menu(menu)
         motion = motion_of(self.session.typed)
         for number, text in enumerate(segment_texts(motion) if motion is not None else ()):
-            action = menu.addAction(text)
-            action.setCheckable(True)
-            action.setChecked(number == self.session.segment)
-            action.triggered.connect(partial(self._use_in, number))
+            add_entry(menu, text, partial(self.use, number), checked=number == self.session.segment)
 
     def _use_current(self, *_: object) -> None:
         self.use()
-
-    def _use_in(self, number: int, *_: object) -> None:
-        self.use(number)
 
     # -- picture, and layout -----------------------------------------------------------------------------
 

@@ -20,7 +20,7 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea, clear_menu, fill
+from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill
 from kindyna_gui.studies.texts import (
     STATISTICS,
     info_of,
@@ -76,7 +76,7 @@ class _Rows(QWidget):
         for group, rows in groups.items():
             submenu = self.menu.addMenu(group)
             for key, name in rows.items():
-                submenu.addAction(name).triggered.connect(lambda _, key=key: self.add_requested.emit(key))
+                add_entry(submenu, name, partial(self.add_requested.emit, key))
         self.add.setEnabled(bool(groups))
 
     def _grid(self, rows: Sequence[Any]) -> QGridLayout | None:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QObject
-from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
 
 from core.design import CRANK, AttachedEnd, Design, Driver, Target, get, holds_of, load_lists, with_new_row
@@ -20,6 +20,7 @@ from kindyna_gui.forms.load_rows import put_attachment
 from kindyna_gui.forms.loads_page import WHAT, first_field, parts_of, reordered, what_of
 from kindyna_gui.labels import driver_text
 from kindyna_gui.player import TURN
+from kindyna_gui.rebuilt import add_entry
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.base import Window
 
@@ -40,10 +41,15 @@ def fill_drivers(window: Window, menu: QMenu) -> None:
         return
     group, now = QActionGroup(menu), design.drive.linkage.driver
     for driver in drivers(design):
-        action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
         removed = _removed(design, driver)
-        action.setStatusTip(f"Starts from the current position{f'; removes {removed}' if removed else ''}")
-        action.triggered.connect(partial(_drive, window, driver))
+        action = add_entry(
+            menu,
+            driver_text(driver).replace("the motion", "a motion"),
+            partial(_drive, window, driver),
+            f"Starts from the current position{f'; removes {removed}' if removed else ''}",
+            checked=_same(driver, now),
+        )
+        group.addAction(action)
 
 
 def _same(first: Driver, second: Driver) -> bool:
@@ -57,7 +63,7 @@ def _removed(design: Design, driver: Driver) -> str:
     return "its motion" if design.drive.cam is None else "its motion and its cam"
 
 
-def _drive(window: Window, driver: Driver, *_: object) -> None:
+def _drive(window: Window, driver: Driver) -> None:
     """Make another link the driver, in the current position of the linkage."""
     session, player = window.session, window.player
     if _same(driver, session.design.drive.linkage.driver):
@@ -89,25 +95,27 @@ def fill_rollers(window: Window, menu: QMenu) -> None:
     if design is None:
         return
     group, cam = QActionGroup(menu), design.drive.cam
-    none = _choice(menu, group, "No cam", cam is None)
-    none.triggered.connect(partial(_change, window, without_roller(design), "Remove the cam"))
+
+    def change(changed: Design, text: str) -> None:
+        window.designing.change(lambda: changed, text)
+
+    without = partial(change, without_roller(design), "Remove the cam")
+    group.addAction(add_entry(menu, "No cam", without, checked=cam is None))
     menu.addSeparator()
+    has_motion = design.drive.motion is not None
+    tip = "Put a roller on this point; a cam around the origin moves it, and the linkage follows its motion"
     for link, point in roller_points(design):
         is_current = cam is not None and cam.point == point
-        action = _choice(menu, group, f"{point} on link {link}", is_current)
-        action.setEnabled(design.drive.motion is not None)
-        tip = "Put a roller on this point; a cam around the origin moves it, and the linkage follows its motion"
-        action.setStatusTip(
-            tip if design.drive.motion is not None else "First drive a link by a motion: Compo > Driver"
+        with_cam = with_roller(design, link, point) if has_motion and not is_current else design
+        action = add_entry(
+            menu,
+            f"{point} on link {link}",
+            partial(change, with_cam, f"Put the cam roller on {point} of link {link}"),
+            tip if has_motion else "First drive a link by a motion: Compo > Driver",
+            enabled=has_motion,
+            checked=is_current,
         )
-        if design.drive.motion is not None and not is_current:
-            with_cam = with_roller(design, link, point)
-            text = f"Put the cam roller on {point} of link {link}"
-            action.triggered.connect(partial(_change, window, with_cam, text))
-
-
-def _change(window: Window, design: Design, text: str, *_: object) -> None:
-    window.designing.change(lambda: design, text)
+        group.addAction(action)
 
 
 def fill_drawing(window: Window, menu: QMenu) -> None:
@@ -117,25 +125,16 @@ def fill_drawing(window: Window, menu: QMenu) -> None:
     from kindyna_gui.linkage.drawing_actions import ACTIONS
 
     for tool in TOOLS.values():
-        action = menu.addAction(f"{tool.text}\t{tool.key}")
-        action.setStatusTip(tool.tip)
-        action.triggered.connect(partial(_draw, window, tool.name))
+        add_entry(menu, f"{tool.text}\t{tool.key}", partial(window.draw, True, tool.name), tool.tip)
     menu.addSeparator()
     view: Any = window.view("mechanism")
+    draws = view is not None and view.draws
+
+    def do(name: str) -> None:
+        view.drawing.actions[name].trigger()
+
     for row in ACTIONS:
-        action = menu.addAction(f"{row.text}\t{row.key}")
-        action.setStatusTip(row.tip)
-        action.setEnabled(view is not None and view.draws)
-        action.triggered.connect(partial(_do, window, row.name))
-
-
-def _draw(window: Window, tool: str, *_: object) -> None:
-    window.draw(True, tool)
-
-
-def _do(window: Window, action: str, *_: object) -> None:
-    view: Any = window.view("mechanism")
-    view.drawing.actions[action].trigger()
+        add_entry(menu, f"{row.text}\t{row.key}", partial(do, row.name), row.tip, enabled=draws)
 
 
 def _linkage(window: Window, menu: QMenu) -> Design | None:
@@ -143,14 +142,6 @@ def _linkage(window: Window, menu: QMenu) -> Design | None:
     design = window.session.design
     menu.menuAction().setVisible(lists_links(design))
     return design if lists_links(design) else None
-
-
-def _choice(menu: QMenu, group: QActionGroup, text: str, checked: bool) -> QAction:
-    action = menu.addAction(text)
-    action.setCheckable(True)
-    action.setChecked(checked)
-    group.addAction(action)
-    return action
 
 
 # -- rows of the loads -----------------------------------------------------------------------------------
@@ -253,13 +244,7 @@ def fill_additions(window: Window, menu: QMenu) -> None:
     """Add an entry for each list of loads that the design can have."""
     for name in load_lists(window.session.typed.drive):
         text, tip = WHAT[name]
-        action = menu.addAction(text)
-        action.setStatusTip(tip)
-        action.triggered.connect(partial(_add, window, name))
-
-
-def _add(window: Window, name: str, *_: object) -> None:
-    window.loads.add(name)
+        add_entry(menu, text, partial(window.loads.add, name), tip)
 
 
 def fill_removals(window: Window, menu: QMenu) -> None:
@@ -268,16 +253,15 @@ def fill_removals(window: Window, menu: QMenu) -> None:
     for name in load_lists(design.drive):
         rows = getattr(design.drive.loads, name)
         for index in range(len(rows)):
-            action = menu.addAction(row_name(design, f"loads.{name}[{index}]"))
-            action.setStatusTip("Remove this row from the loads")
-            action.triggered.connect(partial(_take, window, name, index))
+            text = row_name(design, f"loads.{name}[{index}]")
+            add_entry(menu, text, partial(_remove, window, name, index), "Remove this row from the loads")
     if menu.isEmpty():
         action = menu.addAction("No loads")
         action.setStatusTip("The loads have no rows yet: use Add to the loads")
         action.setEnabled(False)
 
 
-def _take(window: Window, name: str, index: int, *_: object) -> None:
+def _remove(window: Window, name: str, index: int) -> None:
     design = window.session.typed
     remaining = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
     text = f"Remove {row_name(design, f'loads.{name}[{index}]').lower()}"

@@ -22,7 +22,7 @@ from core.project.reading_faults import subjects
 from kindyna_gui.labels import choice_tip
 from kindyna_gui.look import icon, tool_bar
 from kindyna_gui.places import lessons
-from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.rebuilt import add_entry, clear_menu
 from kindyna_gui.window.base import Window, title_of, why_absent
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.tasks import TASKS
@@ -36,21 +36,21 @@ SEPARATOR = None
 def fill_new(window: Window, menu: QMenu) -> None:
     """Add an entry for each kind of design, and one for a shaft of several drives."""
     for slug, row in FOLLOWER_KINDS.items():
-        action = menu.addAction(row.label)
-        action.setStatusTip(f"Begin a new design: {row.label}")
-        action.triggered.connect(partial(_without_state, window.documents.new, slug))
-    action = menu.addAction("Linkage by drawing")
-    action.setStatusTip("Begin with an empty canvas and draw links, pins and sliders with the mouse")
-    action.triggered.connect(partial(_without_state, new_drawing, window))
-    for name, title, tip in MOTIONS:
-        action = menu.addAction(title)
-        action.setStatusTip(tip)
-        action.triggered.connect(partial(_without_state, partial(new_motion, window), name))
-    action = menu.addAction("Shaft of cams...")
-    action.setStatusTip(
-        "Begin a shaft of several drives: choose the first from images, add others in the list of drives"
+        add_entry(menu, row.label, partial(window.documents.new, slug), f"Begin a new design: {row.label}")
+    add_entry(
+        menu,
+        "Linkage by drawing",
+        partial(new_drawing, window),
+        "Begin with an empty canvas and draw links, pins and sliders with the mouse",
     )
-    action.triggered.connect(partial(_without_state, new_shaft, window))
+    for name, title, tip in MOTIONS:
+        add_entry(menu, title, partial(new_motion, window, name), tip)
+    add_entry(
+        menu,
+        "Shaft of cams...",
+        partial(new_shaft, window),
+        "Begin a shaft of several drives: choose the first from images, add others in the list of drives",
+    )
 
 
 MOTIONS = (
@@ -90,15 +90,13 @@ def new_drawing(window: Window) -> None:
 def fill_recent(window: Window, menu: QMenu) -> None:
     """Add an entry for each file opened or saved recently."""
     for number, path in enumerate(window.settings.recent, 1):
-        action = menu.addAction(f"&{number}  {_plain(path.name)}")
-        action.setToolTip(str(path))
-        action.setStatusTip(str(path))
-        action.triggered.connect(partial(_without_state, window.documents.open_path, path))
+        text, tip = f"&{number}  {_plain(path.name)}", str(path)
+        add_entry(menu, text, partial(window.documents.open_path, path), tip).setToolTip(tip)
     empty = menu.isEmpty()
     menu.menuAction().setEnabled(not empty)
     if not empty:
         menu.addSeparator()
-        menu.addAction("&Clear list").triggered.connect(lambda: window.settings.clear_recent())
+        add_entry(menu, "&Clear list", window.settings.clear_recent)
 
 
 def fill_examples(window: Window, menu: QMenu) -> None:
@@ -109,20 +107,19 @@ def fill_examples(window: Window, menu: QMenu) -> None:
         menu.addSection(_plain(subject))
         for row in rows:
             paper = PAPERS[row.paper].label if row.paper else ""
-            action = menu.addAction(_plain(f"{row.name}\t{paper}" if paper else row.name))
-            action.setStatusTip(row.text)
-            action.setToolTip(row.text)
-            action.triggered.connect(partial(_without_state, window.documents.open_example, row.path))
+            text = _plain(f"{row.name}\t{paper}" if paper else row.name)
+            add_entry(menu, text, partial(window.documents.open_example, row.path), row.text).setToolTip(row.text)
 
 
 def fill_tutorials(window: Window, menu: QMenu) -> None:
     """Add an entry for each tutorial."""
     for name, title in lessons():
-        action = menu.addAction(title)
-        action.setStatusTip(
-            "Step by step in this window: shows what to do and where, and continues when a step is done"
+        add_entry(
+            menu,
+            title,
+            partial(window.begin_tutorial, name),
+            "Step by step in this window: shows what to do and where, and continues when a step is done",
         )
-        action.triggered.connect(partial(_without_state, window.begin_tutorial, name))
 
 
 def fill_layouts(window: Window, menu: QMenu) -> None:
@@ -134,12 +131,14 @@ def fill_layouts(window: Window, menu: QMenu) -> None:
         return
     group = QActionGroup(menu)
     for letter in LAYOUTS:
-        action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
-        action.setCheckable(True)
-        action.setChecked(letter == layout)
-        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; moves pivot and guide to their sides")
+        action = add_entry(
+            menu,
+            f"&{letter}  {choice_tip(letter)}",
+            partial(choose_layout, window, letter),
+            f"Layout {letter}: {choice_tip(letter)}; moves pivot and guide to their sides",
+            checked=letter == layout,
+        )
         group.addAction(action)
-        action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
 
 
 def choose_layout(window: Window, letter: str) -> None:
@@ -153,10 +152,8 @@ def fill_exports(window: Window, menu: QMenu) -> None:
     for row in window.exports.rows():
         in_bar = window.actions_by_key.get(f"exports.{row.act.__name__}")
         keys = in_bar.shortcut().toString(QKeySequence.SequenceFormat.NativeText) if in_bar is not None else ""
-        action = menu.addAction(f"{row.text}\t{keys}" if keys else row.text)
-        action.setEnabled(not row.why_not)
-        action.setStatusTip(row.why_not or row.tip)
-        action.triggered.connect(partial(_without_state, lambda call: call(), row.act))
+        text = f"{row.text}\t{keys}" if keys else row.text
+        add_entry(menu, text, row.act, row.why_not or row.tip, enabled=not row.why_not)
 
 
 def fill_pictures(window: Window, menu: QMenu) -> None:
@@ -165,10 +162,8 @@ def fill_pictures(window: Window, menu: QMenu) -> None:
         view = window.view(name)
         if row.picture and view is not None and view.on_screen():
             title = title_of(name, window.session.design)
-            action = menu.addAction(f"{title}...")
-            action.setEnabled(not view.no_picture)
-            action.setStatusTip(view.no_picture.replace("\n", " ") or f"Save the picture {title} as PNG or SVG")
-            action.triggered.connect(partial(_without_state, window.export_picture, name))
+            tip = view.no_picture.replace("\n", " ") or f"Save the picture {title} as PNG or SVG"
+            add_entry(menu, f"{title}...", partial(window.export_picture, name), tip, enabled=not view.no_picture)
     menu.menuAction().setEnabled(not menu.isEmpty())
 
 
@@ -184,22 +179,18 @@ def fill_docks(window: Window, menu: QMenu) -> None:
 
 def fill_named_layouts(window: Window, menu: QMenu) -> None:
     """Add the entry that saves the current layout, and for each saved layout those that restore and delete it."""
-    action = menu.addAction("&Save this layout...")
-    action.setStatusTip("Save docks, pages and task under a name, also for the next start")
-    action.triggered.connect(lambda: window.save_layout())
+    tip = "Save docks, pages and task under a name, also for the next start"
+    add_entry(menu, "&Save this layout...", window.save_layout, tip)
     names = window.settings.named_layouts
     if not names:
         return
     menu.addSeparator()
     for name in names:
-        action = menu.addAction(_plain(name))
-        action.setStatusTip(f"Restore docks, pages and task saved as {name}")
-        action.triggered.connect(partial(_without_state, window.restore_layout, name))
+        tip = f"Restore docks, pages and task saved as {name}"
+        add_entry(menu, _plain(name), partial(window.restore_layout, name), tip)
     menu.addSeparator()
     for name in names:
-        action = menu.addAction(_plain(f"Delete {name}"))
-        action.setStatusTip(f"Delete the layout {name}")
-        action.triggered.connect(partial(_without_state, window.delete_layout, name))
+        add_entry(menu, _plain(f"Delete {name}"), partial(window.delete_layout, name), f"Delete the layout {name}")
 
 
 def fill_layers(window: Window, menu: QMenu) -> None:
@@ -217,12 +208,6 @@ def fill_colours(window: Window, menu: QMenu) -> None:
         if action.actionGroup() is not None:
             menu.addAction(action)
     menu.menuAction().setVisible(not menu.isEmpty())
-
-
-def _without_state(slot: object, argument: object, *_: object) -> None:
-    """Call a slot without the checked state that ``triggered`` passes."""
-    assert callable(slot)
-    slot(argument)
 
 
 def _plain(text: str) -> str:

@@ -22,7 +22,7 @@ from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon, clear_menu, single_shot
+from kindyna_gui.rebuilt import add_entry, call_soon, clear_menu, single_shot
 from kindyna_gui.requirements import suggestions_for
 
 PAUSE_MS = 150  # after a change, before the findings are counted
@@ -238,9 +238,8 @@ class StatusLine(QStatusBar):
             if name not in menus:
                 menus[name] = self._assumed_rows.addMenu(name)
                 menus[name].setToolTipsVisible(True)
-            action = menus[name].addAction(named_value(design, path).removeprefix(f"{name}: "))
-            action.setToolTip(why(design, path))
-            action.triggered.connect(partial(self._focus_field, path))
+            text = named_value(design, path).removeprefix(f"{name}: ")
+            add_entry(menus[name], text, partial(self._focus_field, path)).setToolTip(why(design, path))
 
     def _file_changed(self) -> None:
         named = "saved" if self._session.path is not None else "not saved to a file"
