@@ -31,7 +31,7 @@ from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.style import SCREEN, SERIF
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 from kindyna_gui.requirements import NOT_PINNED, Unavailable
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
@@ -204,10 +204,12 @@ class ExplainView(View):
         self._names: list[str] = []
         self._chosen = ""
         self._machine_names: frozenset[str] = frozenset()  # numbers of all drives, by machine angle
-        self.choice.activated.connect(self._choose)
-        self.largest.toggled.connect(self.invalidate)
-        self.table.clicked.connect(self._go)
-        self.table.activated.connect(self._go)
+        connect_all(
+            (self.choice.activated, self._choose),
+            (self.largest.toggled, self.invalidate),
+            (self.table.clicked, self._go),
+            (self.table.activated, self._go),
+        )
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)

@@ -31,7 +31,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, readable, short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, single_shot
+from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, connect_all, single_shot
 from kindyna_gui.requirements import ONE_DRIVE, require_list
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View, ViewHost
@@ -132,10 +132,12 @@ class DrivesView(View):
         self._section = ""
         self._torque_timer = single_shot(self, self._show_torques, TORQUE_MS)
         self.set_column(self.table, bar, self._form_holder, grows=self.table)
-        self.table.currentCellChanged.connect(self._choose)
-        self.table.itemChanged.connect(self._rename)
-        self.table.moved.connect(lambda by: drives.move(self.session, by))
-        self.table.removed.connect(self._remove)
+        connect_all(
+            (self.table.currentCellChanged, self._choose),
+            (self.table.itemChanged, self._rename),
+            (self.table.moved, lambda by: drives.move(self.session, by)),
+            (self.table.removed, self._remove),
+        )
 
     # -- from the session ---------------------------------------------------------------------------------
 

@@ -60,7 +60,7 @@ from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
 from kindyna_gui.requirements import NO_SIZES, Unavailable
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView
@@ -180,16 +180,18 @@ class FindView(BackgroundView):
         self._work.result.connect(self._show_result)
         self._patience = single_shot(self, self._show_progress, PATIENCE_MS)
         self._tick = QTimer(self, interval=TICK_MS)
-        self._tick.timeout.connect(self._show_count)
-        self.what.activated.connect(self._choose)
-        self.choice.activated.connect(self._choose)
-        self.limits.changed.connect(self._limit_typed)
-        self.limits.added.connect(self._add_limit)
-        self.take.clicked.connect(self._take_over)
-        self.cancel.clicked.connect(self._work.cancel)
-        self.again.clicked.connect(self._search)
-        session.started.connect(self._typed.clear)
-        session.drive_chosen.connect(self._typed.clear)
+        connect_all(
+            (self._tick.timeout, self._show_count),
+            (self.what.activated, self._choose),
+            (self.choice.activated, self._choose),
+            (self.limits.changed, self._limit_typed),
+            (self.limits.added, self._add_limit),
+            (self.take.clicked, self._take_over),
+            (self.cancel.clicked, self._work.cancel),
+            (self.again.clicked, self._search),
+            (session.started, self._typed.clear),
+            (session.drive_chosen, self._typed.clear),
+        )
 
     def update_style(self) -> None:
         """Reserve room for the result in the current font."""

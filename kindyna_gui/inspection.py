@@ -52,7 +52,7 @@ from kindyna_gui.look import coloured, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
-from kindyna_gui.rebuilt import fill, single_shot
+from kindyna_gui.rebuilt import connect_all, fill, single_shot
 
 # -- form of the probe -----------------------------------------------------------------------------------
 
@@ -374,14 +374,16 @@ class MeasuredCamDialog(QDialog):
         self.picture, self.rows = DeviationPicture(), RowsTable(HEADINGS)
         self._lay_out()
         self._pause = single_shot(self, self._compute, PAUSE_MS)
-        self._work.result.connect(self._take)
-        self.form.changed.connect(self._changed)
-        self.fit.toggled.connect(self._changed)
-        self.factor.valueChanged.connect(self.picture.magnify)
-        self.again.clicked.connect(self._read_again)
-        self.rows.clicked.connect(self._point_out)
-        self.rows.activated.connect(self._point_out)
-        self.finished.connect(self._work.close)
+        connect_all(
+            (self._work.result, self._take),
+            (self.form.changed, self._changed),
+            (self.fit.toggled, self._changed),
+            (self.factor.valueChanged, self.picture.magnify),
+            (self.again.clicked, self._read_again),
+            (self.rows.clicked, self._point_out),
+            (self.rows.activated, self._point_out),
+            (self.finished, self._work.close),
+        )
         self._changed()
 
     def _lay_out(self) -> None:

@@ -135,6 +135,12 @@ class ContentArea(QWidget):
         content.show()
 
 
+def connect_all(*rows: tuple[Any, Any]) -> None:
+    """Connect each signal to the function, or the other signal, of its row."""
+    for signal, slot in rows:
+        signal.connect(slot)
+
+
 def single_shot(owner: QObject, action: Callable[[], Any], interval: int = 0) -> QTimer:
     """Timer that calls a function once, ``interval`` milliseconds after it was last started."""
     timer = QTimer(owner, singleShot=True, interval=interval)
@@ -160,6 +166,7 @@ __all__ = [
     "add_entry",
     "call_soon",
     "clear_menu",
+    "connect_all",
     "delete_later",
     "fill",
     "remove_part",

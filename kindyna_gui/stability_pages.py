@@ -43,7 +43,7 @@ from kindyna_gui.look import coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, with_unit
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 
 # -- fields of a point -----------------------------------------------------------------------------------
 
@@ -80,10 +80,12 @@ class PointFields(QWidget):
         row.addWidget(self.back)
         self._machine: Machine | None = None
         self._point = (0.0, 0.0)
-        self.eta.entered.connect(self._typed_eta)
-        self.q.entered.connect(self._typed_q)
-        self.rpm.entered.connect(self._typed_rpm)
-        self.back.clicked.connect(self.returned)
+        connect_all(
+            (self.eta.entered, self._typed_eta),
+            (self.q.entered, self._typed_q),
+            (self.rpm.entered, self._typed_rpm),
+            (self.back.clicked, self.returned),
+        )
         self.setEnabled(False)
 
     def show_point(self, machine: Machine, eta: float, q: float, is_machine: bool) -> None:

@@ -25,7 +25,7 @@ from kindyna_gui.pictures.plots.mouse import DraggablePoint
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import fill, single_shot
+from kindyna_gui.rebuilt import connect_all, fill, single_shot
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
 from kindyna_gui.stability_pages import (
     ChartPoint,
@@ -241,22 +241,24 @@ class StabilityView(View):
         return box
 
     def _connect(self) -> None:
-        self.chart.hovered.connect(self._hover)
-        self.chart.picked.connect(self._pick)
-        self.fields.entered.connect(self.look_at)
-        self.fields.returned.connect(self.look_at_machine)
-        self.chart.dragged.connect(self._pulled)
-        self.chart.released.connect(self._released)
-        self.reading.changed.connect(self._show_progress)
-        self.pages.result_requested.connect(self._compute_for_page)
-        self.update_jobs.result.connect(self._show_update)
-        self.fine.result.connect(self._show_fine_chart)
-        self.point_jobs.result.connect(self._store_result)
-        self.shaft_jobs.result.connect(self._store_result)
-        self.across.currentIndexChanged.connect(self._draw_chart)
-        self.upwards.currentIndexChanged.connect(self._draw_chart)
-        self.use.clicked.connect(self.use_target)
-        self.session.started.connect(self._forget_design)
+        connect_all(
+            (self.chart.hovered, self._hover),
+            (self.chart.picked, self._pick),
+            (self.fields.entered, self.look_at),
+            (self.fields.returned, self.look_at_machine),
+            (self.chart.dragged, self._pulled),
+            (self.chart.released, self._released),
+            (self.reading.changed, self._show_progress),
+            (self.pages.result_requested, self._compute_for_page),
+            (self.update_jobs.result, self._show_update),
+            (self.fine.result, self._show_fine_chart),
+            (self.point_jobs.result, self._store_result),
+            (self.shaft_jobs.result, self._store_result),
+            (self.across.currentIndexChanged, self._draw_chart),
+            (self.upwards.currentIndexChanged, self._draw_chart),
+            (self.use.clicked, self.use_target),
+            (self.session.started, self._forget_design),
+        )
 
     # -- content --------------------------------------------------------------------------------------------
 

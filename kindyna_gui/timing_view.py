@@ -46,7 +46,7 @@ from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, Timin
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 from kindyna_gui.timing_canvas import HOW, TimingCanvas
 from kindyna_gui.view import View
 
@@ -202,10 +202,12 @@ class TimingRows(QWidget):
             self.least = NumberBox(entry.info, UNITS["deg"])
             self.least.setAccessibleName("at least")
             self.least.setMaximumWidth(90)
-            self.least.entered.connect(self._least_entered)
-            self.least.finished.connect(self.finished)
-            self.least.unreadable.connect(self._unreadable)
-            self.least.withdrawn.connect(self._show_note)
+            connect_all(
+                (self.least.entered, self._least_entered),
+                (self.least.finished, self.finished),
+                (self.least.unreadable, self._unreadable),
+                (self.least.withdrawn, self._show_note),
+            )
             label = QLabel("at least")
             label.setBuddy(self.least)
             for column, part in enumerate((label, self.least, UnitLabel(UNITS["deg"])), 2):
@@ -320,20 +322,22 @@ class TimingView(View):
     def _connect(self) -> None:
         self.unit.activated.connect(self._choose_unit)
         canvas, rows = self.canvas, self.rows
-        canvas.drag_started.connect(self._begin_drag)
-        canvas.drag_ended.connect(self._end_drag)
-        canvas.drive_chosen.connect(self.session.choose_drive)
-        canvas.row_chosen.connect(self._choose_row)
-        canvas.condition_drawn.connect(self._add_between)
-        canvas.angle_chosen.connect(self._set_angle)
-        canvas.menu_requested.connect(self._open_menu)
-        rows.chosen.connect(self._choose_row)
-        rows.changed.connect(self._change_row)
-        rows.finished.connect(self.session.end_gesture)
-        rows.added.connect(self._add)
-        rows.reordered.connect(self._reorder)
-        self.session.started.connect(canvas.forget)
-        self.session.restored.connect(canvas.drop)
+        connect_all(
+            (canvas.drag_started, self._begin_drag),
+            (canvas.drag_ended, self._end_drag),
+            (canvas.drive_chosen, self.session.choose_drive),
+            (canvas.row_chosen, self._choose_row),
+            (canvas.condition_drawn, self._add_between),
+            (canvas.angle_chosen, self._set_angle),
+            (canvas.menu_requested, self._open_menu),
+            (rows.chosen, self._choose_row),
+            (rows.changed, self._change_row),
+            (rows.finished, self.session.end_gesture),
+            (rows.added, self._add),
+            (rows.reordered, self._reorder),
+            (self.session.started, canvas.forget),
+            (self.session.restored, canvas.drop),
+        )
 
     # -- from the session -----------------------------------------------------------------------------------
 

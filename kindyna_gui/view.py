@@ -39,7 +39,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, call_soon, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
 from kindyna_gui.settings import DISPLAY, is_default
 
@@ -269,13 +269,15 @@ class View(QWidget):
         self._followed = player.theta
         self._host: ViewHost | None = None
         self._awaits = False  # a result that it reads is being calculated, or was cancelled
-        session.pending.known.connect(self._read_again)
-        session.started.connect(self._forget_fault)
-        session.drive_chosen.connect(self._forget_fault)
-        (session.full_design_changed if self.is_design_wide else session.design_changed).connect(self.invalidate)
-        DISPLAY.changed.connect(self.invalidate)
-        player.angle_changed.connect(self._angle_changed)
-        player.playing_changed.connect(self._show_last_angle)
+        connect_all(
+            (session.pending.known, self._read_again),
+            (session.started, self._forget_fault),
+            (session.drive_chosen, self._forget_fault),
+            (session.full_design_changed if self.is_design_wide else session.design_changed, self.invalidate),
+            (DISPLAY.changed, self.invalidate),
+            (player.angle_changed, self._angle_changed),
+            (player.playing_changed, self._show_last_angle),
+        )
 
     @property
     def content(self) -> QWidget:

@@ -57,7 +57,7 @@ from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 
 NEW_LAW = "modified-sine"  # of the rise and the return of a new design
 FIRST_OF_KIND: Mapping[str, str] = MappingProxyType(
@@ -200,11 +200,13 @@ class LinkageDialog(QDialog):
             self.buttons,
         )
         self.resize(560, 700)
-        self.open_button.clicked.connect(self._open)
-        self.text.textChanged.connect(self._change_text)
-        self.units.currentIndexChanged.connect(self._read)
-        self.mirror.toggled.connect(self._read)
-        self.inputs.itemChanged.connect(self._read)
+        connect_all(
+            (self.open_button.clicked, self._open),
+            (self.text.textChanged, self._change_text),
+            (self.units.currentIndexChanged, self._read),
+            (self.mirror.toggled, self._read),
+            (self.inputs.itemChanged, self._read),
+        )
         self._read()
 
     def _open(self) -> None:

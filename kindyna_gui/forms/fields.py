@@ -38,6 +38,7 @@ from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox, leaves_und
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
 from kindyna_gui.look import coloured
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.settings import DISPLAY, symbol_of
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
@@ -243,10 +244,12 @@ class Field(QObject):
 
     def _number_box(self) -> NumberBox:
         box = NumberBox(self.spec.info, self.spec.unit)
-        box.entered.connect(self._enter)
-        box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
-        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
-        box.finished.connect(self.session.end_gesture)
+        connect_all(
+            (box.entered, self._enter),
+            (box.unreadable, lambda: self.session.refuse(self.spec.path, no_number(box.text()))),
+            (box.withdrawn, lambda: self.session.clear_refusal(self.spec.path)),
+            (box.finished, self.session.end_gesture),
+        )
         if not names_a_link(self.spec.path, self.spec.info):
             for part in (self.label, box):
                 part.menu_requested.connect(self._open_menu)

@@ -23,7 +23,7 @@ from kindyna_gui.forms.load_rows import AttachmentRows, WhenRow, list_button, ro
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import digits, readable
-from kindyna_gui.rebuilt import add_entry, clear_menu, fill, single_shot
+from kindyna_gui.rebuilt import add_entry, clear_menu, connect_all, fill, single_shot
 
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),
@@ -208,10 +208,12 @@ class LoadsPage(QWidget):
         fill(QVBoxLayout(self), self.table, bar, (self.form, 1), margins=0, spacing=0)
         self.form.setMinimumHeight(LOWEST)
         self._later = single_shot(self, self._find_largest, LARGEST_MS)
-        self.table.chosen.connect(self._choose)
-        self.table.moved.connect(self._move)
-        self.table.removed.connect(self._remove)
-        session.load_chosen.connect(self._show_chosen)
+        connect_all(
+            (self.table.chosen, self._choose),
+            (self.table.moved, self._move),
+            (self.table.removed, self._remove),
+            (session.load_chosen, self._show_chosen),
+        )
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Leave the larger part of the height to the form."""

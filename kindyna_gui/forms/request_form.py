@@ -40,7 +40,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, coloured
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import fill, single_shot
+from kindyna_gui.rebuilt import connect_all, fill, single_shot
 
 Kind = TypeVar("Kind")
 Summary = Callable[[Mapping[str, Any]], str]
@@ -308,10 +308,12 @@ class ComputedDialog(QDialog):
         _add_stretched(sides, shown)
         fill(QVBoxLayout(self), sides, self.buttons)
         self._pause = single_shot(self, lambda: self._work.start([("", self.job())]), PAUSE_MS)
-        self._work.result.connect(self._take)
-        self.finished.connect(self._pause.stop)
-        self.finished.connect(self._work.close)
-        self.form.changed.connect(self.changed)
+        connect_all(
+            (self._work.result, self._take),
+            (self.finished, self._pause.stop),
+            (self.finished, self._work.close),
+            (self.form.changed, self.changed),
+        )
 
     # -- for subclasses -------------------------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ from kindyna_gui.linkage.typed_values import TypedValues
 from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 
 EMPTY_WIDTH_MM = 260.0  # visible width of an empty drawing
 _FIRST = "0123456789.-+("  # characters that open the input boxes
@@ -86,10 +86,12 @@ class DrawingMode(DrawnLinkage):
         edits = SelectionActions(self, self.typed)
         self.actions = {row.name: self._menu_action(row, edits, owner) for row in ACTIONS}
         self.bar = DrawBar(list(self.tools.values()))
-        self.changed.connect(self.refresh)
-        session.started.connect(self.forget)
-        session.drive_chosen.connect(self.forget)
-        session.restored.connect(self._prune)
+        connect_all(
+            (self.changed, self.refresh),
+            (session.started, self.forget),
+            (session.drive_chosen, self.forget),
+            (session.restored, self._prune),
+        )
 
     def _tool_action(self, tool: DrawTool, owner: QWidget) -> QAction:
         action = QAction(icon(f"draw_{tool.name}"), tool.text, owner, checkable=True, checked=tool.name == CHOOSE)

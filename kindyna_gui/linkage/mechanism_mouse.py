@@ -20,6 +20,7 @@ from kindyna_gui.linkage.picking import Picker, PickFunction, next_row, paint_ro
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.player import Player, obey
+from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:  # imported when first used
@@ -76,19 +77,23 @@ class MechanismMouseView(View):
         self._drives: DrivesMouse | None = None  # created when all drives are first drawn
         self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
         self._escape.setEnabled(False)
-        self._escape.activated.connect(self._cancel)
-        self.canvas.joint_pressed.connect(self._start_drag)
-        self.canvas.joint_dragged.connect(self._drag_joint)
-        self.canvas.joint_released.connect(lambda _: self._end_drag())
-        self.canvas.hovered.connect(self._read_profile)
-        self.canvas.hovered.connect(self.picker.hover)
-        self.canvas.clicked.connect(self._click)
-        self.canvas.menu_requested.connect(self._open_menu)
+        connect_all(
+            (self._escape.activated, self._cancel),
+            (self.canvas.joint_pressed, self._start_drag),
+            (self.canvas.joint_dragged, self._drag_joint),
+            (self.canvas.joint_released, lambda _: self._end_drag()),
+            (self.canvas.hovered, self._read_profile),
+            (self.canvas.hovered, self.picker.hover),
+            (self.canvas.clicked, self._click),
+            (self.canvas.menu_requested, self._open_menu),
+        )
         self.canvas.start_run = self._run_from
-        self.picker.prompted.connect(lambda _: self._escape.setEnabled(True))
-        self.picker.ended.connect(lambda _: self._escape.setEnabled(False))
-        session.load_chosen.connect(self.canvas.viewport().update)
-        session.full_design_changed.connect(partial(self.picker.end, "the design has changed"))
+        connect_all(
+            (self.picker.prompted, lambda _: self._escape.setEnabled(True)),
+            (self.picker.ended, lambda _: self._escape.setEnabled(False)),
+            (session.load_chosen, self.canvas.viewport().update),
+            (session.full_design_changed, partial(self.picker.end, "the design has changed")),
+        )
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)

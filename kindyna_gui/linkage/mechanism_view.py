@@ -39,6 +39,7 @@ from kindyna_gui.pictures.drawing.parts import (
 )
 from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.requirements import ONLY_LINKAGES, why_no_forces, why_no_pressure
 from kindyna_gui.view import ViewHost
 
@@ -82,15 +83,17 @@ class MechanismView(MechanismMouseView):
         colours.setExclusionPolicy(QActionGroup.ExclusionPolicy.ExclusiveOptional)
         for name in COLOUR_LAYERS:
             colours.addAction(self._actions[name])
-        session.started.connect(self._request_fit)
-        session.drive_chosen.connect(self._request_fit)
-        session.step_changed.connect(self._show_step)
-        session.full_design_changed.connect(self._update_strip)
-        session.incomplete_changed.connect(self.invalidate)
-        session.file_changed.connect(self._load_underlay)
-        self.strip.chosen.connect(self._choose_drive)
-        self.strip.arranged.connect(self.arrange)
-        self.all_canvas.clicked.connect(self._click_drive)
+        connect_all(
+            (session.started, self._request_fit),
+            (session.drive_chosen, self._request_fit),
+            (session.step_changed, self._show_step),
+            (session.full_design_changed, self._update_strip),
+            (session.incomplete_changed, self.invalidate),
+            (session.file_changed, self._load_underlay),
+            (self.strip.chosen, self._choose_drive),
+            (self.strip.arranged, self.arrange),
+            (self.all_canvas.clicked, self._click_drive),
+        )
         self._update_strip()
         self._load_underlay()
         self._pinned: PinnedOutline | None = None

@@ -57,7 +57,7 @@ from kindyna_gui.measured.segments import (
 )
 from kindyna_gui.measured.sheet import SheetTable, fault_marks, fit_marks
 from kindyna_gui.pictures.plots.xy import XYPlot
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 
 WAIT = 0.15  # seconds for a fast result, before the dialog says that it is computing
 COMPUTING = "Reading the table and fitting the motion. Cancel stops it."
@@ -227,19 +227,21 @@ class MeasuredDialog(PutDialog):
         self.lowest.entered.connect(lambda value: self._change_request(lowest=value))
         for box in (*self.errors.values(), self.lowest):
             box.unreadable.connect(lambda box=box: box.set_refused(True))
-        self.estimate.clicked.connect(lambda: self._change_request(errors={}))
-        self.keep_all.toggled.connect(lambda on: self._change_request(keep_all=on))
-        self.mirror.toggled.connect(lambda on: self._change_request(mirror=on))
-        self.laws.toggled.connect(lambda on: self._change_request(laws=on))
-        self.dwells.toggled.connect(lambda on: self._change_request(dwells=on))
-        self.again.clicked.connect(self._read_again)
-        self.leave.clicked.connect(self._leave_out)
-        self.alternatives.activated.connect(self._leave_alternative_out)
-        self.pages.activated.connect(self._page_changed)
-        self.cells.editingFinished.connect(self._cells_changed)
-        self.residual_of.activated.connect(self._show_residuals)
-        self.sheet.left_out.connect(lambda lines: self._change_request(leave_out=lines))
-        self.sheet.chosen.connect(self._mark_line)
+        connect_all(
+            (self.estimate.clicked, lambda: self._change_request(errors={})),
+            (self.keep_all.toggled, lambda on: self._change_request(keep_all=on)),
+            (self.mirror.toggled, lambda on: self._change_request(mirror=on)),
+            (self.laws.toggled, lambda on: self._change_request(laws=on)),
+            (self.dwells.toggled, lambda on: self._change_request(dwells=on)),
+            (self.again.clicked, self._read_again),
+            (self.leave.clicked, self._leave_out),
+            (self.alternatives.activated, self._leave_alternative_out),
+            (self.pages.activated, self._page_changed),
+            (self.cells.editingFinished, self._cells_changed),
+            (self.residual_of.activated, self._show_residuals),
+            (self.sheet.left_out, lambda lines: self._change_request(leave_out=lines)),
+            (self.sheet.chosen, self._mark_line),
+        )
         add_copy_of_line(self.buttons, self._as_command)
         self._work.result.connect(lambda _, reading: self._show_reading(reading))
         self.finished.connect(self._work.stop)

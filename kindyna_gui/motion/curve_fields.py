@@ -60,7 +60,7 @@ from kindyna_gui.motion.diagram import snap_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
+from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
 from kindyna_gui.settings import DISPLAY, symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
@@ -163,15 +163,20 @@ class EndField(CurveField):
         if not self.spec.info.optional:
             return super()._number_box()
         box = OptionalBox(self.spec.info, self.spec.unit)
-        box.entered.connect(self._enter)
-        box.emptied.connect(self._leave_open)
-        box.unreadable.connect(
-            lambda: self.session.refuse(self.spec.path, "not a number; enter a number, or nothing to leave it open")
+        connect_all(
+            (box.entered, self._enter),
+            (box.emptied, self._leave_open),
+            (
+                box.unreadable,
+                lambda: self.session.refuse(
+                    self.spec.path, "not a number; enter a number, or nothing to leave it open"
+                ),
+            ),
+            (box.withdrawn, lambda: self.session.clear_refusal(self.spec.path)),
+            (box.finished, self.session.end_gesture),
+            (self.label.dragged, box.stepBy),
+            (self.label.released, self._label_released),
         )
-        box.withdrawn.connect(lambda: self.session.clear_refusal(self.spec.path))
-        box.finished.connect(self.session.end_gesture)
-        self.label.dragged.connect(box.stepBy)
-        self.label.released.connect(self._label_released)
         return box
 
     def _leave_open(self) -> None:
@@ -204,10 +209,12 @@ class PointsModel(QAbstractTableModel):
         self._wrong: dict[str, str] = {}
         self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
         self._trying = ""
-        session.refused.connect(self._refused)
-        session.accepted.connect(self._accepted)
-        session.restored.connect(self.withdraw)
-        DISPLAY.changed.connect(self._update_units)
+        connect_all(
+            (session.refused, self._refused),
+            (session.accepted, self._accepted),
+            (session.restored, self.withdraw),
+            (DISPLAY.changed, self._update_units),
+        )
 
     def _update_units(self) -> None:
         """Show headings and cells in other units."""

@@ -21,7 +21,7 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
+from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
 from kindyna_gui.settings import DISPLAY
 
 SPACING = 6  # pixels between a name and its field
@@ -122,10 +122,12 @@ class MotionPage(QScrollArea):
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.segment.activated.connect(session.choose_segment)
-        self.bar.action_requested.connect(self._act)
-        session.segment_chosen.connect(self._show_soon)
-        DISPLAY.changed.connect(self._show_anew)
+        connect_all(
+            (self.segment.activated, session.choose_segment),
+            (self.bar.action_requested, self._act),
+            (session.segment_chosen, self._show_soon),
+            (DISPLAY.changed, self._show_anew),
+        )
 
     @property
     def in_trouble(self) -> bool:

@@ -41,7 +41,7 @@ from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.style import SCREEN, cached_by_theme
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import add_entry, clear_menu, fill
+from kindyna_gui.rebuilt import add_entry, clear_menu, connect_all, fill
 from kindyna_gui.view import View, ViewHost
 
 Index = QModelIndex | QPersistentModelIndex
@@ -391,13 +391,15 @@ class LawsView(View):
         self.set_column(self._tools(), self._splitter, grows=self._splitter)
         for slug in FIRST_TICKED:
             self.model.tick(slug, True)
-        self.model.ticked.connect(self._draw)
-        self.table.selectionModel().currentRowChanged.connect(self._name_button)
-        self.table.activated.connect(self._use_current)
-        self.ranking.chosen.connect(self.table.choose)
-        self.rank_button.toggled.connect(self._choose_page)
-        self.all_button.toggled.connect(self._offer)
-        session.segment_chosen.connect(self._segment_chosen)
+        connect_all(
+            (self.model.ticked, self._draw),
+            (self.table.selectionModel().currentRowChanged, self._name_button),
+            (self.table.activated, self._use_current),
+            (self.ranking.chosen, self.table.choose),
+            (self.rank_button.toggled, self._choose_page),
+            (self.all_button.toggled, self._offer),
+            (session.segment_chosen, self._segment_chosen),
+        )
         self._draw()
 
     def belong_to(self, window: ViewHost) -> None:

@@ -47,7 +47,7 @@ from kindyna_gui.motion.diagram import FIRST_FAULT, Parts, join_help, join_marks
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox, law_tip
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.rebuilt import call_soon, connect_all
 from kindyna_gui.settings import DISPLAY, number_text, point, size_of, symbol_of
 
 Index = QModelIndex | QPersistentModelIndex
@@ -161,10 +161,12 @@ class SegmentsModel(QAbstractTableModel):
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._cells: dict[tuple[int, int], SegmentCell] = {}
         self._trying = ""
-        session.refused.connect(self._refused)
-        session.accepted.connect(self._accepted)
-        session.restored.connect(self.withdraw)
-        DISPLAY.changed.connect(self._update_units)
+        connect_all(
+            (session.refused, self._refused),
+            (session.accepted, self._accepted),
+            (session.restored, self.withdraw),
+            (DISPLAY.changed, self._update_units),
+        )
 
     def _update_units(self) -> None:
         """Show headings and cells in other units."""
@@ -418,10 +420,12 @@ class SegmentDelegate(CellDelegate):
             self.opened(laws, index)
             return laws
         box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)
-        box.entered.connect(lambda _: self.commit(box))
-        box.unreadable.connect(lambda: self.commit(box))
-        box.withdrawn.connect(self._model.withdraw)
-        box.finished.connect(self._session.end_gesture)
+        connect_all(
+            (box.entered, lambda _: self.commit(box)),
+            (box.unreadable, lambda: self.commit(box)),
+            (box.withdrawn, self._model.withdraw),
+            (box.finished, self._session.end_gesture),
+        )
         self.opened(box, index)
         return box
 

@@ -55,7 +55,7 @@ from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, Se
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, call_soon, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
@@ -347,30 +347,34 @@ class SegmentsView(MarkedView):
         self.set_content_layout(layout)
 
     def _connect(self) -> None:
-        self.model.error_changed.connect(self._show_text)
-        self.curve.error_changed.connect(self._show_text)
-        self.table.insert_requested.connect(partial(self.act, "insert"))
-        self.table.delete_requested.connect(partial(self.act, "delete"))
-        self.bar.action_requested.connect(self.act)
-        self.bar.abilities_changed.connect(self.abilities_changed)
-        self.table.nudge_requested.connect(self.diagram.nudge)
-        self.table.dropped.connect(self.diagram.escape)
-        self.table.selectionModel().currentChanged.connect(self._row_chosen)
+        connect_all(
+            (self.model.error_changed, self._show_text),
+            (self.curve.error_changed, self._show_text),
+            (self.table.insert_requested, partial(self.act, "insert")),
+            (self.table.delete_requested, partial(self.act, "delete")),
+            (self.bar.action_requested, self.act),
+            (self.bar.abilities_changed, self.abilities_changed),
+            (self.table.nudge_requested, self.diagram.nudge),
+            (self.table.dropped, self.diagram.escape),
+            (self.table.selectionModel().currentChanged, self._row_chosen),
+        )
         self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        self.table.customContextMenuRequested.connect(self._open_menu)
-        self.diagram.segment_chosen.connect(self._choose_row)
-        self.diagram.menu_requested.connect(self._open_diagram_menu)
-        self.diagram.settled.connect(self._draw)
-        self.diagram.released.connect(self._hide_before)
-        self.derivatives.angle_moved.connect(self._turn)
-        self.derivatives.visibility_changed.connect(self._draw_derivatives)
-        self.splitter.splitterMoved.connect(self._splitter_moved)
-        self.incomplete_bar.close_requested.connect(self.session.close_motion)
-        self.incomplete_bar.drop_requested.connect(partial(self.session.drop_incomplete, motion_alone=True))
-        self.session.incomplete_changed.connect(self.invalidate)
-        self.session.refused.connect(self._refused)
-        self.session.accepted.connect(self._accepted)
-        self.session.segment_chosen.connect(self._segment_chosen)
+        connect_all(
+            (self.table.customContextMenuRequested, self._open_menu),
+            (self.diagram.segment_chosen, self._choose_row),
+            (self.diagram.menu_requested, self._open_diagram_menu),
+            (self.diagram.settled, self._draw),
+            (self.diagram.released, self._hide_before),
+            (self.derivatives.angle_moved, self._turn),
+            (self.derivatives.visibility_changed, self._draw_derivatives),
+            (self.splitter.splitterMoved, self._splitter_moved),
+            (self.incomplete_bar.close_requested, self.session.close_motion),
+            (self.incomplete_bar.drop_requested, partial(self.session.drop_incomplete, motion_alone=True)),
+            (self.session.incomplete_changed, self.invalidate),
+            (self.session.refused, self._refused),
+            (self.session.accepted, self._accepted),
+            (self.session.segment_chosen, self._segment_chosen),
+        )
 
     @property
     def fields(self) -> dict[str, Field]:

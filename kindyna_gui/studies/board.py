@@ -36,7 +36,7 @@ from kindyna_gui.forms.tables import CopyKey
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.units import short
 from kindyna_gui.places import state_folder
-from kindyna_gui.rebuilt import STRETCH, fill
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 
 CURRENT = "Current"
 IMAGE = QSize(112, 72)  # pixels
@@ -166,12 +166,14 @@ class Board(QWidget):
         self.sort.hide()
         row = fill(QHBoxLayout(), self.keep, STRETCH, self.compare, self.sort, margins=0)
         fill(QVBoxLayout(self), row, self.list, self.table, margins=0, spacing=2)
-        self.compare.toggled.connect(self._switch)
-        self.table.cellDoubleClicked.connect(self._open_row)
-        self.keep.clicked.connect(self.keep_requested)
-        self.sort.activated.connect(self._show)
-        self.list.itemActivated.connect(self._open)
-        self.list.delete_requested.connect(self._remove)
+        connect_all(
+            (self.compare.toggled, self._switch),
+            (self.table.cellDoubleClicked, self._open_row),
+            (self.keep.clicked, self.keep_requested),
+            (self.sort.activated, self._show),
+            (self.list.itemActivated, self._open),
+            (self.list.delete_requested, self._remove),
+        )
 
     def add(self, card: Card) -> None:
         """Add a card."""

@@ -47,7 +47,7 @@ from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, fill
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 from kindyna_gui.studies.best_page import BestPage, TolerancePage
 from kindyna_gui.studies.board import Board, BoardFile, Card
 from kindyna_gui.studies.plots import SurveyQuantity
@@ -157,49 +157,56 @@ class StudyView(BackgroundView):
         self.setFocusProxy(self.open)
 
     def _connect(self) -> None:
-        self.request.changed.connect(self._update)
-        self.surveys.finished.connect(self._show_survey)
-        self._machines.finished.connect(self._show_machines)
-        self.rows.add_requested.connect(self.vary)
-        self.rows.changed.connect(self.request.set_span)
-        self.rows.removed.connect(self.request.keep_fixed)
-        self.rows.tolerance_changed.connect(self._set_width)
-        self.rows.words_changed.connect(self.request.set_words)
-        self.figure_rows.add_requested.connect(self.request.add_figure)
-        self.figure_rows.changed.connect(self.request.change_figure)
-        self.figure_rows.shown.connect(self._show_figure)
-        self.figure_rows.removed.connect(self.request.remove_figure)
-        self.tolerances.rows.add_requested.connect(
-            lambda path: self._set_tolerance(Tolerance(path, default_tolerance(self._design, path)))
+        connect_all(
+            (self.request.changed, self._update),
+            (self.surveys.finished, self._show_survey),
+            (self._machines.finished, self._show_machines),
+            (self.rows.add_requested, self.vary),
+            (self.rows.changed, self.request.set_span),
+            (self.rows.removed, self.request.keep_fixed),
+            (self.rows.tolerance_changed, self._set_width),
+            (self.rows.words_changed, self.request.set_words),
+            (self.figure_rows.add_requested, self.request.add_figure),
+            (self.figure_rows.changed, self.request.change_figure),
+            (self.figure_rows.shown, self._show_figure),
+            (self.figure_rows.removed, self.request.remove_figure),
+            (
+                self.tolerances.rows.add_requested,
+                lambda path: self._set_tolerance(Tolerance(path, default_tolerance(self._design, path))),
+            ),
+            (self.tolerances.rows.changed, self._set_tolerance),
+            (self.tolerances.rows.removed, self._remove_tolerance),
+            (self.tolerances.waves.changed, self._set_waves),
+            (self.tolerances.bands.toggled, self.bands.set_shown),
+            (self.best.goals_changed, self.request.set_goals),
+            (self.best.robust_changed, self.request.set_robust),
+            (self.best.search_requested, self._search),
+            (self.best.stepped, self._show_path),
+            (self.best.finished, self._show_optimum),
+            (self.best.take_over, self._apply_optimum),
+            (self.front.picked, self._apply_front_point),
+            (self.tabs.currentChanged, self._change_tab),
+            (self.open.ready, self.load_study),
+            (self.open.opened, self._open_file),
+            (self.save.clicked, self._save),
         )
-        self.tolerances.rows.changed.connect(self._set_tolerance)
-        self.tolerances.rows.removed.connect(self._remove_tolerance)
-        self.tolerances.waves.changed.connect(self._set_waves)
-        self.tolerances.bands.toggled.connect(self.bands.set_shown)
-        self.best.goals_changed.connect(self.request.set_goals)
-        self.best.robust_changed.connect(self.request.set_robust)
-        self.best.search_requested.connect(self._search)
-        self.best.stepped.connect(self._show_path)
-        self.best.finished.connect(self._show_optimum)
-        self.best.take_over.connect(self._apply_optimum)
-        self.front.picked.connect(self._apply_front_point)
-        self.tabs.currentChanged.connect(self._change_tab)
-        self.open.ready.connect(self.load_study)
-        self.open.opened.connect(self._open_file)
-        self.save.clicked.connect(self._save)
         for plot in (self.map, *self.curves):
-            plot.picked.connect(self._pick)
-            plot.grabbed.connect(self._grab)
-            plot.dragged.connect(self._drag_to)
-            plot.released.connect(self._release)
-        self.parallel.brushed.connect(self._draw)
-        self.parallel.picked.connect(self._pick_line)
-        self.board.keep_requested.connect(self._keep)
-        self.board.compared.connect(self._show_compared)
-        self.board.reopened.connect(lambda design: self._put(design, "Reopen a card"))
-        self._board_file.message.connect(self.status_message)
-        self.session.refused.connect(self._note_refusal)
-        self.session.started.connect(self._clear)
+            connect_all(
+                (plot.picked, self._pick),
+                (plot.grabbed, self._grab),
+                (plot.dragged, self._drag_to),
+                (plot.released, self._release),
+            )
+        connect_all(
+            (self.parallel.brushed, self._draw),
+            (self.parallel.picked, self._pick_line),
+            (self.board.keep_requested, self._keep),
+            (self.board.compared, self._show_compared),
+            (self.board.reopened, lambda design: self._put(design, "Reopen a card")),
+            (self._board_file.message, self.status_message),
+            (self.session.refused, self._note_refusal),
+            (self.session.started, self._clear),
+        )
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)

@@ -24,7 +24,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Work
 from kindyna_gui.fault_log import FaultLog, short
 from kindyna_gui.look import Note
-from kindyna_gui.rebuilt import single_shot
+from kindyna_gui.rebuilt import connect_all, single_shot
 from kindyna_gui.view import View
 from kindyna_gui.window.base import Window, title_of
 from kindyna_gui.window.docks import VIEWS
@@ -60,12 +60,14 @@ class Faults(QObject):
         self._failures: list[tuple[str, str]] = []  # of the current event: title of the view, exception in one line
         self._going_back = False
         self._event_end = single_shot(self, self._settle)
-        self._session.stack.indexChanged.connect(self._step_taken)
-        self._session.design_changed.connect(self._event_end.start)
-        self._session.incomplete_changed.connect(self._event_end.start)
-        self._session.refused.connect(self._refused)
-        window.menuBar().triggered.connect(self._chosen)
-        self._in_thread.connect(self._report)
+        connect_all(
+            (self._session.stack.indexChanged, self._step_taken),
+            (self._session.design_changed, self._event_end.start),
+            (self._session.incomplete_changed, self._event_end.start),
+            (self._session.refused, self._refused),
+            (window.menuBar().triggered, self._chosen),
+            (self._in_thread, self._report),
+        )
         _install(self)
 
     # -- actions of the user, for the log -----------------------------------------------------------------

@@ -32,7 +32,7 @@ from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.rebuilt import call_soon, connect_all
 from kindyna_gui.requirements import UNKNOWN_PREFERENCES
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
@@ -155,24 +155,28 @@ class MainWindow(Window):
     def _connect(self) -> None:
         session, player = self.session, self.player
         session.stages_on_screen = self.stages_on_screen
-        session.started.connect(partial(setattr, self, "_begun", True))
-        session.drive_chosen.connect(partial(setattr, self, "_begun", True))
-        session.full_design_changed.connect(self._follow_new_design)
-        session.file_changed.connect(self._follow_new_design)
-        session.stack.indexChanged.connect(self._steps_changed)
-        session.stack.cleanChanged.connect(self._steps_changed)
-        session.refused.connect(self._show_refusal)
-        session.vary_requested.connect(self.vary)
-        self.documents.status_message.connect(self.status.show_message)
-        self.exports.status_message.connect(self.status.show_message)
-        self.disk.status_message.connect(self.status.show_message)
-        self.recovery.status_message.connect(self.status.show_message)
-        self.designing.status_message.connect(self.status.show_message)
+        connect_all(
+            (session.started, partial(setattr, self, "_begun", True)),
+            (session.drive_chosen, partial(setattr, self, "_begun", True)),
+            (session.full_design_changed, self._follow_new_design),
+            (session.file_changed, self._follow_new_design),
+            (session.stack.indexChanged, self._steps_changed),
+            (session.stack.cleanChanged, self._steps_changed),
+            (session.refused, self._show_refusal),
+            (session.vary_requested, self.vary),
+            (self.documents.status_message, self.status.show_message),
+            (self.exports.status_message, self.status.show_message),
+            (self.disk.status_message, self.status.show_message),
+            (self.recovery.status_message, self.status.show_message),
+            (self.designing.status_message, self.status.show_message),
+        )
         self.exports.layers, self.exports.view = self._layers, self.view
-        QApplication.styleHints().colorSchemeChanged.connect(self._desktop_changed)
-        player.playing_changed.connect(self.actions_by_key["play"].setChecked)
-        player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
-        self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())
+        connect_all(
+            (QApplication.styleHints().colorSchemeChanged, self._desktop_changed),
+            (player.playing_changed, self.actions_by_key["play"].setChecked),
+            (player.forward_changed, lambda forward: self.actions_by_key["reverse"].setChecked(not forward)),
+            (self.centre.tabs.currentChanged, lambda _: self.status.recount()),
+        )
         for dock in self.docks.values():
             dock.pause(True)
             dock.seen.connect(self._docks_moved)

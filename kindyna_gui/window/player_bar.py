@@ -37,7 +37,7 @@ from kindyna_gui.look import icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, initial_speed, obey, speeds, step_of
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import connect_all, fill
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
@@ -226,20 +226,22 @@ class PlayerBar(View):
 
     def _connect(self) -> None:
         player = self.player
-        self.session.started.connect(self._forget_speed)
-        self.play.clicked.connect(lambda: player.play(not player.playing))
-        self.back.clicked.connect(lambda: self._step(-1.0))
-        self.forward.clicked.connect(lambda: self._step(1.0))
-        self.join_back.clicked.connect(lambda: self.go_to_join(-1))
-        self.join_forward.clicked.connect(lambda: self.go_to_join(1))
-        self.reverse.toggled.connect(lambda on: player.set_forward(not on))
-        self.slider.sliderMoved.connect(lambda value: self._go(value / FINE))
-        self.angle.valueChanged.connect(self._go)
-        self.angle.lineEdit().textEdited.connect(lambda _: player.play(False))
-        self.speed.activated.connect(self._choose_speed)
-        player.playing_changed.connect(self._show_playing)
-        player.forward_changed.connect(lambda forward: self.reverse.setChecked(not forward))
-        player.speed_changed.connect(lambda _: self._show_speed())
+        connect_all(
+            (self.session.started, self._forget_speed),
+            (self.play.clicked, lambda: player.play(not player.playing)),
+            (self.back.clicked, lambda: self._step(-1.0)),
+            (self.forward.clicked, lambda: self._step(1.0)),
+            (self.join_back.clicked, lambda: self.go_to_join(-1)),
+            (self.join_forward.clicked, lambda: self.go_to_join(1)),
+            (self.reverse.toggled, lambda on: player.set_forward(not on)),
+            (self.slider.sliderMoved, lambda value: self._go(value / FINE)),
+            (self.angle.valueChanged, self._go),
+            (self.angle.lineEdit().textEdited, lambda _: player.play(False)),
+            (self.speed.activated, self._choose_speed),
+            (player.playing_changed, self._show_playing),
+            (player.forward_changed, lambda forward: self.reverse.setChecked(not forward)),
+            (player.speed_changed, lambda _: self._show_speed()),
+        )
 
     # -- from the session and the player ------------------------------------------------------------------
 

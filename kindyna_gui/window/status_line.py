@@ -22,7 +22,7 @@ from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import add_entry, call_soon, clear_menu, single_shot
+from kindyna_gui.rebuilt import add_entry, call_soon, clear_menu, connect_all, single_shot
 from kindyna_gui.requirements import suggestions_for
 
 PAUSE_MS = 150  # after a change, before the findings are counted
@@ -93,17 +93,19 @@ class StatusLine(QStatusBar):
         self._long.setAutoFillBackground(True)
         self._long.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = single_shot(self, self.count_findings, PAUSE_MS)
-        self.messageChanged.connect(self._ask_again)
-        self.messageChanged.connect(self._offer)
-        self.messageChanged.connect(self._show_long)
-        session.pending.changed.connect(self._show_pending)
-        session.corrected.connect(self._edit_corrected)
-        session.restored.connect(self._edit_corrected)
-        session.incomplete_changed.connect(self._misfits_changed)
-        session.restored.connect(self._misfits_changed)  # names of values depend on the drive
-        session.full_design_changed.connect(self._design_changed)
-        session.file_changed.connect(self._file_changed)
-        player.angle_changed.connect(self._angle_changed)
+        connect_all(
+            (self.messageChanged, self._ask_again),
+            (self.messageChanged, self._offer),
+            (self.messageChanged, self._show_long),
+            (session.pending.changed, self._show_pending),
+            (session.corrected, self._edit_corrected),
+            (session.restored, self._edit_corrected),
+            (session.incomplete_changed, self._misfits_changed),
+            (session.restored, self._misfits_changed),  # names of values depend on the drive
+            (session.full_design_changed, self._design_changed),
+            (session.file_changed, self._file_changed),
+            (player.angle_changed, self._angle_changed),
+        )
         self._design_changed()
         self._file_changed()
         self._angle_changed(player.theta)
