@@ -21,9 +21,11 @@ from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QStyledItemDelegate, QTableView, QWidget
 
 from core.frozen import frozen
+from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import call_soon
-from kindyna_gui.settings import symbol_of
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.rebuilt import call_soon, connect_all
+from kindyna_gui.settings import DISPLAY, symbol_of
 from kindyna_gui.view import ExplainableNumber
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -82,6 +84,17 @@ class CellTable(QTableView):
     insert_requested = Signal()
     delete_requested = Signal()
 
+    def __init__(self, model: QAbstractItemModel) -> None:
+        super().__init__(showGrid=False)
+        self.setModel(model)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setAlternatingRowColors(True)
+        self.setEditTriggers(
+            QAbstractItemView.EditTrigger.DoubleClicked
+            | QAbstractItemView.EditTrigger.EditKeyPressed
+            | QAbstractItemView.EditTrigger.AnyKeyPressed
+        )
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
         key = event.key()
         if self.state() == QAbstractItemView.State.EditingState:
@@ -98,12 +111,82 @@ class CellTable(QTableView):
             super().keyPressEvent(event)
 
 
+class CellModel(QAbstractTableModel):
+    """Model of a table whose cells edit the design; a text that the session refuses stays in its cell.
+
+    ``error_changed`` (str) gives the error of the last edit; empty if there is none.
+    """
+
+    error_changed = Signal(str)
+
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
+        self._wrong: dict[str, str] = {}  # path -> the text that was refused
+        self._trying = ""
+        connect_all(
+            (session.refused, self._refused),
+            (session.accepted, self._accepted),
+            (session.restored, self.withdraw),
+            (DISPLAY.changed, self._update_units),
+        )
+
+    def path(self, row: int, column: int) -> str:
+        """Path that a cell edits; empty if it edits none."""
+        raise NotImplementedError
+
+    def value(self, row: int, column: int) -> Any:
+        """Value of a cell in the design."""
+        raise NotImplementedError
+
+    def edits(self, path: str) -> bool:
+        """Whether one of the cells edits a path."""
+        raise NotImplementedError
+
+    def is_refused(self, row: int, column: int) -> bool:
+        """Whether the text typed into a cell was refused."""
+        return self.path(row, column) in self._wrong
+
+    def _all_changed(self) -> None:
+        if self.rowCount():
+            last = self.index(self.rowCount() - 1, self.columnCount() - 1)
+            self.dataChanged.emit(self.index(0, 0), last)
+
+    def _update_units(self) -> None:
+        """Show headings and cells in other units."""
+        self._all_changed()
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
+
+    def _refused(self, refusal: Refusal) -> None:
+        if self.edits(refusal.path):
+            self._wrong = {refusal.path: self._trying}
+            self.error_changed.emit(refusal.at(refusal.path))
+            self._all_changed()
+
+    def _accepted(self, path: str) -> None:
+        if path in self._wrong:
+            self.withdraw()
+
+    def withdraw(self) -> bool:
+        """Discard a refused text; False if there is none."""
+        if not self._wrong:
+            return False
+        wrong, self._wrong = self._wrong, {}
+        self.error_changed.emit("")
+        self._all_changed()
+        for path in wrong:
+            self._session.clear_refusal(path)
+        return True
+
+
 class CellDelegate(QStyledItemDelegate):
     """Commits the text of an editor only while the table has it open: the focus leaves an editor again while it closes."""
 
-    def __init__(self, session: Session, model: QAbstractItemModel, table: QTableView) -> None:
+    def __init__(self, session: Session, model: CellModel, table: QTableView) -> None:
         super().__init__(table)
         self._session = session
+        self._model = model
         self._table = table
         self._open: QWidget | None = None
         self._index = QPersistentModelIndex()
@@ -113,6 +196,27 @@ class CellDelegate(QStyledItemDelegate):
     def opened(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
         """Note the open editor and its cell."""
         self._open, self._index = editor, QPersistentModelIndex(index)
+
+    def open_box(self, box: NumberBox, index: Index) -> NumberBox:
+        """Open a box for the number of a cell."""
+        connect_all(
+            (box.entered, lambda _: self.commit(box)),
+            (box.unreadable, lambda: self.commit(box)),
+            (box.withdrawn, self._model.withdraw),
+            (box.finished, self._session.end_gesture),
+        )
+        self.opened(box, index)
+        return box
+
+    def setEditorData(self, editor: Any, index: Index) -> None:
+        """Show the number of a cell, or the text that was refused, unless another one is being typed."""
+        wrong = self._model.is_refused(index.row(), index.column())
+        if not (wrong and editor.pending):
+            editor.show_value(self._model.value(index.row(), index.column()))
+            if wrong:
+                editor.lineEdit().setText(str(self._model.data(index, Qt.ItemDataRole.EditRole)))
+            editor.selectAll()
+        editor.set_refused(wrong)
 
     def commit(self, editor: QWidget) -> None:
         """Write the text of an editor to the model, if the editor is open."""

@@ -10,16 +10,14 @@ from math import degrees
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QGridLayout,
     QHBoxLayout,
     QHeaderView,
     QLabel,
     QStyleOptionViewItem,
-    QTableView,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -48,12 +46,11 @@ from core.design import (
 )
 from core.laws import find_law, peaks
 from core.motion.split import add_point
-from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_paths
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import NumberBox, parsed, row_height
-from kindyna_gui.forms.tables import CellDelegate, CellTable
+from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable
 from kindyna_gui.labels import law_label, name_of, no_number, segment_of, sentence, value_text
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.motion.diagram import snap_angle
@@ -61,7 +58,7 @@ from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
-from kindyna_gui.settings import DISPLAY, symbol_of
+from kindyna_gui.settings import symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
 STEP_AT_0 = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
@@ -192,34 +189,14 @@ def name_in_sentence(design: Design, path: str) -> str:
 # -- points of a spline ----------------------------------------------------------------------------------
 
 
-class PointsModel(QAbstractTableModel):
-    """Table model of the points of a segment.
-
-    ``error_changed`` (str) gives the error of the last edit; empty if there is none.
-    """
-
-    error_changed = Signal(str)
+class PointsModel(CellModel):
+    """Table model of the points of a segment."""
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
-        super().__init__(parent)
-        self._session = session
+        super().__init__(session, parent)
         self.segment = 0
         self._points: tuple[SplinePoint, ...] = ()
         self.columns = point_columns(require_motion(session.typed))
-        self._wrong: dict[str, str] = {}
-        self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
-        self._trying = ""
-        connect_all(
-            (session.refused, self._refused),
-            (session.accepted, self._accepted),
-            (session.restored, self.withdraw),
-            (DISPLAY.changed, self._update_units),
-        )
-
-    def _update_units(self) -> None:
-        """Show headings and cells in other units."""
-        self._changed()
-        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(TITLES) - 1)
 
     def show(self, design: Design, segment: int) -> None:
         """Show the points of a segment."""
@@ -233,15 +210,10 @@ class PointsModel(QAbstractTableModel):
             self.endResetModel()
         elif (points, waiting_paths(self._session)) != (self._points, self._faulty):
             self._points = points
-            self._changed()
+            self._all_changed()
         self._faulty = waiting_paths(self._session)
 
-    def _changed(self) -> None:
-        if self._points:
-            self.dataChanged.emit(self.index(0, 0), self.index(len(self._points) - 1, len(TITLES) - 1))
-
     def path(self, row: int, column: int) -> str:
-        """Path of a cell in the design."""
         return f"motion.segments[{self.segment}].points[{row}].{self.columns[column][0]}"
 
     def value(self, row: int, column: int) -> float | None:
@@ -254,9 +226,8 @@ class PointsModel(QAbstractTableModel):
         path = self.path(row, column)
         return path in self._faulty or path.rpartition(".")[0] in self._faulty
 
-    def is_refused(self, row: int, column: int) -> bool:
-        """Whether the text typed into a cell was refused."""
-        return self.path(row, column) in self._wrong
+    def edits(self, path: str) -> bool:
+        return path.startswith(f"motion.segments[{self.segment}].points[") and bool(self._points)
 
     # -- interface of the Qt model -----------------------------------------------------------------------
 
@@ -309,54 +280,19 @@ class PointsModel(QAbstractTableModel):
             return False
         return self._session.edit(path, number, f"Change {name} to {value_text(number, unit)}")
 
-    def _refused(self, refusal: Refusal) -> None:
-        if refusal.path.startswith(f"motion.segments[{self.segment}].points[") and self._points:
-            self._wrong = {refusal.path: self._trying}
-            self.error_changed.emit(refusal.at(refusal.path))
-            self._changed()
-
-    def _accepted(self, path: str) -> None:
-        if path in self._wrong:
-            self.withdraw()
-
-    def withdraw(self) -> None:
-        """Discard a refused text."""
-        if self._wrong:
-            self._wrong.clear()
-            self.error_changed.emit("")
-            self._changed()
-
 
 class _Delegate(CellDelegate):
     """Editor of a cell: a number, which may be left open."""
 
-    def __init__(self, session: Session, model: PointsModel, table: QTableView) -> None:
-        super().__init__(session, model, table)
-        self._model = model
+    _model: PointsModel
 
     def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
         _, info, unit = self._model.columns[index.column()]
         box = OptionalBox(info, unit, parent) if info.optional else NumberBox(info, unit, parent)
         box.setMinimumWidth(1)
-        box.entered.connect(lambda _: self.commit(box))
-        box.unreadable.connect(lambda: self.commit(box))
         if isinstance(box, OptionalBox):
             box.emptied.connect(lambda: self.commit(box))
-        box.withdrawn.connect(self._model.withdraw)
-        box.finished.connect(self._session.end_gesture)
-        self.opened(box, index)
-        return box
-
-    def setEditorData(self, editor: QWidget, index: Index) -> None:
-        assert isinstance(editor, NumberBox)
-        wrong = self._model.is_refused(index.row(), index.column())
-        if not (wrong and editor.pending):
-            value = self._model.value(index.row(), index.column())
-            editor.show_value(value)
-            if wrong:
-                editor.lineEdit().setText(str(self._model.data(index, Qt.ItemDataRole.EditRole)))
-            editor.selectAll()
-        editor.set_refused(wrong)
+        return self.open_box(box, index)
 
     def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
         if isinstance(editor, NumberBox) and editor.pending:
@@ -370,17 +306,8 @@ class PointsTable(QWidget):
         super().__init__()
         self._session, self._player = session, player
         self.model = PointsModel(session, self)
-        self.table = CellTable()
-        self.table.setModel(self.model)
+        self.table = CellTable(self.model)
         self.table.setItemDelegate(_Delegate(session, self.model, self.table))
-        self.table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        self.table.setShowGrid(False)
-        self.table.setAlternatingRowColors(True)
-        self.table.setEditTriggers(
-            QAbstractItemView.EditTrigger.DoubleClicked
-            | QAbstractItemView.EditTrigger.EditKeyPressed
-            | QAbstractItemView.EditTrigger.AnyKeyPressed
-        )
         self.table.verticalHeader().hide()
         self.table.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)

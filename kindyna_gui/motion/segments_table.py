@@ -8,7 +8,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QModelIndex, QObject, QPersistentModelIndex, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemDelegate,
@@ -16,7 +16,6 @@ from PySide6.QtWidgets import (
     QHeaderView,
     QStyle,
     QStyleOptionViewItem,
-    QTableView,
     QWidget,
 )
 
@@ -38,17 +37,16 @@ from core.frozen import frozen
 from core.laws import EVERY_LAW, find_law, named_law
 from core.motion import Join
 from core.output.lines import shortest
-from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox, parsed
-from kindyna_gui.forms.tables import CellDelegate, CellTable
+from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable
 from kindyna_gui.labels import law_label, no_number, sentence, value_text
 from kindyna_gui.motion.diagram import FIRST_FAULT, Parts, join_help, join_marks, join_text, mark_variants
 from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_picker import LawBox, law_tip
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import call_soon, connect_all
-from kindyna_gui.settings import DISPLAY, number_text, point, size_of, symbol_of
+from kindyna_gui.rebuilt import call_soon
+from kindyna_gui.settings import number_text, point, size_of, symbol_of
 
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
@@ -142,36 +140,16 @@ class SegmentCell:
     variants: tuple[Parts, ...] = ()
 
 
-class SegmentsModel(QAbstractTableModel):
-    """Table model of the segments; a text that the session refuses stays in its cell, in red.
-
-    ``error_changed`` (str) gives the error of the last edit; empty if there is none.
-    """
-
-    error_changed = Signal(str)
+class SegmentsModel(CellModel):
+    """Table model of the segments; refused texts are red."""
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
-        super().__init__(parent)
-        self._session = session
+        super().__init__(session, parent)
         self._motion, self._assumed = motion_of(session.typed) or NO_MOTION, session.typed.assumed
         self._angles = _ends(self._motion)
         self._joins: tuple[Join, ...] = ()
-        self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
         self._shown = False
-        self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._cells: dict[tuple[int, int], SegmentCell] = {}
-        self._trying = ""
-        connect_all(
-            (session.refused, self._refused),
-            (session.accepted, self._accepted),
-            (session.restored, self.withdraw),
-            (DISPLAY.changed, self._update_units),
-        )
-
-    def _update_units(self) -> None:
-        """Show headings and cells in other units."""
-        self._all_changed()
-        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
 
     # -- design ------------------------------------------------------------------------------------------
 
@@ -198,30 +176,11 @@ class SegmentsModel(QAbstractTableModel):
 
     def _all_changed(self) -> None:
         self._cells.clear()
-        last = self.index(self.rowCount() - 1, self.columnCount() - 1)
-        self.dataChanged.emit(self.index(0, 0), last)
+        super()._all_changed()
 
-    def _refused(self, refusal: Refusal) -> None:
+    def edits(self, path: str) -> bool:
         rows = range(self.rowCount())
-        if any(refusal.path == self.path(row, column) for row in rows for column in (LAW, SPAN, RISE)):
-            self._wrong = {refusal.path: self._trying}
-            self.error_changed.emit(refusal.at(refusal.path))
-            self._all_changed()
-
-    def _accepted(self, path: str) -> None:
-        if path in self._wrong:
-            self.withdraw()
-
-    def withdraw(self) -> bool:
-        """Discard a refused text; False if there is none."""
-        if not self._wrong:
-            return False
-        wrong, self._wrong = self._wrong, {}
-        self.error_changed.emit("")
-        self._all_changed()
-        for path in wrong:
-            self._session.clear_refusal(path)
-        return True
+        return any(path == self.path(row, column) for row in rows for column in (LAW, SPAN, RISE))
 
     # -- interface of the Qt model -----------------------------------------------------------------------
 
@@ -270,7 +229,6 @@ class SegmentsModel(QAbstractTableModel):
         return law is not None and law.is_dwell
 
     def path(self, row: int, column: int) -> str:
-        """Path that a cell edits; empty if it edits none."""
         if column in (FROM, TO):
             row, column = (row - 1 if column == FROM else row), SPAN
         key = COLUMNS[column].key
@@ -354,8 +312,7 @@ class SegmentsModel(QAbstractTableModel):
         return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
 
     def is_refused(self, row: int, column: int) -> bool:
-        """Whether the text typed into a cell was refused."""
-        return column not in (FROM, TO) and self.path(row, column) in self._wrong
+        return column not in (FROM, TO) and super().is_refused(row, column)
 
     def is_faulty(self, row: int, column: int) -> bool:
         """Whether the value of a cell contradicts others."""
@@ -404,9 +361,7 @@ class SegmentDelegate(CellDelegate):
     Qt's delegate reads seven roles of the model per cell.
     """
 
-    def __init__(self, session: Session, model: SegmentsModel, table: QTableView) -> None:
-        super().__init__(session, model, table)
-        self._model, self._table = model, table
+    _model: SegmentsModel
 
     # -- editors -----------------------------------------------------------------------------------------
 
@@ -420,14 +375,7 @@ class SegmentDelegate(CellDelegate):
             self.opened(laws, index)
             return laws
         box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)
-        connect_all(
-            (box.entered, lambda _: self.commit(box)),
-            (box.unreadable, lambda: self.commit(box)),
-            (box.withdrawn, self._model.withdraw),
-            (box.finished, self._session.end_gesture),
-        )
-        self.opened(box, index)
-        return box
+        return self.open_box(box, index)
 
     def _choose(self, laws: LawBox) -> None:
         self.commit(laws)
@@ -436,14 +384,8 @@ class SegmentDelegate(CellDelegate):
     def setEditorData(self, editor: QWidget, index: Index) -> None:
         if isinstance(editor, LawBox):
             editor.setCurrentIndex(editor.findData(self._model.value(index.row(), LAW)))
-        elif isinstance(editor, NumberBox):
-            wrong = self._model.is_refused(index.row(), index.column())
-            if not (wrong and editor.pending):
-                editor.show_value(self._model.value(index.row(), index.column()))
-                if wrong:
-                    editor.lineEdit().setText(self._model.data(index, Qt.ItemDataRole.EditRole))
-                editor.selectAll()
-            editor.set_refused(wrong)
+        else:
+            super().setEditorData(editor, index)
 
     def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
         """Enter a changed value; the unchanged one only discards a refused text."""
@@ -539,22 +481,13 @@ class SegmentsTable(CellTable):
     dropped = Signal()
 
     def __init__(self, session: Session, model: SegmentsModel) -> None:
-        super().__init__()
-        self.setModel(model)
+        super().__init__(model)
         self._model = model
         self._widths: list[int] = []
         self._lengths: tuple[int | str, ...] = ()
         self.setItemDelegate(SegmentDelegate(session, model, self))
-        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        self.setEditTriggers(
-            QAbstractItemView.EditTrigger.DoubleClicked
-            | QAbstractItemView.EditTrigger.EditKeyPressed
-            | QAbstractItemView.EditTrigger.AnyKeyPressed
-        )
         self.setAccessibleName("Segments of the motion")
         self.setTabKeyNavigation(False)  # arrow keys move between cells, Tab leaves the table
-        self.setShowGrid(False)
-        self.setAlternatingRowColors(True)
         self.setWordWrap(False)
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
