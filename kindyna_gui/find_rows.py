@@ -327,8 +327,7 @@ class LimitRows(QWidget):
         self.add, self.menu = QPushButton("Add a limit …"), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.clicked.connect(self._offer)
-        self.message = QLabel(wordWrap=True)
-        coloured(self.message, SCREEN.limit)
+        self.message = coloured(QLabel(wordWrap=True), SCREEN.limit)
         self.message.hide()
         fill(
             QVBoxLayout(self), self._rows, self.message, (self.add, 0, Qt.AlignmentFlag.AlignLeft), margins=0, spacing=2
@@ -387,8 +386,7 @@ class LimitRows(QWidget):
             remover.clicked.connect(partial(self._remove, key))
             for column, part in enumerate((label, box, unit, remover)):
                 grid.addWidget(part, 2 * row, column, Qt.AlignmentFlag.AlignVCenter)
-            why = QLabel(wordWrap=True)
-            coloured(why, SCREEN.quiet)
+            why = coloured(QLabel(wordWrap=True), SCREEN.quiet)
             why.setFont(font(SMALL))
             why.hide()  # else the window grows for it, whether there is room or not
             grid.addWidget(why, 2 * row + 1, 0, 1, 4)

@@ -155,8 +155,9 @@ class FindingsView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(FINDING_HEADINGS)
-        self.empty = QLabel("No limit is exceeded.", alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
-        coloured(self.empty, SCREEN.quiet)
+        self.empty = coloured(
+            QLabel("No limit is exceeded.", alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), SCREEN.quiet
+        )
         self.table.setMinimumHeight(1)
         self._findings: tuple[Finding, ...] = ()
         # without a parent its first page would flash up as a window

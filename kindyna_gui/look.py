@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 from PySide6.QtCore import QBuffer, QByteArray, QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import (
@@ -48,6 +49,7 @@ from kindyna_gui.rebuilt import fill
 from kindyna_gui.requirements import suggestions_for
 from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
 
+Coloured = TypeVar("Coloured", bound=QWidget)
 ICON_SCALES = (1, 2, 3)  # dots per pixel that icons are made for
 DEFAULT_FONT = "default font"  # property of the application: its font at 100 % font size
 FOCUS_FRAMES = "focus frames"  # property of the application: whether its focus frames are connected
@@ -315,11 +317,12 @@ def tool_bar(title: str, parent: QWidget | None = None) -> QToolBar:
     return bar
 
 
-def coloured(widget: QWidget, colour: str) -> None:
-    """Set the colour of a widget's text, without a style sheet."""
+def coloured(widget: Coloured, colour: str) -> Coloured:
+    """Set the colour of a widget's text, without a style sheet, and return the widget."""
     colours = widget.palette()
     colours.setColor(QPalette.ColorRole.WindowText, QColor(colour))
     widget.setPalette(colours)
+    return widget
 
 
 # -- signs of severity -----------------------------------------------------------------------------------

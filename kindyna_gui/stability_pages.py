@@ -127,8 +127,7 @@ def _rounded(value: float) -> float:
 
 
 def _quiet(text: str) -> QLabel:
-    label = QLabel(text)
-    coloured(label, SCREEN.quiet)
+    label = coloured(QLabel(text), SCREEN.quiet)
     return label
 
 

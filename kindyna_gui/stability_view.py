@@ -218,8 +218,7 @@ class StabilityView(View):
         self.use.hide()
         tools = fill(QHBoxLayout(), self.fields, 8, (self.header, 1), 8, self.progress, self.use, margins=(8, 2, 8, 0))
         for text, box in (("across", self.across), ("upwards", self.upwards)):
-            name = QLabel(text)
-            coloured(name, SCREEN.quiet)
+            name = coloured(QLabel(text), SCREEN.quiet)
             tools.addWidget(name)
             tools.addWidget(box)
         upper = QWidget()

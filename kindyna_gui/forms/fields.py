@@ -225,8 +225,7 @@ class Field(QObject):
         self.label = NameLabel(label_html(spec.info.label), not spec.info.choices)
         self.label.setToolTip(tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
-        self.message = QLabel(wordWrap=True)
-        coloured(self.message, SCREEN.limit)
+        self.message = coloured(QLabel(wordWrap=True), SCREEN.limit)
         self.message.hide()
         self.mark: AssumedMark | None = AssumedMark() if spec.can_be_assumed else None
         if self.mark is not None:

@@ -84,11 +84,9 @@ class ParametersView(View):
         self.incomplete_bar = IncompleteBar()
         self.incomplete_bar.drop_requested.connect(session.drop_incomplete)
         session.incomplete_changed.connect(self.invalidate)
-        self.kind = QLabel()
-        coloured(self.kind, SCREEN.quiet)
-        self.legend = QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed")
+        self.kind = coloured(QLabel(), SCREEN.quiet)
+        self.legend = coloured(QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed"), SCREEN.quiet)
         self.legend.setToolTip("Not taken from a source")
-        coloured(self.legend, SCREEN.quiet)
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumSize(*LEAST)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field

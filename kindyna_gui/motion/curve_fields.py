@@ -429,8 +429,7 @@ class SegmentCurveForm(QWidget):
         self._form_area.replace(self._paper)
 
     def _add_sentence(self, text: str) -> None:
-        label = QLabel(text, wordWrap=True)
-        coloured(label, SCREEN.quiet)
+        label = coloured(QLabel(text, wordWrap=True), SCREEN.quiet)
         self._grid().addWidget(label, 0, 0)
 
     # -- forms of the kinds of curves --------------------------------------------------------------------
@@ -456,8 +455,7 @@ class SegmentCurveForm(QWidget):
                 field.editor.setMinimumWidth(1)
                 field.editor.setAccessibleName(f"{end.capitalize()}, {spec.info.label.lower()}")
                 if row == 1:
-                    heading = QLabel(f"{spec.info.label} {symbol_of(spec.unit.symbol)}")
-                    coloured(heading, SCREEN.quiet)
+                    heading = coloured(QLabel(f"{spec.info.label} {symbol_of(spec.unit.symbol)}"), SCREEN.quiet)
                     grid.addWidget(heading, 0, column, Qt.AlignmentFlag.AlignRight)
                     grid.setColumnStretch(column, 1)
                 for unused in (field.label, field.unit):

@@ -215,15 +215,18 @@ class LawPicker(QFrame):
         )
         self.filter.textChanged.connect(self._filter)
         self.filter.installEventFilter(self)
-        self.no_match = QLabel("No name of a law contains this text.", alignment=Qt.AlignmentFlag.AlignCenter)
-        coloured(self.no_match, SCREEN.quiet)
-        self.no_match.hide()
-        legend = QLabel(
-            f"<span style='color:{SCREEN.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
-            f"<span style='color:{SCREEN.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
-            "Cv Ca Cj: peaks for unit rise and span"
+        self.no_match = coloured(
+            QLabel("No name of a law contains this text.", alignment=Qt.AlignmentFlag.AlignCenter), SCREEN.quiet
         )
-        coloured(legend, SCREEN.quiet)
+        self.no_match.hide()
+        legend = coloured(
+            QLabel(
+                f"<span style='color:{SCREEN.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
+                f"<span style='color:{SCREEN.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
+                "Cv Ca Cj: peaks for unit rise and span"
+            ),
+            SCREEN.quiet,
+        )
         self.area = QScrollArea()
         self.area.setFrameShape(QFrame.Shape.NoFrame)
         self.area.setWidget(self.grid)

@@ -375,8 +375,7 @@ class LawsView(View):
         self.table = LawsTable(self.model)
         self.legend = LawsLegend()
         self.plots = [XYPlot("", "") for _ in QUANTITIES]
-        self.empty = QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
-        coloured(self.empty, SCREEN.quiet)
+        self.empty = coloured(QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), SCREEN.quiet)
         self.use_button = QToolButton()
         self.clear_button = text_button("Untick all", flat=True)
         self.rank_button = text_button("In this design", checks=True)

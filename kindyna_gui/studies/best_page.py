@@ -232,8 +232,7 @@ class TolerancePage(QWidget):
         self.tighter, self.parts = QLabel(wordWrap=True), QLabel()
         for label in (self.tighter, self.parts):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.note = QLabel(wordWrap=True)
-        coloured(self.note, SCREEN.quiet)
+        self.note = coloured(QLabel(wordWrap=True), SCREEN.quiet)
         fill(
             QVBoxLayout(self),
             self.rows,

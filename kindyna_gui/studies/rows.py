@@ -301,8 +301,7 @@ class FigureRows(_Rows):
             box = self._box(key, end, f"{name} {sign}", info, partial(self._enter, key, end))
             grid.addWidget(QLabel(sign), row + 1, column, Qt.AlignmentFlag.AlignRight)
             grid.addWidget(box, row + 1, column + 1)
-        symbol = QLabel(unit_of(key).symbol)
-        coloured(symbol, SCREEN.quiet)
+        symbol = coloured(QLabel(unit_of(key).symbol), SCREEN.quiet)
         grid.addWidget(symbol, row + 1, 5)
 
     def show_values(self, values: Mapping[str, float]) -> None:
@@ -415,8 +414,7 @@ class WaveRow(_Rows):
             row, column = (0, 0) if not i else (1, 2 * i - 2)
             grid.addWidget(QLabel(sign), row, column)
             grid.addWidget(box, row, column + 1)
-        symbol = QLabel(unit_of("amplitude_mm").symbol)
-        coloured(symbol, SCREEN.quiet)
+        symbol = coloured(QLabel(unit_of("amplitude_mm").symbol), SCREEN.quiet)
         grid.addWidget(symbol, 0, 2)
         grid.setColumnStretch(4, 1)
         self._put(grid)

@@ -262,11 +262,13 @@ class Gallery(QDialog):
         self.groups = {title: Pictures(choices, layout.thumb) for title, choices in choices_by_group.items()}
         self.chosen: GalleryChoice | None = None
         self.resize(layout.size.boundedTo(room))
-        hint = QLabel(
-            "The new design has the dimensions of the image, and no file until it is saved. "
-            "Undo returns to the previous design."
+        hint = coloured(
+            QLabel(
+                "The new design has the dimensions of the image, and no file until it is saved. "
+                "Undo returns to the previous design."
+            ),
+            SCREEN.quiet,
         )
-        coloured(hint, SCREEN.quiet)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.ok.setText("Begin")
@@ -364,8 +366,10 @@ class CircuitsDialog(QDialog):
         self.pictures.setAccessibleName("Circuits")
         while self.pictures.paint_next():
             pass
-        hint = QLabel("Ways to assemble these links. The driver cannot move the linkage from one circuit into another.")
-        coloured(hint, SCREEN.quiet)
+        hint = coloured(
+            QLabel("Ways to assemble these links. The driver cannot move the linkage from one circuit into another."),
+            SCREEN.quiet,
+        )
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)

@@ -54,9 +54,8 @@ class Card(QPushButton):
         bold = heading.font()
         bold.setBold(True)
         heading.setFont(bold)
-        paper = QLabel(PAPERS[example.paper].label if example.paper else "")
+        paper = coloured(QLabel(PAPERS[example.paper].label if example.paper else ""), SCREEN.quiet)
         paper.setForegroundRole(QPalette.ColorRole.WindowText)  # not the button's
-        coloured(paper, SCREEN.quiet)
         paper.setVisible(bool(example.paper))
         text = QLabel(example.text, wordWrap=True)
         text.setFixedWidth(WORDS)
@@ -180,8 +179,9 @@ class Welcome(QWidget):
 
     def _list_recent(self) -> None:
         content, files = QWidget(), self._window.settings.recent
-        heading = QLabel("Recent files" if files else "Recent files appear here.", wordWrap=True)
-        coloured(heading, SCREEN.quiet)
+        heading = coloured(
+            QLabel("Recent files" if files else "Recent files appear here.", wordWrap=True), SCREEN.quiet
+        )
         column = fill(QVBoxLayout(content), heading, margins=0, spacing=2)
         for path in files:
             button = QPushButton(flat=True)
