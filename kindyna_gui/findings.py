@@ -159,17 +159,12 @@ class FindingsView(View):
             QLabel("No limit is exceeded.", alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True), SCREEN.quiet
         )
         self.table.setMinimumHeight(1)
-        self._findings: tuple[Finding, ...] = ()
+        self.findings: tuple[Finding, ...] = ()
         # without a parent its first page would flash up as a window
         self._pages = fill(QStackedLayout(self.content), self.table, self.empty)
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
         self.offer_explanation(self.table)
-
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """The listed findings."""
-        return self._findings
 
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
@@ -180,14 +175,14 @@ class FindingsView(View):
         from core.output.explain import number_of_finding  # loaded when a number is explained
 
         row = self.table.currentIndex().row()
-        name = number_of_finding(self.session.study, self._findings[row]) if 0 <= row < len(self._findings) else ""
+        name = number_of_finding(self.session.study, self.findings[row]) if 0 <= row < len(self.findings) else ""
         return ExplainableNumber(name) if name else None
 
     def refresh(self, study: Study) -> None:
         study = self.session.full_study
-        self._findings = findings_of(study)
-        rows, remedies = [], _remedies(study.design, self._findings)
-        for f, remedy in zip(self._findings, remedies, strict=True):
+        self.findings = findings_of(study)
+        rows, remedies = [], _remedies(study.design, self.findings)
+        for f, remedy in zip(self.findings, remedies, strict=True):
             tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(study.design, f.field)}"
             label = remedy.label.format(name=in_sentence(name_of(study.design, remedy.field)))
             rows.append(TableRow((sentence(f.message), sentence(label), _angle(f)), sign(f.severity), tip))
@@ -210,7 +205,7 @@ class FindingsView(View):
         return button
 
     def _go(self, index: QModelIndex) -> None:
-        finding = self._findings[index.row()]
+        finding = self.findings[index.row()]
         self.field_requested.emit(finding.field)  # first, since it can select another drive
         if finding.cam_angle_deg is not None:
             self.player.play(False)

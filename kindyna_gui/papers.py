@@ -113,8 +113,8 @@ class FiguresWindow(QWidget):
         self._open_design = open_design
         self._examples, self._work = Examples(), Background(self)
         self._work.result.connect(self._take)
-        self._claim: Claim | None = None
-        self._opening = False
+        self.claim: Claim | None = None  # the selected one
+        self.busy = False  # whether it is being computed
         self._items: dict[Claim, QTreeWidgetItem] = {}
         self._tops: dict[str, QTreeWidgetItem] = {}
         self._judged: dict[Claim, str] = {}
@@ -177,22 +177,12 @@ class FiguresWindow(QWidget):
     # -- selected row ---------------------------------------------------------------------------------------
 
     @property
-    def claim(self) -> Claim | None:
-        """The selected claim."""
-        return self._claim
-
-    @property
-    def busy(self) -> bool:
-        """Whether the selected claim is being computed."""
-        return self._opening
-
-    @property
     def judged(self) -> int:
         """Number of rows that show their verdict."""
         return len(self._judged)
 
     def _choose(self, claim: Claim | None) -> None:
-        self._claim, self._opening = claim, claim is not None
+        self.claim, self.busy = claim, claim is not None
         self.picture.show_png(None)
         self._show_words("" if claim is None else claim.title, CHOOSE if claim is None else COMPUTING)
         self._compute()
@@ -200,8 +190,8 @@ class FiguresWindow(QWidget):
     def _compute(self) -> None:
         """Compute the selected row with its drawing, then the missing verdicts of the list."""
         jobs: list[Job] = []
-        if self._claim is not None and self._opening:
-            jobs.append((self._claim, partial(_judgement, self._claim)))
+        if self.claim is not None and self.busy:
+            jobs.append((self.claim, partial(_judgement, self.claim)))
         jobs += [((claim,), partial(_verdict, claim)) for claim in self._items if claim not in self._judged]
         self._work.start(jobs)
 
@@ -209,11 +199,11 @@ class FiguresWindow(QWidget):
         if isinstance(key, tuple):
             self._judge(key[0], NONE if isinstance(result, Exception) else result)
         elif isinstance(result, Exception):
-            self._opening = False
+            self.busy = False
             self._show_words(key.title, str(result))
             coloured(self.says, SCREEN.limit)
         else:
-            self._opening = False
+            self.busy = False
             self.computed += 1
             (verdict, value), drawing = result
             self._judge(key, verdict)
@@ -248,7 +238,7 @@ class FiguresWindow(QWidget):
             label.setVisible(bool(text))
         coloured(self.heading, SCREEN.quiet)
         coloured(self.says, SCREEN.ink)
-        self.open_button.setEnabled(self._claim is not None)
+        self.open_button.setEnabled(self.claim is not None)
         self.save_button.setEnabled(False)
 
     # -- actions --------------------------------------------------------------------------------------------
@@ -261,11 +251,11 @@ class FiguresWindow(QWidget):
         return command_text("figures", [paper, "--out", "figures"])
 
     def _open(self) -> None:
-        if self._claim is not None:
-            self._open_design(self._claim.row.example)
+        if self.claim is not None:
+            self._open_design(self.claim.row.example)
 
     def _save(self) -> None:
-        claim = self._claim
+        claim = self.claim
         if claim is None:
             return
         path = dialogs.figure_to_save(self, Settings().folder / f"{claim.paper}_{claim.name}.png")

@@ -118,17 +118,12 @@ class ContentArea(QWidget):
     def __init__(self, *sources: QObject) -> None:
         super().__init__()
         self._sources = sources
-        self._content: QWidget | None = None
+        self.content: QWidget | None = None
         self._column = fill(QVBoxLayout(self), margins=0, spacing=0)
-
-    @property
-    def content(self) -> QWidget | None:
-        """The current content."""
-        return self._content
 
     def replace(self, content: QWidget) -> None:
         """Replace the content by a widget that is laid out with its children."""
-        before, self._content = self._content, content
+        before, self.content = self.content, content
         self._column.addWidget(content)
         if before is not None:
             remove_part(before, *self._sources)

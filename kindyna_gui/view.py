@@ -260,8 +260,9 @@ class View(QWidget):
         self._shown: Study | None = None  # the study of the content, or of the reason in its place
         self._fault: ReasonPage | None = None
         self._trouble: ReasonPage | None = None
-        self._content = content if content is not None else QWidget()
-        self._stack = fill(QStackedLayout(self), self._content, margins=0)
+        # shows the results, without the pages for reasons and faults
+        self.content = content if content is not None else QWidget()
+        self._stack = fill(QStackedLayout(self), self.content, margins=0)
         self._pause = single_shot(self, self._pull_if_seen, self.pause_ms)
         self._soon = single_shot(self, self._pull_if_seen)
         self._queue = RefreshQueue.of(session)
@@ -279,14 +280,9 @@ class View(QWidget):
             (player.playing_changed, self._show_last_angle),
         )
 
-    @property
-    def content(self) -> QWidget:
-        """The widget that shows the results, without the pages for reasons and faults."""
-        return self._content
-
     def set_content_layout(self, layout: QLayout) -> None:
         """Set the layout of the content."""
-        self._content.setLayout(layout)
+        self.content.setLayout(layout)
 
     def set_column(self, *rows: QWidget | QLayout, grows: QWidget, spacing: int = 0) -> None:
         """Fill the content with rows, without margins; ``grows`` takes the remaining height."""
@@ -348,7 +344,7 @@ class View(QWidget):
         """Return the content as an image file, ``.png`` or ``.svg``."""
         from kindyna_gui.pictures.painter import png, svg
 
-        return self.on_paper(self._content, svg if ending == ".svg" else png)
+        return self.on_paper(self.content, svg if ending == ".svg" else png)
 
     def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
         """Paint a part of the view in the colours and units of files; the view itself does not change."""
@@ -419,7 +415,7 @@ class View(QWidget):
         try:
             with postponing(self._later):
                 self.refresh(self._shown)
-                self._stack.setCurrentWidget(self._content)
+                self._stack.setCurrentWidget(self.content)
                 self._followed = self.player.theta
                 self.follow(self._followed)
         except KindynaError as error:
@@ -483,7 +479,7 @@ class View(QWidget):
     @property
     def in_trouble(self) -> bool:
         """Whether the view shows a reason or a fault in place of its content."""
-        return self._stack.currentWidget() is not self._content
+        return self._stack.currentWidget() is not self.content
 
     def wake(self) -> None:
         """Refresh a view that may have come into sight, once the current events are handled.

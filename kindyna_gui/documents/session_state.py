@@ -128,7 +128,8 @@ class SessionState(QObject):
         self._load = ""
         self._running = ("", -1)  # path and gesture of the last step
         self._typed_values: set[tuple[int, str]] = set()  # drive and path of motion values typed with these segments
-        self._before: Design | None = None
+        # before the last step or gesture; None after undo, redo, another drive or another file
+        self.before: Design | None = None
         self.step: int | None = None
         self._study: Study | None = None
         self._full_study: Study | None = None
@@ -216,11 +217,6 @@ class SessionState(QObject):
         if step != self.step:
             self.step = step
             self.step_changed.emit()
-
-    @property
-    def before(self) -> Design | None:
-        """The design before the last step or gesture; None after undo, redo, another drive or another file."""
-        return self._before
 
     @property
     def segment(self) -> int:
@@ -363,7 +359,7 @@ class SessionState(QObject):
         """Push a step on the undo stack, unless nothing changes."""
         if after != self.work:
             if not path or (path, self._gesture) != self._running:
-                self._before = self.design
+                self.before = self.design
             self._running = (path, self._gesture)
             self.stack.push(UndoStep(self._show, self.work, after, label, path, self._gesture))
         self.clear_refusal(path)
@@ -401,7 +397,7 @@ class SessionState(QObject):
             self._study = self._at = None
             self.pending.drop()
         if restored or is_drive_new or is_count_new:
-            self._before = None
+            self.before = None
         if restored:
             self.end_gesture()
             self.restored.emit()

@@ -325,7 +325,7 @@ class Dock(QDockWidget):
         super().__init__(row.title, window)  # without a parent it would float until it is laid out
         self.setObjectName(name)
         self._make = make
-        self._view: View | None = None
+        self.view: View | None = None  # None while it has not been created
         self._paused = False
         self._heights = _ANY
         self._blank = QWidget()
@@ -336,20 +336,15 @@ class Dock(QDockWidget):
         self._soon = single_shot(self, self.wake)
         self.visibilityChanged.connect(self._visibility_changed)
 
-    @property
-    def view(self) -> View | None:
-        """The view; None while it has not been created."""
-        return self._view
-
     def build(self) -> View:
         """Return the view, created at the first call."""
-        if self._view is None:
-            self._view = self._make()
-            if hasattr(self._view, "height_requested"):
-                self._view.height_requested.connect(self._note_limit)
-            self.setWidget(self._view)
+        if self.view is None:
+            self.view = self._make()
+            if hasattr(self.view, "height_requested"):
+                self.view.height_requested.connect(self._note_limit)
+            self.setWidget(self.view)
             self._blank.deleteLater()
-        return self._view
+        return self.view
 
     def _note_limit(self, least: int, is_all: bool) -> None:
         """Note the least height of the view, and that it needs no more where this shows all of it."""
@@ -364,7 +359,7 @@ class Dock(QDockWidget):
 
     def lift_limit(self, heights: tuple[int, int] = _ANY) -> None:
         """Set the least and largest height of the view; without argument, remove both limits."""
-        view = self._view
+        view = self.view
         if view is not None and (view.minimumHeight(), view.maximumHeight()) != heights:
             view.setMinimumHeight(heights[0])
             view.setMaximumHeight(heights[1])

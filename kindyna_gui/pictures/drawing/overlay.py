@@ -350,7 +350,7 @@ class Overlay:
         self.reading = _Corner()
         self._read = Tag("", theme.ink, theme, SMALL, (1.0, 0.0), backing=True)
         self._read.setParentItem(self.reading)
-        self._reading_text, self._reading_room = "", 0.0
+        self.reading_text, self._reading_room = "", 0.0  # values under the mouse
         add(self.reading)
         add(self.bar)
         add(self.angle)
@@ -364,15 +364,10 @@ class Overlay:
         turns = f" {'+' if turn > 0 else '-'} {abs(turn)} turn{'s' if abs(turn) > 1 else ''}" if turn else ""
         self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°{turns}")
 
-    @property
-    def reading_text(self) -> str:
-        """Values under the mouse; "" without values."""
-        return self._reading_text
-
     def show_reading(self, text: str) -> None:
         """Show values next to the cam angle; "" hides them."""
-        if text != self._reading_text:
-            self._reading_text = text
+        if text != self.reading_text:
+            self.reading_text = text
             self._read.set_text(wrapped(text, self._reading_room))
             self.reading.setVisible(bool(text))
 
