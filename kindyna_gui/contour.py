@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import QModelIndex, QPointF, QSize
-from PySide6.QtGui import QPainter, QPaintEvent, QTransform
-from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtGui import QPainter, QTransform
+from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from core.commands.motions import MotionFromArguments
 from core.contour import GAP_MM, ContourElement, TracedMotion, read_contour, trace
@@ -28,7 +28,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
-from kindyna_gui.look import bold_label, sign
+from kindyna_gui.look import Picture, bold_label, sign
 from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
@@ -52,41 +52,27 @@ def points(elements: Sequence[ContourElement]) -> np.ndarray:
     )
 
 
-class CurvePicture(QWidget):
+class CurvePicture(Picture):
     """Drawing of the curve at cam angle 0 [mm], with the path of the follower and the jumps."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self._traced: TracedMotion | None = None
+    def __init__(self) -> None:
+        super().__init__("The drawn curve, and the follower on it", QSize(240, 240), QSize(380, 380))
         self._chosen: int | None = None
         self._curve = self._path = np.zeros(0, dtype=complex)
-        self.setAccessibleName("The drawn curve, and the follower on it")
-        self.setMinimumSize(240, 240)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
-    def sizeHint(self) -> QSize:
-        return QSize(380, 380)
-
-    def show_traced(self, traced: TracedMotion | None) -> None:
-        """Draw a curve and the path of the follower on it; None: draw nothing."""
-        self._traced, self._chosen = traced, None
-        if traced is not None:
-            self._curve, self._path = points(traced.contour.elements), points(traced.path)
-        self.update()
+    def show_picture(self, shown: TracedMotion | None, message: str = "") -> None:
+        self._chosen = None
+        if shown is not None:
+            self._curve, self._path = points(shown.contour.elements), points(shown.path)
+        super().show_picture(shown, message)
 
     def point_out(self, jump: int | None) -> None:
         """Draw the roller at a jump; None: at none."""
         self._chosen = jump
         self.update()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), brush(SCREEN.paper))
-        if self._traced is not None:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            self._draw(painter, self._traced)
-
-    def _draw(self, painter: QPainter, traced: TracedMotion) -> None:
+    def draw(self, painter: QPainter) -> None:
+        traced: TracedMotion = self.shown
         radius = traced.design.drive.face.radius_mm
         mm = self._scale(radius)
         if radius:
@@ -218,7 +204,7 @@ class CurveDialog(PutDialog):
         self.put_button.setEnabled(self.traced is not None)
 
     def _show(self, traced: TracedMotion) -> None:
-        self.picture.show_traced(traced)
+        self.picture.show_picture(traced)
         show_motion(self.plot, traced)
         self._show_figures(dict(traced_figures(traced)))
         unit = SYMBOLS[require_motion(traced.design).unit].symbol
@@ -235,7 +221,7 @@ class CurveDialog(PutDialog):
         self.show_message("Motion and base radius of the design are replaced; Undo restores them.")
 
     def _show_fault(self, text: str) -> None:
-        self.picture.show_traced(None)
+        self.picture.show_picture(None)
         self.plot.show_message("No motion: the follower cannot follow the curve")
         self._show_figures({})
         self.jumps.show_rows([])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import QModelIndex, QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QPainter, QPaintEvent, QTransform
+from PySide6.QtGui import QPainter, QTransform
 from PySide6.QtWidgets import (
     QCheckBox,
     QDialog,
@@ -16,7 +16,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -48,7 +47,7 @@ from kindyna_gui.forms.fields import Amount
 from kindyna_gui.forms.request_form import PAUSE_MS, WAITING, ComputedDialog, RequestForm, accepted, flanks
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
-from kindyna_gui.look import coloured, sign
+from kindyna_gui.look import Picture, coloured, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
@@ -190,26 +189,17 @@ def magnified(result: ProfileComparison, factor: float) -> np.ndarray:
     )
 
 
-class DeviationPicture(QWidget):
-    """Drawing of the last comparison, faint while another is calculated; deviations are drawn times ``factor``."""
+class DeviationPicture(Picture):
+    """Drawing of the last comparison; deviations are drawn times ``factor``."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.shown: ShownComparison | None = None
+        super().__init__("Deviations from the profile, magnified", QSize(420, 380), QSize(560, 560))
         self.factor = 100.0
-        self.message = ""
-        self._faint, self._chosen = False, -1
-        self.setAccessibleName("Deviations from the profile, magnified")
-        self.setMinimumSize(420, 380)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self._chosen = -1
 
-    def sizeHint(self) -> QSize:
-        return QSize(560, 560)
-
-    def show_comparison(self, comparison: ShownComparison | None, message: str = "") -> None:
-        """Draw the measured points on the profile; None: show the message only."""
-        self.shown, self.message, self._faint, self._chosen = comparison, message, False, -1
-        self.update()
+    def show_picture(self, shown: ShownComparison | None, message: str = "") -> None:
+        self._chosen = -1
+        super().show_picture(shown, message)
 
     def magnify(self, factor: float) -> None:
         """Draw deviations times this factor."""
@@ -221,25 +211,8 @@ class DeviationPicture(QWidget):
         self._chosen = row
         self.update()
 
-    def wait(self) -> None:
-        """Draw the last comparison faintly."""
-        self._faint = True
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), brush(SCREEN.paper))
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        if self._faint:
-            painter.setOpacity(0.35)
-        if self.shown is not None:
-            self._draw(painter, self.shown)
-        elif self.message:
-            painter.setPen(SCREEN.pen(SCREEN.quiet))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.message)
-        painter.end()
-
-    def _draw(self, painter: QPainter, shown: ShownComparison) -> None:
+    def draw(self, painter: QPainter) -> None:
+        shown: ShownComparison = self.shown
         result, factor = shown.comparison, self.factor
         band = result.setup.request.tolerance_mm * factor
         limits = [shown.profile + side * band * shown.normal for side in (-1.0, 1.0)]
@@ -443,11 +416,11 @@ class MeasuredCamDialog(QDialog):
         self._show_verdict(lines[0], SCREEN.limit)
         self.notes.setText("\n".join(lines[1:6]) + (f"\nand {len(lines) - 6} more" if len(lines) > 6 else ""))
         self.rows.show_rows([])
-        self.picture.show_comparison(None, "No drawing: the table cannot be read or compared")
+        self.picture.show_picture(None, "No drawing: the table cannot be read or compared")
 
     def _show(self, shown: ShownComparison) -> None:
         self.comparison = result = shown.comparison
-        self.picture.show_comparison(shown)
+        self.picture.show_picture(shown)
         self._show_verdict(verdict(result), SCREEN.good if result.is_in_tolerance else SCREEN.limit)
         self.notes.setText("\n".join(notes(result)))
         self._order = np.argsort(-np.abs(result.normal_deviation), kind="stable")[:MOST_ROWS]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from PySide6.QtCore import QBuffer, QByteArray, QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import (
@@ -34,6 +34,7 @@ from PySide6.QtWidgets import (
     QMenu,
     QMenuBar,
     QPushButton,
+    QSizePolicy,
     QTabBar,
     QToolBar,
     QToolButton,
@@ -43,7 +44,7 @@ from shiboken6 import isValid
 
 from core.findings import ERROR, NOTE, WARNING
 from kindyna_gui import settings
-from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, cached_by_theme, draw_in
+from kindyna_gui.pictures.style import DARK, LIGHT, SCREEN, Theme, brush, cached_by_theme, draw_in
 from kindyna_gui.places import icon_file
 from kindyna_gui.rebuilt import fill
 from kindyna_gui.requirements import suggestions_for
@@ -460,6 +461,51 @@ class SteadyText(QWidget):
         needed = self._label.heightForWidth(self.width())
         if needed > self.minimumHeight():
             self.setMinimumHeight(needed)
+
+
+class Picture(QWidget):
+    """Drawing fitted to its widget, faint while another one is calculated; subclasses implement ``draw``.
+
+    ``shown``: what is drawn; None: only the message.
+    """
+
+    def __init__(self, name: str, least: QSize, hint: QSize) -> None:
+        super().__init__()
+        self.shown: Any = None
+        self._faint, self._message = False, ""
+        self._hint = hint
+        self.setAccessibleName(name)
+        self.setMinimumSize(least)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+
+    def sizeHint(self) -> QSize:
+        return self._hint
+
+    def show_picture(self, shown: Any, message: str = "") -> None:
+        """Draw this; None: show only the message."""
+        self.shown, self._faint, self._message = shown, False, message
+        self.update()
+
+    def wait(self) -> None:
+        """Draw faintly what was drawn last."""
+        self._faint = True
+        self.update()
+
+    def draw(self, painter: QPainter) -> None:
+        """Paint what is shown, on paper."""
+        raise NotImplementedError
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), brush(SCREEN.paper))
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setOpacity(0.35 if self._faint else 1.0)
+        if self.shown is not None:
+            self.draw(painter)
+        else:
+            painter.setPen(SCREEN.pen(SCREEN.quiet))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._message)
+        painter.end()
 
 
 def row_with_text(box: QWidget, text: QLabel) -> QHBoxLayout:

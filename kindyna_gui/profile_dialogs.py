@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt
-from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QSizePolicy, QWidget
+from PySide6.QtGui import QMouseEvent, QPainter
+from PySide6.QtWidgets import QComboBox, QGridLayout, QWidget
 
 from core.design import Design
 from core.frozen import frozen
@@ -31,6 +31,7 @@ from kindyna_gui.export_dialogs import saved_cover
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import ComputedDialog, RequestForm, accepted, flanks
 from kindyna_gui.labels import sentence
+from kindyna_gui.look import Picture
 from kindyna_gui.pictures.paper.sheets import paint_sheet
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
@@ -68,41 +69,14 @@ def preview(job: ProfileDrawing) -> Preview:
     return Preview(job, main.curve.at(main.curve.length * part), main.chain.vertices, main.worst, tuple(profiles))
 
 
-class PreviewPicture(QWidget):
-    """Drawing of the last preview, faint while another is calculated."""
+class PreviewPicture(Picture):
+    """Drawing of the last preview."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.shown: Preview | None = None
-        self._faint = False
-        self.setAccessibleName("Picture of the profile")
-        self.setMinimumSize(300, 300)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+    def __init__(self) -> None:
+        super().__init__("Picture of the profile", QSize(300, 300), QSize(420, 420))
 
-    def sizeHint(self) -> QSize:
-        return QSize(420, 420)
-
-    def show_preview(self, shown: Preview | None) -> None:
-        """Draw this profile; None: draw nothing."""
-        self.shown, self._faint = shown, False
-        self.update()
-
-    def wait(self) -> None:
-        """Draw the last preview faintly."""
-        self._faint = True
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), brush(SCREEN.paper))
-        if self.shown is None:
-            return
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        if self._faint:
-            painter.setOpacity(0.35)
-        self._draw(painter, self.shown)
-
-    def _draw(self, painter: QPainter, shown: Preview) -> None:
+    def draw(self, painter: QPainter) -> None:
+        shown: Preview = self.shown
         mm = fit_transform(np.concatenate((shown.curve, *shown.profiles, [0.0])), self.size(), MARGIN)
         painter.setPen(SCREEN.pen(SCREEN.quiet, THIN, CHAIN))
         for profile in shown.profiles:
@@ -165,7 +139,7 @@ class ProfileDialog(ComputedDialog):
         self.picture.wait()
 
     def show_result(self, computed: Preview | None) -> str:
-        self.picture.show_preview(computed)
+        self.picture.show_picture(computed)
         return "" if computed is None else _summary(computed.job)
 
 
@@ -192,38 +166,14 @@ def ask_profile(parent: QWidget, design: Design) -> tuple[ProfileDrawing, str] |
 # -- drawing dialog --------------------------------------------------------------------------------------
 
 
-class SheetPicture(QWidget):
-    """A drawing sheet fitted to the widget, faint while another is calculated."""
+class SheetPicture(Picture):
+    """The last drawing sheet."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.shown: DrawingSheet | None = None
-        self.faint = False
-        self.setAccessibleName("Drawing sheet")
-        self.setMinimumSize(420, 300)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        super().__init__("Drawing sheet", QSize(420, 300), QSize(840, 594))
 
-    def sizeHint(self) -> QSize:
-        return QSize(840, 594)
-
-    def show_sheet(self, sheet: DrawingSheet | None) -> None:
-        """Draw this sheet; None: draw nothing."""
-        self.shown, self.faint = sheet, False
-        self.update()
-
-    def wait(self) -> None:
-        """Draw the last sheet faintly."""
-        self.faint = True
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        if self.shown is None:
-            return
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setOpacity(0.4 if self.faint else 1.0)
+    def draw(self, painter: QPainter) -> None:
         paint_sheet(painter, self.shown, self.rect())
-        painter.end()
 
 
 class DrawingDialog(ComputedDialog):
@@ -252,7 +202,7 @@ class DrawingDialog(ComputedDialog):
         self.picture.wait()
 
     def show_result(self, computed: DrawingSheet | None) -> str:
-        self.picture.show_sheet(computed)
+        self.picture.show_picture(computed)
         return "" if computed is None else "\n".join(filter(None, (computed.about, computed.missing)))
 
 
