@@ -129,10 +129,8 @@ def rename(session: Session, index: int, name: str) -> bool:
 
 def _put(session: Session, full_design: Design, label: str, chosen: int) -> bool:
     """Put a design of all drives as one undo step, and select a drive."""
-    session.end_gesture()
-    accepted = session.put_full_design(full_design, label, chosen=max(chosen, 0))
-    session.end_gesture()
-    return accepted
+    with session.one_step():
+        return session.put_full_design(full_design, label, chosen=max(chosen, 0))
 
 
 # -- rows ------------------------------------------------------------------------------------------------

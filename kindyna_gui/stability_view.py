@@ -512,9 +512,6 @@ class StabilityView(View):
             camshaft_inertia_kg_m2=float(f"{inertia:.6g}"),
             stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
         )
-        self.session.end_gesture()
-        self.session.put_full_design(
-            with_elastic(self.session.full_design, moved),
-            f"Move shaft to η = {self.target[0]:.4g}, Q = {self.target[1]:.4g}",
-        )
-        self.session.end_gesture()
+        text = f"Move shaft to η = {self.target[0]:.4g}, Q = {self.target[1]:.4g}"
+        with self.session.one_step():
+            self.session.put_full_design(with_elastic(self.session.full_design, moved), text)

@@ -439,10 +439,9 @@ class TimingView(View):
             open_menu(MouseTarget(name_of(self._design, path), path) if path else None, self, self._host, on_screen)
 
     def _one_step(self, design: Design, label: str, row: int) -> None:
-        self.session.end_gesture()
-        if self._put(design, label, ""):
-            self._choose_row(row)
-        self.session.end_gesture()
+        with self.session.one_step():
+            if self._put(design, label, ""):
+                self._choose_row(row)
 
     def _add_between(self, first: str, second: str) -> None:
         row = TimingRow(first, second, 0.0)

@@ -6,7 +6,8 @@ incomplete design and the selected drive, so that undo shows the drive that it c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -424,6 +425,22 @@ class SessionState(QObject):
     def end_gesture(self) -> None:
         """End the gesture: the next edit is another undo step."""
         self._gesture += 1
+
+    @contextmanager
+    def one_step(self) -> Iterator[list[Refusal]]:
+        """Make the edits inside one undo step by themselves; yields a list that collects their refusals."""
+        refusals: list[Refusal] = []
+
+        def listen(refusal: Refusal) -> None:
+            refusals.append(refusal)
+
+        self.end_gesture()
+        self.refused.connect(listen)
+        try:
+            yield refusals
+        finally:
+            self.refused.disconnect(listen)
+            self.end_gesture()
 
     def begin_drag(self, widget: object) -> None:
         """Begin a drag in a widget; all of it is one undo step, until ``end_drag``."""

@@ -358,10 +358,9 @@ class LoadsPage(QWidget):
         path = self._session.load
         name, _ = parts_of(path)
         design = self._session.typed
-        self._session.end_gesture()
-        if self._session.lay_out(reordered(design, name, order), f"{verb} {row_name(design, path).lower()}"):
-            self._session.choose_load(f"loads.{name}[{chosen}]" if chosen >= 0 else "")
-        self._session.end_gesture()
+        with self._session.one_step():
+            if self._session.lay_out(reordered(design, name, order), f"{verb} {row_name(design, path).lower()}"):
+                self._session.choose_load(f"loads.{name}[{chosen}]" if chosen >= 0 else "")
 
 
 def reordered(design: Design, name: str, order: list[int]) -> Design:

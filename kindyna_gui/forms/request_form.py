@@ -32,7 +32,6 @@ from core.errors import KindynaError
 from core.requests import build_request, command_words, field_info, option_info, request_fields
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import accept_buttons, give_help
-from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import Amount, fill_choices
@@ -103,21 +102,13 @@ class PutDialog(QDialog):
 
     def put(self, design: Design, step: str) -> None:
         """Put a design in place as one undo step and close; where the session refuses it, show why and stay open."""
-        session = self._session
-        reasons: list[str] = []
-
-        def listen(refusal: Refusal) -> None:
-            reasons.extend(f"{name}: {text}" for _, name, text in refusal.reasons)
-
-        session.refused.connect(listen)
-        session.end_gesture()
-        done = session.put(design, step)
-        session.refused.disconnect(listen)
-        session.end_gesture()
+        with self._session.one_step() as refusals:
+            done = self._session.put(design, step)
         if done:
             super().accept()
         else:
-            session.withdraw("")
+            self._session.withdraw("")
+            reasons = [f"{name}: {text}" for refusal in refusals for _, name, text in refusal.reasons]
             self.show_message(sentence("; ".join(reasons)), wrong=True)
 
     def open_once(self) -> None:

@@ -32,7 +32,6 @@ from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
 from core.output.lines import shortest
 from core.study import Study
-from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import law_label, value_text
 from kindyna_gui.look import coloured, icon, text_button
@@ -512,19 +511,13 @@ class LawsView(View):
         if not slug or motion_of(self.session.typed) is None:
             return
         path = f"motion.segments[{index}].law"
-        reasons: list[str] = []
-
-        def listen(refusal: Refusal) -> None:
-            reasons.extend(text for _, _, text in refusal.reasons)
-
-        self.session.refused.connect(listen)
         text = f"Change law of segment {index + 1} to {law_label(slug)}"
-        if self.session.incomplete is not None:
-            done = self.session.edit(path, slug, text)
-        else:
-            done = self.session.put(edited(self.session.design, path, slug), text, path)
-        self.session.refused.disconnect(listen)
-        self.session.end_gesture()
+        with self.session.one_step() as refusals:
+            if self.session.incomplete is not None:
+                done = self.session.edit(path, slug, text)
+            else:
+                done = self.session.put(edited(self.session.design, path, slug), text, path)
+        reasons = [why for refusal in refusals for _, _, why in refusal.reasons]
         if not done:
             self.session.withdraw(path)  # no field shows the refused value
         self._show_text("" if done else f"Not in segment {index + 1}: {'; '.join(reasons)}")

@@ -492,9 +492,8 @@ class StudyView(BackgroundView):
 
     def _put(self, design: Design, text: str) -> None:
         """Use a design, as one step of Undo."""
-        self.session.end_gesture()
-        self.session.put_full_design(design, text)
-        self.session.end_gesture()
+        with self.session.one_step():
+            self.session.put_full_design(design, text)
 
     # -- study files --------------------------------------------------------------------------------------
 
@@ -560,9 +559,8 @@ class StudyView(BackgroundView):
 
     def _apply(self, numbers: Sequence[float]) -> None:
         """Set the varied numbers of the design, as one step of Undo."""
-        self.session.end_gesture()
-        self._set_numbers(numbers)
-        self.session.end_gesture()
+        with self.session.one_step():
+            self._set_numbers(numbers)
 
     def _set_numbers(self, numbers: Sequence[float]) -> None:
         """Set the varied numbers of the design, rounded to what the plot distinguishes."""

@@ -34,7 +34,6 @@ from core.project import load, load_linked, save
 from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.background import in_background
-from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.texts import command_text, misfit_sentences, session_options
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import reason
@@ -309,21 +308,12 @@ class DesignActions(QObject):
     def _apply(self, put: Callable[[Design, str], bool], make: Callable[[], Design], text: str) -> None:
         session = self._session
         self._window.documents.settle()
-        session.end_gesture()
-        reasons: list[str] = []
-
-        def listen(refusal: Refusal) -> None:
-            reasons.extend(f"{name}: {why}" for _, name, why in refusal.reasons)
-
-        session.refused.connect(listen)
-        try:
-            done = put(make(), text)
-        except KindynaError as error:
-            done = False
-            reasons.append(reason(session.design, error))
-        finally:
-            session.refused.disconnect(listen)
-        session.end_gesture()
+        with session.one_step() as refusals:
+            try:
+                done, reasons = put(make(), text), []
+            except KindynaError as error:
+                done, reasons = False, [reason(session.design, error)]
+        reasons += [f"{name}: {why}" for refusal in refusals for _, name, why in refusal.reasons]
         self.status_message.emit(
             "; ".join((text, *misfit_sentences(session))) if done else f"Refused: {'; '.join(reasons)}"
         )

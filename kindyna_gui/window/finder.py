@@ -360,11 +360,10 @@ class Finder(QFrame):
     def _set(self, match: Match, value: Any) -> None:
         session, entry = self._window.session, match.entry
         assert entry is not None
-        session.end_gesture()
         text = step_text(match.title, value, entry.unit)
-        if session.edit(match.path, value, text):
-            self._window.status.show_message(text)
-        session.end_gesture()
+        with session.one_step():
+            if session.edit(match.path, value, text):
+                self._window.status.show_message(text)
 
     def choose(self) -> None:
         """Act on the selected row."""
