@@ -201,8 +201,7 @@ class FindView(BackgroundView):
         self._footer = QStackedWidget()
         for parts in ((self.take,), (self.bar, self.counted, self.cancel), (self.again,)):
             page = QWidget()
-            row = QHBoxLayout(page)
-            row.setContentsMargins(0, 0, 0, 0)
+            row = fill(QHBoxLayout(page), margins=0)
             for part in parts:
                 row.addWidget(part, 1 if part is self.bar else 0)
             if self.bar not in parts:

@@ -361,9 +361,7 @@ class LimitRows(QWidget):
 
     def _build(self, texts: Mapping[str, LimitText]) -> QWidget:
         content = QWidget()
-        grid = QGridLayout(content)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(2)
+        grid = fill(QGridLayout(content), margins=0, spacing=2)
         grid.setColumnStretch(0, 1)
         self.boxes, self.removers, self.reasons = {}, {}, {}
         for row, (key, text) in enumerate(texts.items()):

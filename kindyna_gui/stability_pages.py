@@ -68,8 +68,7 @@ class PointFields(QWidget):
         self.rpm = NumberBox(Info("Speed", low=0.0, high=1e5, open_low=True, step=10.0), UNITS["rpm"])
         self.back = QPushButton("Machine's own")
         self.back.setToolTip("Select the point of the machine again")
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
+        row = fill(QHBoxLayout(self), margins=0)
         for before, box, after in (
             ("Point: η", self.eta, NO_UNIT),
             ("Q", self.q, NO_UNIT),
@@ -483,8 +482,7 @@ def _text() -> QLabel:
 def _scrolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
     """Stack widgets and rows in an area that scrolls where it is too low."""
     paper = QWidget()
-    column = QVBoxLayout(paper)
-    column.setContentsMargins(0, 0, 0, 0)
+    column = fill(QVBoxLayout(paper), margins=0)
     for part in parts:
         column.addWidget(part) if isinstance(part, QWidget) else column.addLayout(part)
     column.addStretch(1)
@@ -498,9 +496,7 @@ def _side_by_side(plots: tuple[XYPlot, ...]) -> QWidget:
     if len(plots) == 1:
         return plots[0]
     page = QWidget()
-    row = QHBoxLayout(page)
-    row.setContentsMargins(0, 0, 0, 0)
-    row.setSpacing(0)
+    row = fill(QHBoxLayout(page), margins=0, spacing=0)
     for plot in plots:
         row.addWidget(plot, 1)
     return page

@@ -117,8 +117,7 @@ class TimingRows(QWidget):
             "down": list_button("Down", "down", "Move down (Alt+Down)", lambda: self._move(1)),
         }
         self._form = QWidget()
-        self._grid = QGridLayout(self._form)
-        self._grid.setContentsMargins(6, 2, 6, 4)
+        self._grid = fill(QGridLayout(self._form), margins=(6, 2, 6, 4))
         self._grid.setVerticalSpacing(3)
         self._grid.setColumnStretch(1, 1)
         for row, (text, box) in enumerate((("First", self.first), ("then", self.second))):

@@ -130,8 +130,7 @@ class ReasonPage(QScrollArea):
             textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
         )
         paper = QWidget()
-        self._buttons = QVBoxLayout()
-        self._buttons.setSpacing(4)
+        self._buttons = fill(QVBoxLayout(), spacing=4)
         if retry is not None:
             self._add("Try again", retry)
         fill(QVBoxLayout(paper), STRETCH, self.label, self._buttons, STRETCH)

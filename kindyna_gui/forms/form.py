@@ -19,7 +19,7 @@ from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea
+from kindyna_gui.rebuilt import ContentArea, fill
 
 LAST_VALID = "The drawing and the plots still show the last valid values."
 POINT_FIELDS = 24  # points of a force table with fields of their own; the full table goes through the clipboard
@@ -53,9 +53,7 @@ class IncompleteBar(QWidget):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.clicked.connect(lambda _=False, signal=signal: signal.emit())
         self.remedy.setToolTip(LAST_VALID)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(10, 2, 6, 3)
-        grid.setSpacing(2)
+        grid = fill(QGridLayout(self), margins=(10, 2, 6, 3), spacing=2)
         grid.setColumnStretch(0, 1)
         grid.addWidget(self.trouble, 0, 0, 1, 3)
         grid.addWidget(self.remedy, 1, 0, 1, 3)
@@ -209,9 +207,7 @@ class Form(QScrollArea):
 
     def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
-        column = QVBoxLayout(paper)
-        column.setContentsMargins(10, 7, 6, 6)
-        column.setSpacing(0)
+        column = fill(QVBoxLayout(paper), margins=(10, 7, 6, 6), spacing=0)
         self.fields, self._groups = {}, {}
         grid, before = QGridLayout(), ""
         for spec, heading in zip(specs, self._headings, strict=True):
@@ -298,8 +294,7 @@ class Form(QScrollArea):
 
 
 def _grid(part: QWidget) -> QGridLayout:
-    grid = QGridLayout(part)
-    grid.setContentsMargins(0, 0, 0, 0)
+    grid = fill(QGridLayout(part), margins=0)
     grid.setHorizontalSpacing(6)
     grid.setVerticalSpacing(3)
     grid.setColumnStretch(1, 1)

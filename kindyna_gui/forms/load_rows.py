@@ -79,8 +79,7 @@ class AttachmentRows(QWidget):
         self.buttons: dict[str, QPushButton] = {}
         self._messages: dict[str, QLabel] = {}
         self._values: dict[str, list[Target | None]] = {}
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 3)
+        grid = fill(QGridLayout(self), margins=(0, 0, 0, 3))
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(3)
         grid.setColumnStretch(1, 1)
@@ -256,9 +255,7 @@ class TwoGroups(QWidget):
 
     def __init__(self, first: Iterable[QToolButton], second: Iterable[QToolButton], above: int = 0) -> None:
         super().__init__()
-        self._line = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        self._line.setContentsMargins(0, above, 0, above)
-        self._line.setSpacing(0)
+        self._line = fill(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), margins=(0, above, 0, above), spacing=0)
         self._groups = [row_of_buttons(group) for group in (first, second)]
         for stretch, group in zip((1, 0), self._groups, strict=True):
             self._line.addLayout(group, stretch)

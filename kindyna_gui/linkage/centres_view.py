@@ -38,6 +38,7 @@ from kindyna_gui.pictures.drawing.polygons import (
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import fill
 from kindyna_gui.requirements import lists_links, require_centres, require_links
 from kindyna_gui.settings import size_of, symbol_of
 from kindyna_gui.view import View
@@ -449,8 +450,7 @@ class PolygonView(View):
 
 def _row(widgets: Sequence[QWidget], stretched: QWidget | None = None, *, top: int = 0, bottom: int = 0) -> QHBoxLayout:
     """Lay out widgets in a row, one of which takes the free width; margins in pixels."""
-    row = QHBoxLayout()
-    row.setContentsMargins(8, top, 8, bottom)
+    row = fill(QHBoxLayout(), margins=(8, top, 8, bottom))
     for widget in widgets:
         row.addWidget(widget, 1 if widget is stretched else 0)
     return row

@@ -27,6 +27,7 @@ from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index
 from kindyna_gui.linkage.drawing_mouse import ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.rebuilt import fill
 
 Typed = float | str | None
 """Value of an input box; None if the box is empty."""
@@ -58,9 +59,7 @@ class TypedBoxes(QFrame):
         self.setObjectName("typed boxes")
         self.setAutoFillBackground(True)
         self.setStyleSheet(f"#typed\\ boxes {{ background: {SCREEN.paper}; border: 1px solid {SCREEN.line}; }}")
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(5, 3, 5, 3)
-        self._row.setSpacing(4)
+        self._row = fill(QHBoxLayout(self), margins=(5, 3, 5, 3), spacing=4)
         self._boxes: list[tuple[Box, QLineEdit]] = []
         self._accept: AcceptFunction | None = None
         self.hide()

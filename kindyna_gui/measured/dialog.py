@@ -131,8 +131,7 @@ class MeasuredDialog(PutDialog):
 
     def _lay_out(self) -> None:
         self.workbook = QWidget()
-        workbook_row = QHBoxLayout(self.workbook)
-        workbook_row.setContentsMargins(0, 0, 0, 0)
+        workbook_row = fill(QHBoxLayout(self.workbook), margins=0)
         for text, box in (("&Sheet", self.pages), ("cells", self.cells)):
             label = QLabel(text)
             label.setBuddy(box)

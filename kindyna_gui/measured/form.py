@@ -48,6 +48,7 @@ from core.requests import command_words
 from core.units import unit_symbol
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import sentence
+from kindyna_gui.rebuilt import fill
 
 POWERS = str.maketrans("135", "¹³⁵")
 UNIT_NAMES: Mapping[str, str] = MappingProxyType(
@@ -235,13 +236,11 @@ class ReadingForm(QWidget):
         self._motion_unit = motion_unit
         self._choices: dict[str, str] = {}
         self.boxes: dict[str, WordBox] = {}
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
+        grid = fill(QGridLayout(self), margins=0)
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
         for row, labels in enumerate(ROWS):
-            line = QHBoxLayout()
-            line.setSpacing(6)
+            line = fill(QHBoxLayout(), spacing=6)
             grid.addLayout(line, row, 1)
             for name, label in labels:
                 box = self.boxes[name] = WordBox()

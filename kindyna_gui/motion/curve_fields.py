@@ -487,8 +487,7 @@ class SegmentCurveForm(QWidget):
         )
 
     def _grid(self) -> QGridLayout:
-        grid = QGridLayout(self._paper)
-        grid.setContentsMargins(0, 0, 0, 0)
+        grid = fill(QGridLayout(self._paper), margins=0)
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(2)
         return grid

@@ -163,11 +163,8 @@ class MotionHeader(QWidget):
 
     def _build(self, specs: list[FieldSpec]) -> None:
         paper, errors = QWidget(), QWidget()
-        below = QVBoxLayout(errors)
-        below.setContentsMargins(0, 0, 0, 0)
-        row = QHBoxLayout(paper)
-        row.setContentsMargins(10, 5, 6, 2)
-        row.setSpacing(10)
+        below = fill(QVBoxLayout(errors), margins=0)
+        row = fill(QHBoxLayout(paper), margins=(10, 5, 6, 2), spacing=10)
         self.fields = {}
         for spec in specs:
             field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)

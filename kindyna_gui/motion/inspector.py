@@ -98,8 +98,7 @@ class MotionPage(QScrollArea):
         label = QLabel("Segment ")
         label.setBuddy(self.segment)
         self._indent = label.sizeHint().width()
-        chooser = QGridLayout()
-        chooser.setContentsMargins(10, 6, 6, 0)
+        chooser = fill(QGridLayout(), margins=(10, 6, 6, 0))
         chooser.setHorizontalSpacing(SPACING)
         chooser.addWidget(label, 0, 0)
         chooser.addWidget(self.segment, 0, 1)
@@ -183,8 +182,7 @@ class MotionPage(QScrollArea):
 
     def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
-        grid = QGridLayout(paper)
-        grid.setContentsMargins(10, 3, 6, 0)
+        grid = fill(QGridLayout(paper), margins=(10, 3, 6, 0))
         grid.setHorizontalSpacing(SPACING)
         grid.setColumnMinimumWidth(0, self._indent)
         grid.setVerticalSpacing(3)

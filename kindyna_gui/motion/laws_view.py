@@ -407,9 +407,7 @@ class LawsView(View):
     def _plot_pages(self) -> QWidget:
         self._paper = QWidget(autoFillBackground=True)
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
-        self._grid = QGridLayout(self._paper)
-        self._grid.setContentsMargins(0, 4, 4, 4)
-        self._grid.setSpacing(2)
+        self._grid = fill(QGridLayout(self._paper), margins=(0, 4, 4, 4), spacing=2)
         self._grid.addWidget(self.legend, 0, 0, 1, 2)
         pages = QWidget(minimumHeight=LEAST_PLOTS_HEIGHT, autoFillBackground=True)
         pages.setBackgroundRole(QPalette.ColorRole.Base)

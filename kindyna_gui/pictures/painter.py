@@ -30,6 +30,7 @@ from kindyna_gui.pictures.plots.marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.quantities import channel_extremes, quantities_for, without_equal_curves
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.pictures.units import UNSEEN
+from kindyna_gui.rebuilt import fill
 
 if TYPE_CHECKING:
     from core.stability import Chart
@@ -186,9 +187,7 @@ class PlotStack(PaperSheet):
         bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
         super().__init__(theme)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
-        column.setSpacing(4)
+        column = fill(QVBoxLayout(self), margins=MARGIN, spacing=4)
         self.plots: list[CurvePlot] = []
         for number, row in enumerate(rows):
             plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)

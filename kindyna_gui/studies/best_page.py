@@ -81,8 +81,7 @@ class BestPage(QWidget):
         self.take.clicked.connect(self._take_over)
         self.progress, self.result_text = QLabel(wordWrap=True), QLabel(wordWrap=True)
         self.result_text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        grid = QGridLayout()
-        grid.setContentsMargins(0, 0, 0, 0)
+        grid = fill(QGridLayout(), margins=0)
         for row, title in enumerate(GOALS):
             grid.addWidget(QLabel(title), row, 0)
             grid.addWidget(self.directions[row], row, 1)

@@ -86,8 +86,7 @@ class _Rows(QWidget):
         self._keys = tuple(rows)
         self.boxes, self.removers = {}, {}
         self.message.show_message("")
-        grid = QGridLayout()
-        grid.setContentsMargins(0, 0, 0, 0)
+        grid = fill(QGridLayout(), margins=0)
         grid.setHorizontalSpacing(4)
         grid.setVerticalSpacing(2)
         return grid

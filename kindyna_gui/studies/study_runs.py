@@ -40,7 +40,7 @@ from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import clear_menu, single_shot
+from kindyna_gui.rebuilt import clear_menu, fill, single_shot
 from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
 from kindyna_gui.studies.texts import name_of, number_text, reason_text, span_title, value_text
 from kindyna_gui.view import View, ViewHost
@@ -339,9 +339,7 @@ class SurveyPages(QStackedWidget):
         self._survey: Survey | None = None
         self._quantities: Sequence[SurveyQuantity] = ()
         self._curves_page = QWidget()
-        column = QVBoxLayout(self._curves_page)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
+        column = fill(QVBoxLayout(self._curves_page), margins=0, spacing=0)
         for plot in self.curves:
             plot.setMinimumHeight(LEAST_CURVE)
             column.addWidget(plot, 1)

@@ -32,8 +32,7 @@ class TabPage(QWidget):
         super().__init__()
         self.name, self._make = name, make
         self.view: View | None = None
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column = fill(QVBoxLayout(self), margins=0)
 
     def build(self) -> View:
         """Return the view, created at the first call."""

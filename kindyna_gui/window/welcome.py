@@ -154,8 +154,7 @@ class Welcome(QWidget):
             large.setPixelSize(round(1.25 * QFontInfo(large).pixelSize()))
             heading.setFont(large)
             stack.addWidget(heading)
-            grid = QGridLayout()
-            grid.setSpacing(4)
+            grid = fill(QGridLayout(), spacing=4)
             for number in range(len(rows)):
                 grid.addWidget(next(cards), *divmod(number, max(columns, 1)), Qt.AlignmentFlag.AlignTop)
             grid.setColumnStretch(max(columns, 1), 1)
