@@ -28,7 +28,7 @@ from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, sentence
-from kindyna_gui.look import coloured, sign
+from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN, SERIF
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all, fill
@@ -62,8 +62,7 @@ class CompareView(View):
         self.table = RowsTable(COMPARE_HEADINGS)
         self.table.setWordWrap(False)
         self.offer_explanation(self.table)
-        self.choice = QComboBox()
-        self.choice.setAccessibleName("Variant to compare with")
+        self.choice = described(QComboBox(), name="Variant to compare with")
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.choice.activated.connect(self._choose)
         self.pin = QPushButton("Pin this variant")
@@ -176,8 +175,9 @@ class ExplainView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.choice = QComboBox(editable=True, insertPolicy=QComboBox.InsertPolicy.NoInsert)
-        self.choice.setAccessibleName("Number to explain")
+        self.choice = described(
+            QComboBox(editable=True, insertPolicy=QComboBox.InsertPolicy.NoInsert), name="Number to explain"
+        )
         if (line := self.choice.lineEdit()) is not None:
             line.setAccessibleName("Number to explain")
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)

@@ -28,7 +28,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
-from kindyna_gui.look import Picture, bold_label, sign
+from kindyna_gui.look import Picture, bold_label, described, sign
 from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
@@ -166,8 +166,7 @@ class CurveDialog(PutDialog):
     def _lay_out(self) -> None:
         form = QFormLayout()
         form.setVerticalSpacing(4)
-        name = bold_label(self._path.name)
-        name.setToolTip(str(self._path))
+        name = described(bold_label(self._path.name), tip=str(self._path))
         form.addRow(name)
         form.addRow("&Unit", self.unit)
         for text, box in zip(("Cam centre &x", "Cam centre &y"), self.centre, strict=True):

@@ -35,6 +35,7 @@ from kindyna_gui.dialogs import file_to_save, give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
+from kindyna_gui.look import described
 from kindyna_gui.rebuilt import fill
 from kindyna_gui.settings import Settings
 
@@ -70,8 +71,7 @@ class TablesDialog(RequestDialog):
             step = f"One row every {360.0 / values['samples']:.6g}°."
             return f"{step} Writes {files}. Files with these names are replaced."
 
-        self.folder = QLineEdit(str(folder))
-        self.folder.setAccessibleName("Folder")
+        self.folder = described(QLineEdit(str(folder)), name="Folder")
         self.folder.setMinimumWidth(360)
         browse = QPushButton("Browse...")
         browse.clicked.connect(self._browse)

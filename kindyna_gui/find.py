@@ -56,6 +56,7 @@ from kindyna_gui.find_rows import (
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
+from kindyna_gui.look import described
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
@@ -172,8 +173,7 @@ class FindView(BackgroundView):
             QPushButton("Search again"),
         )
         self.take.setToolTip("Use the result in the design (one undo step)")
-        self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
-        self.bar.setAccessibleName("Computing")
+        self.bar = described(QProgressBar(minimum=0, maximum=0, textVisible=False), name="Computing")
         self.bar.setFixedHeight(10)
         self.counted = QLabel()
         self._lay_out()

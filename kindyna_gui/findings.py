@@ -16,7 +16,7 @@ from core.study import STAGES, Study, certificate_of, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import in_sentence, name_of, sentence
-from kindyna_gui.look import coloured, sign
+from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import fill
@@ -199,8 +199,10 @@ class FindingsView(View):
         return min(self.table.horizontalHeader().sizeHint().height() + rows + GAP, MOST_HEIGHT)
 
     def _button(self, row: TableRow, remedy: Remedy) -> QPushButton:
-        button = QPushButton(row.cells[REMEDY], autoDefault=False)
-        button.setToolTip("Find the value that meets the limit" if remedy.find else "Go to the field")
+        button = described(
+            QPushButton(row.cells[REMEDY], autoDefault=False),
+            tip="Find the value that meets the limit" if remedy.find else "Go to the field",
+        )
         button.clicked.connect(lambda: self.remedy_chosen.emit(remedy))
         return button
 

@@ -47,7 +47,7 @@ from kindyna_gui.forms.fields import Amount
 from kindyna_gui.forms.request_form import PAUSE_MS, WAITING, ComputedDialog, RequestForm, accepted, flanks
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
-from kindyna_gui.look import Picture, coloured, sign
+from kindyna_gui.look import Picture, coloured, described, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
@@ -360,10 +360,11 @@ class MeasuredCamDialog(QDialog):
         self._changed()
 
     def _lay_out(self) -> None:
-        self.again = QPushButton("&Read again", autoDefault=False)
-        self.again.setToolTip("Read the file again after it was corrected or measured again")
-        name = QLabel(self._path.name)
-        name.setToolTip(str(self._path))
+        self.again = described(
+            QPushButton("&Read again", autoDefault=False),
+            tip="Read the file again after it was corrected or measured again",
+        )
+        name = described(QLabel(self._path.name), tip=str(self._path))
         header = fill(QHBoxLayout(), (name, 1), self.again)
         left = fill(QVBoxLayout(), header, self.form, 6, self.verdict, self.notes, (self.rows, 1), margins=0)
         side = QWidget()

@@ -50,7 +50,7 @@ from kindyna_gui.rebuilt import fill
 from kindyna_gui.requirements import suggestions_for
 from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
 
-Coloured = TypeVar("Coloured", bound=QWidget)
+Described = TypeVar("Described", bound=QWidget)
 ICON_SCALES = (1, 2, 3)  # dots per pixel that icons are made for
 DEFAULT_FONT = "default font"  # property of the application: its font at 100 % font size
 FOCUS_FRAMES = "focus frames"  # property of the application: whether its focus frames are connected
@@ -318,7 +318,16 @@ def tool_bar(title: str, parent: QWidget | None = None) -> QToolBar:
     return bar
 
 
-def coloured(widget: Coloured, colour: str) -> Coloured:
+def described(widget: Described, *, name: str = "", tip: str = "") -> Described:
+    """Give a widget its name for screen readers, and its tip, where they are not empty; return the widget."""
+    if name:
+        widget.setAccessibleName(name)
+    if tip:
+        widget.setToolTip(tip)
+    return widget
+
+
+def coloured(widget: Described, colour: str) -> Described:
     """Set the colour of a widget's text, without a style sheet, and return the widget."""
     colours = widget.palette()
     colours.setColor(QPalette.ColorRole.WindowText, QColor(colour))

@@ -41,7 +41,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.texts import command_text, copy_button
 from kindyna_gui.forms.tables import CopyKey
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import RATIO
 from kindyna_gui.pictures.paper.paper_figures import paper_file
 from kindyna_gui.pictures.style import SCREEN
@@ -119,8 +119,7 @@ class FiguresWindow(QWidget):
         self._tops: dict[str, QTreeWidgetItem] = {}
         self._judged: dict[Claim, str] = {}
         self.computed = 0
-        self.list = QTreeWidget()
-        self.list.setAccessibleName("Figures, tables and statements of the papers")
+        self.list = described(QTreeWidget(), name="Figures, tables and statements of the papers")
         self.list.setHeaderLabels(["What the paper says", "Verdict"])
         CopyKey(self.list)
         self.list.setStyleSheet("QTreeWidget::item { padding: 2px 0 }")

@@ -25,7 +25,7 @@ from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
-from kindyna_gui.look import Note
+from kindyna_gui.look import Note, described
 from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
@@ -141,8 +141,7 @@ class AgainstSpeedView(BackgroundView):
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
         for plot in (self.torque, self.fluctuation):
             plot.setMinimumSize(220, 70)
-        self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
-        self.bar.setAccessibleName("Computing")
+        self.bar = described(QProgressBar(minimum=0, maximum=0, textVisible=False), name="Computing")
         self.bar.setFixedHeight(6)
         self.bar.hide()
         splitter = QSplitter(Qt.Orientation.Vertical)

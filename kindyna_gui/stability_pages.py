@@ -39,7 +39,7 @@ from core.stability import (
 from kindyna_gui.forms.fields import UnitLabel
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, with_unit
@@ -66,8 +66,7 @@ class PointFields(QWidget):
         self.eta = NumberBox(Info("Frequency ratio η", low=0.0, high=MOST_ETA, open_low=True, step=0.01), NO_UNIT)
         self.q = NumberBox(Info("Inertia ratio Q", low=0.0, high=MOST_Q, step=0.01), NO_UNIT)
         self.rpm = NumberBox(Info("Speed", low=0.0, high=1e5, open_low=True, step=10.0), UNITS["rpm"])
-        self.back = QPushButton("Machine's own")
-        self.back.setToolTip("Select the point of the machine again")
+        self.back = described(QPushButton("Machine's own"), tip="Select the point of the machine again")
         row = fill(QHBoxLayout(self), margins=0)
         for before, box, after in (
             ("Point: η", self.eta, NO_UNIT),

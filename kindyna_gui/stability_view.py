@@ -20,7 +20,7 @@ from core.stability import EDGE_ERROR, EXACT, Chart, Stability, Verdict, chart
 from core.study import Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.mouse import DraggablePoint
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
 from kindyna_gui.pictures.style import SCREEN
@@ -208,13 +208,14 @@ class StabilityView(View):
     def _lay_out(self) -> None:
         self.header = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.header.setMinimumWidth(1)
-        self.progress = QProgressBar(textVisible=False, minimum=0, maximum=0)
-        self.progress.setAccessibleName("Computing")
+        self.progress = described(QProgressBar(textVisible=False, minimum=0, maximum=0), name="Computing")
         self.progress.setFixedSize(70, 8)
         self.progress.hide()
         self.across, self.upwards = self._choice(ACROSS), self._choice(UPWARDS)
-        self.use = QPushButton("Use this shaft")
-        self.use.setToolTip("Use the stiffness and inertia of this point in the design (one undo step)")
+        self.use = described(
+            QPushButton("Use this shaft"),
+            tip="Use the stiffness and inertia of this point in the design (one undo step)",
+        )
         self.use.hide()
         tools = fill(QHBoxLayout(), self.fields, 8, (self.header, 1), 8, self.progress, self.use, margins=(8, 2, 8, 0))
         for text, box in (("across", self.across), ("upwards", self.upwards)):

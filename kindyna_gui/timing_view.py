@@ -41,7 +41,7 @@ from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_li
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, no_number
-from kindyna_gui.look import MessageLabel, coloured
+from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, event_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
@@ -198,8 +198,7 @@ class TimingRows(QWidget):
         if self.least is None:
             entry = entry_at(design, f"timing[{row}].least_deg")
             assert entry is not None
-            self.least = NumberBox(entry.info, UNITS["deg"])
-            self.least.setAccessibleName("at least")
+            self.least = described(NumberBox(entry.info, UNITS["deg"]), name="at least")
             self.least.setMaximumWidth(90)
             connect_all(
                 (self.least.entered, self._least_entered),

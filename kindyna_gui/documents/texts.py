@@ -47,7 +47,7 @@ from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
-from kindyna_gui.look import MessageLabel
+from kindyna_gui.look import MessageLabel, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
 
@@ -115,8 +115,9 @@ def copy_button(line: Callable[[], str]) -> QPushButton:
         QApplication.clipboard().setText(line())
         button.setText("Copied")
 
-    button = QPushButton("Copy as command", autoDefault=False)
-    button.setToolTip("Copy the command that does the same to the clipboard")
+    button = described(
+        QPushButton("Copy as command", autoDefault=False), tip="Copy the command that does the same to the clipboard"
+    )
     button.clicked.connect(lambda: copy())
     return button
 

@@ -36,7 +36,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox, leaves_undo, request_menu
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.settings import DISPLAY, symbol_of
@@ -222,8 +222,7 @@ class Field(QObject):
         self._refusals: dict[str, str] = {}  # path of the refused value -> reason
         self._misfit = ""  # why the value does not fit the others, as the line below the form says
         self._last_trouble = ""
-        self.label = NameLabel(label_html(spec.info.label), not spec.info.choices)
-        self.label.setToolTip(tip_html(spec))
+        self.label = described(NameLabel(label_html(spec.info.label), not spec.info.choices), tip=tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
         self.message = coloured(QLabel(wordWrap=True), SCREEN.limit)
         self.message.hide()

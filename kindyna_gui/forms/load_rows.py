@@ -51,7 +51,7 @@ from kindyna_gui.forms.fields import COLUMNS, NameLabel
 from kindyna_gui.forms.form import POINT_FIELDS
 from kindyna_gui.forms.number_box import WordBox, row_height
 from kindyna_gui.labels import reason
-from kindyna_gui.look import coloured, icon
+from kindyna_gui.look import coloured, described, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, fill
 
@@ -216,12 +216,10 @@ def put_attachment(session: Session, path: str, end: AttachedEnd, target: Target
 
 def list_button(text: str, icon_name: str, tip: str, slot: Callable[[], object] | None) -> QToolButton:
     """Return a flat button with an icon, or only an arrow ("up", "down"); the slot is called without the button's state."""
-    button = QToolButton(autoRaise=True)
+    button = described(QToolButton(autoRaise=True), name=text, tip=tip)
     button.setText(text)
-    button.setToolTip(tip)
     button.setStatusTip(tip)
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    button.setAccessibleName(text)
     if icon_name in _ARROWS:
         button.setArrowType(_ARROWS[icon_name])
     elif icon_name:
@@ -275,8 +273,7 @@ class WhenRow(QWidget):
     def __init__(self, session: Session, path: str) -> None:
         super().__init__()
         self._session, self._path = session, path
-        self.box = WordBox()
-        self.box.setAccessibleName("When")
+        self.box = described(WordBox(), name="When")
         self.more: QToolButton = list_button(
             "Row", "insert", "Add a row to the table, in its widest gap", partial(self._row, True)
         )

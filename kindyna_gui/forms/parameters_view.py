@@ -20,7 +20,7 @@ from kindyna_gui.forms.fields import Field, NameField, in_tab_order
 from kindyna_gui.forms.form import Form, IncompleteBar, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
 from kindyna_gui.labels import SECTION_NAMES
-from kindyna_gui.look import coloured, sign
+from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon, fill
@@ -85,8 +85,10 @@ class ParametersView(View):
         self.incomplete_bar.drop_requested.connect(session.drop_incomplete)
         session.incomplete_changed.connect(self.invalidate)
         self.kind = coloured(QLabel(), SCREEN.quiet)
-        self.legend = coloured(QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed"), SCREEN.quiet)
-        self.legend.setToolTip("Not taken from a source")
+        self.legend = described(
+            coloured(QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed"), SCREEN.quiet),
+            tip="Not taken from a source",
+        )
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumSize(*LEAST)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
@@ -109,9 +111,11 @@ class ParametersView(View):
         self._scrolls: dict[str, tuple[str, int]] = {}
         session.started.connect(self._scrolls.clear)
         header = fill(QHBoxLayout(), (self.name, 1), margins=(8, 5, 8, 3))
-        self.filter = QLineEdit(clearButtonEnabled=True, placeholderText="Filter")
-        self.filter.setAccessibleName("Filter of fields")
-        self.filter.setToolTip("Show only fields with these words in their name")
+        self.filter = described(
+            QLineEdit(clearButtonEnabled=True, placeholderText="Filter"),
+            name="Filter of fields",
+            tip="Show only fields with these words in their name",
+        )
         self.filter.setMaximumWidth(110)
         self.filter.textChanged.connect(self._look_for)
         footer = fill(

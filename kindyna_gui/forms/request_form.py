@@ -37,7 +37,7 @@ from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import Amount, fill_choices
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import MessageLabel, coloured
+from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import connect_all, fill, single_shot
 
@@ -403,10 +403,8 @@ class ScaleDialog(QDialog):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setWindowTitle("Scale the design")
-        self.factor = NumberBox(FACTOR)
+        self.factor = described(NumberBox(FACTOR), name=FACTOR.label, tip=sentence(FACTOR.help))
         self.factor.show_value(1.0)
-        self.factor.setToolTip(sentence(FACTOR.help))
-        self.factor.setAccessibleName(FACTOR.label)
         self.masses = QCheckBox(MASSES.label)
         self.masses.setChecked(True)
         self.text = MessageLabel(SCREEN.quiet)

@@ -20,7 +20,7 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
-from kindyna_gui.look import Note, SteadyText
+from kindyna_gui.look import Note, SteadyText, described
 from kindyna_gui.pictures.drawing.centre_parts import CircleDiagram, construction_text
 from kindyna_gui.pictures.drawing.polygons import (
     PolygonDiagram,
@@ -190,10 +190,8 @@ class CentresView(View):
         self.tabs.currentChanged.connect(self._fill_table)
 
     def _centre_box(self, name: str) -> QComboBox:
-        box = QComboBox()
+        box = described(QComboBox(), name=name, tip="Distance between two centres at this angle")
         box.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        box.setAccessibleName(name)
-        box.setToolTip("Distance between two centres at this angle")
         box.activated.connect(lambda _: self._show_distance())
         return box
 
@@ -314,11 +312,11 @@ class PolygonView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.choice = QComboBox()
-        self.choice.setObjectName("polygon")
-        self.choice.setToolTip(
-            "Diagram: velocities from one pole, the forces on a body head to tail, or the force in a pin or guide"
+        self.choice = described(
+            QComboBox(),
+            tip="Diagram: velocities from one pole, the forces on a body head to tail, or the force in a pin or guide",
         )
+        self.choice.setObjectName("polygon")
         self.choice.currentIndexChanged.connect(self._choose)
         self.sheet = PolygonSheet()
         self.note = Note()

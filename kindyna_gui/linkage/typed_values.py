@@ -26,6 +26,7 @@ from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index
 from kindyna_gui.linkage.drawing_mouse import ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
+from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
 
@@ -74,8 +75,7 @@ class TypedBoxes(QFrame):
         self.close_all()
         self._accept = accept
         for box in boxes:
-            edit = QLineEdit(box.text)
-            edit.setAccessibleName(box.label)
+            edit = described(QLineEdit(box.text), name=box.label)
             edit.setFixedWidth(74 if box.unit is not None else 110)
             self._row.addWidget(QLabel(f"{box.label}"))
             self._row.addWidget(edit)

@@ -34,6 +34,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.draw_tools import nearest_mark
 from kindyna_gui.linkage.typed_values import Box, Typed, TypedBoxes
+from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import Settings
@@ -352,20 +353,17 @@ class UnderlayPanel(QDialog):
             box.entered.connect(partial(self._enter, name))
             self.boxes[name] = box
             form.addRow(f"{label}, {unit.symbol}" if unit is not None else label, box)
-        self.opacity = QSlider(Qt.Orientation.Horizontal)
+        self.opacity = described(QSlider(Qt.Orientation.Horizontal), name="Opacity")
         self.opacity.setRange(0, 100)
-        self.opacity.setAccessibleName("Opacity")
         self.opacity.valueChanged.connect(lambda value: self._put("opacity", value / 100.0))
         form.addRow("&Opacity", self.opacity)
-        self.locked = QCheckBox("&Locked")
-        self.locked.setToolTip("Fixes the position of the underlay")
+        self.locked = described(QCheckBox("&Locked"), tip="Fixes the position of the underlay")
         self.locked.toggled.connect(partial(self._put, "locked"))
         form.addRow(self.locked)
         self.method_buttons: dict[str, QToolButton] = {}
         for name, method in METHODS.items():
-            button = QToolButton()
+            button = described(QToolButton(), tip=method.tip)
             button.setText(method.text)
-            button.setToolTip(method.tip)
             button.setCheckable(True)
             button.clicked.connect(lambda on, name=name: desk.choose_method(name if on else ""))
             self.method_buttons[name] = button

@@ -36,7 +36,7 @@ from kindyna_gui.documents.texts import UNSAVED, add_copy_of_line
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import bold_label
+from kindyna_gui.look import bold_label, described
 from kindyna_gui.measured.form import (
     ReadingForm,
     TableReader,
@@ -86,14 +86,14 @@ class MeasuredDialog(PutDialog):
         self.form = ReadingForm(motion.unit)
         self.errors = {quantity: NumberBox(NOT_NEGATIVE) for quantity in LETTERS.values()}
         self.lowest = NumberBox(ANY_NUMBER)
-        self.residual_of = WordBox()
-        self.residual_of.setToolTip("Select the column whose residuals are shown")
-        self.keep_all = QCheckBox("&Keep wrong rows")
-        self.keep_all.setToolTip(
-            "Keep the rows that no smooth curve joins to their neighbours; otherwise they are left out"
+        self.residual_of = described(WordBox(), tip="Select the column whose residuals are shown")
+        self.keep_all = described(
+            QCheckBox("&Keep wrong rows"),
+            tip="Keep the rows that no smooth curve joins to their neighbours; otherwise they are left out",
         )
-        self.mirror = QCheckBox("M&irror")
-        self.mirror.setToolTip("Reflect half a lobe in the row of its largest lift (--mirror)")
+        self.mirror = described(
+            QCheckBox("M&irror"), tip="Reflect half a lobe in the row of its largest lift (--mirror)"
+        )
         self.laws, self.dwells = QCheckBox("La&ws"), QCheckBox("&Dwells")
         self.laws.setToolTip("Use laws that fit within the error; otherwise tables between the dwells")
         self.dwells.setToolTip("Detect dwells; without laws and dwells the motion is one spline")
@@ -104,19 +104,21 @@ class MeasuredDialog(PutDialog):
         for plot in self.plots[:-1]:
             plot.show_numbers(False)
         self.entries, self.segments = EntryTable(), SegmentTable()
-        self.pages = WordBox()
-        self.pages.setToolTip("Select the sheet of the workbook")
+        self.pages = described(WordBox(), tip="Select the sheet of the workbook")
         self.pages.addItems(self._pages(data))
-        self.cells = NameBox()
+        self.cells = described(NameBox(), tip="Cells of the table, by two opposite corners")
         self.cells.setPlaceholderText("All cells, or A1:C400")
-        self.cells.setToolTip("Cells of the table, by two opposite corners")
         self.sheet = SheetTable()
-        self.leave = QPushButton("Leave these rows &out", autoDefault=False)
-        self.leave.setToolTip("Leave these lines out; the file does not change")
+        self.leave = described(
+            QPushButton("Leave these rows &out", autoDefault=False),
+            tip="Leave these lines out; the file does not change",
+        )
         self.leave.hide()
-        self.alternatives = WordBox()
-        self.alternatives.setAccessibleName("Rows that may be wrong")
-        self.alternatives.setToolTip("Steps show that some rows are wrong, but not which: select the rows to leave out")
+        self.alternatives = described(
+            WordBox(),
+            name="Rows that may be wrong",
+            tip="Steps show that some rows are wrong, but not which: select the rows to leave out",
+        )
         self.alternatives.hide()
         self.put_button.setText("&Take")
         self.put_button.setToolTip("Put the motion into the design (one undo step)")
@@ -138,9 +140,9 @@ class MeasuredDialog(PutDialog):
             workbook_row.addWidget(label)
             workbook_row.addWidget(box, 1)
         self.workbook.setVisible(self.pages.count() > 0)
-        self.estimate = QPushButton("Esti&mate", autoDefault=False)
-        self.estimate.setToolTip(
-            "Estimate the errors from the scatter of the rows, at least the rounding of the last digit"
+        self.estimate = described(
+            QPushButton("Esti&mate", autoDefault=False),
+            tip="Estimate the errors from the scatter of the rows, at least the rounding of the last digit",
         )
         heading = fill(QHBoxLayout(), (bold_label("Fit"), 1), self.estimate)
         checks = QHBoxLayout()
@@ -182,11 +184,11 @@ class MeasuredDialog(PutDialog):
             self.setTabOrder(previous, following)
 
     def _file_row(self) -> QHBoxLayout:
-        name = bold_label(self._path.name)
-        name.setToolTip(str(self._path))
+        name = described(bold_label(self._path.name), tip=str(self._path))
         name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.again = QPushButton("&Read again", autoDefault=False)
-        self.again.setToolTip("Read the file again after you corrected it")
+        self.again = described(
+            QPushButton("&Read again", autoDefault=False), tip="Read the file again after you corrected it"
+        )
         row = fill(QHBoxLayout(), (name, 1), self.again)
         return row
 

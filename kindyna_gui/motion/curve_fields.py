@@ -52,7 +52,7 @@ from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import NumberBox, parsed, row_height
 from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable
 from kindyna_gui.labels import law_label, name_of, no_number, segment_of, sentence, value_text
-from kindyna_gui.look import coloured, icon
+from kindyna_gui.look import coloured, described, icon
 from kindyna_gui.motion.diagram import snap_angle
 from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
@@ -323,10 +323,9 @@ class PointsTable(QWidget):
         fill(QHBoxLayout(self), (self.table, 1), buttons, margins=0, spacing=4)
 
     def _button(self, name: str, text: str, tip: str, slot: Any) -> QToolButton:
-        button = QToolButton(autoRaise=True)
+        button = described(QToolButton(autoRaise=True), tip=tip)
         button.setIcon(icon(name))
         button.setText(text)
-        button.setToolTip(tip)
         button.clicked.connect(lambda: slot())
         return button
 

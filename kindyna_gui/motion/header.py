@@ -29,6 +29,7 @@ from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
+from kindyna_gui.look import described
 from kindyna_gui.rebuilt import ContentArea, fill
 
 STROKE = Info(
@@ -110,9 +111,10 @@ class MotionHeader(QWidget):
         self._following = QWidget()
         fill(QHBoxLayout(self._following), (self.origin, 1), self.unlink_button, margins=(10, 2, 6, 4))
         self._following.hide()
-        self.cycle = QLabel()
+        self.cycle = described(
+            QLabel(), tip="Figures of one turn; energy with recovery is reduced by the energy of braking"
+        )
         self.cycle.setContentsMargins(10, 0, 6, 3)
-        self.cycle.setToolTip("Figures of one turn; energy with recovery is reduced by the energy of braking")
         self.cycle.hide()
         fill(QVBoxLayout(self), self._fields_area, self._following, self.cycle, margins=0)
 

@@ -15,6 +15,7 @@ from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.parameters_view import ParametersView
 from kindyna_gui.labels import law_label, segment_of, value_text
+from kindyna_gui.look import described
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.header import MotionHeader
 from kindyna_gui.motion.law_picker import LawBox
@@ -88,9 +89,7 @@ class MotionPage(QScrollArea):
         self._built = (-1, "")
         self.fields: dict[str, Field] = {}
         self.header = MotionHeader(session)
-        self.segment = QComboBox()
-        self.segment.setAccessibleName("Segment")
-        self.segment.setToolTip("Select the segment to edit below")
+        self.segment = described(QComboBox(), name="Segment", tip="Select the segment to edit below")
         self.curve = SegmentCurveForm(session, player)
         self.bar = SegmentBar()
         self._segment_area = ContentArea(session)

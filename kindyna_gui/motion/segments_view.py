@@ -46,7 +46,7 @@ from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
 from kindyna_gui.forms.form import IncompleteBar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import reason, segment_of
-from kindyna_gui.look import coloured, icon
+from kindyna_gui.look import coloured, described, icon
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.diagram import ANGLE_STEP, snap, snap_angle
 from kindyna_gui.motion.editor import DerivativePlots, MotionEditor
@@ -222,10 +222,11 @@ class SegmentBar(QWidget):
 
     def _button(self, name: str) -> QToolButton:
         row = ACTIONS[name]
-        button = QToolButton(autoRaise=True, toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button = described(
+            QToolButton(autoRaise=True, toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon), tip=row.tip
+        )
         button.setText(row.text)
         button.setIcon(icon(row.icon))
-        button.setToolTip(row.tip)
         button.setIconSize(QSize(16, 16))
         button.clicked.connect(lambda: self.action_requested.emit(name, None))
         return button

@@ -21,7 +21,7 @@ from kindyna_gui.documents.pins import scatters
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
-from kindyna_gui.look import bold_label, coloured
+from kindyna_gui.look import bold_label, coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.studies.rows import ToleranceRows, WaveRow
@@ -104,8 +104,7 @@ class BestPage(QWidget):
         self._show_state()
 
     def _word(self, name: str, act: Callable[[int], None]) -> WordBox:
-        word = WordBox()
-        word.setAccessibleName(name)
+        word = described(WordBox(), name=name)
         word.activated.connect(act)
         return word
 
@@ -224,9 +223,9 @@ class TolerancePage(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.rows, self.waves = ToleranceRows(), WaveRow()
-        self.bands = QCheckBox("Bands in the plots")
-        self.bands.setToolTip(
-            "Over the cam angle: the range of 90 % of 2000 machines, and paler that of 99.73 % (percentiles 0.135 … 99.865)"
+        self.bands = described(
+            QCheckBox("Bands in the plots"),
+            tip="Over the cam angle: the range of 90 % of 2000 machines, and paler that of 99.73 % (percentiles 0.135 … 99.865)",
         )
         self.tighter, self.parts = QLabel(wordWrap=True), QLabel()
         for label in (self.tighter, self.parts):

@@ -33,6 +33,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import CopyKey
+from kindyna_gui.look import described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.units import short
 from kindyna_gui.places import state_folder
@@ -141,22 +142,26 @@ class Board(QWidget):
         self.keep.setToolTip("Put the current design on the board, with its values")
         self.keep.setAutoDefault(False)
         self.sort.setAccessibleName("Sort the cards by")
-        self.list = _List()
-        self.list.setAccessibleName("Board")
+        self.list = described(
+            _List(),
+            name="Board",
+            tip="Double-click a card to apply its design; right-click to pin it; Delete removes it",
+        )
         self.list.setFlow(QListView.Flow.LeftToRight)
         self.list.setWrapping(False)
         self.list.setMovement(QListView.Movement.Static)
         self.list.setIconSize(IMAGE)
         self.list.setWordWrap(True)
-        self.list.setToolTip("Double-click a card to apply its design; right-click to pin it; Delete removes it")
         self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         for text, slot in (("Pin this variant", self._pin), ("Apply", self._open), ("Remove", self._remove)):
             action = QAction(text, self.list)
             action.triggered.connect(partial(self._call_for_current, slot))
             self.list.addAction(action)
-        self.compare = QPushButton("Compare", autoDefault=False)
+        self.compare = described(
+            QPushButton("Compare", autoDefault=False),
+            tip="Show the cards in a table, each value with its difference from the current design",
+        )
         self.compare.setCheckable(True)
-        self.compare.setToolTip("Show the cards in a table, each value with its difference from the current design")
         self.compare.hide()
         self.table = CardsTable()
         self.table.hide()

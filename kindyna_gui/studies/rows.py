@@ -18,7 +18,7 @@ from core.varying import Limits, Span
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import MessageLabel, bold_label, coloured, icon
+from kindyna_gui.look import MessageLabel, bold_label, coloured, described, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill
 from kindyna_gui.studies.texts import (
@@ -97,20 +97,17 @@ class _Rows(QWidget):
         self._area.replace(content)
 
     def _remover(self, key: str, name: str) -> QToolButton:
-        button = QToolButton(autoRaise=True)
+        button = described(QToolButton(autoRaise=True), tip=f"Remove {name}")
         button.setIcon(icon("close"))
-        button.setToolTip(f"Remove {name}")
         button.setAccessibleName(button.toolTip())
         button.clicked.connect(lambda: self.removed.emit(key))
         self.removers[key] = button
         return button
 
     def _box(self, key: str, end: str, name: str, info: Info, enter: Any) -> NumberBox:
-        box = NumberBox(info, unit_of(key))
+        box = described(NumberBox(info, unit_of(key)), name=name, tip=name)
         box.in_file_units = True  # shows the value as plots do
         box.setFixedWidth(BOX_WIDTH)
-        box.setAccessibleName(name)
-        box.setToolTip(name)
         box.entered.connect(enter)
         box.unreadable.connect(lambda: self._refuse(box, f"{name}: {no_number(box.text())}"))
         box.withdrawn.connect(lambda: self.message.show_message(""))
@@ -287,9 +284,8 @@ class FigureRows(_Rows):
         grid.addWidget(current, row, 4, 1, 2, Qt.AlignmentFlag.AlignRight)
         grid.addWidget(remover, row, 6)
         if slug not in TOTALS:
-            word = WordBox()
+            word = described(WordBox(), name=f"{name}: statistic over the turn")
             word.setMinimumContentsLength(4)
-            word.setAccessibleName(f"{name}: statistic over the turn")
             fill_choices(word, STATISTICS)
             word.setCurrentIndex(word.findData(statistic))
             word.activated.connect(partial(self._choose, key))

@@ -46,6 +46,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
+from kindyna_gui.look import described
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 from kindyna_gui.studies.best_page import BestPage, TolerancePage
@@ -124,8 +125,10 @@ class StudyView(BackgroundView):
         self.bands = Bands.of(session)
         self._board_file = BoardFile(session, self.board)
         self.open = StudyMenu(lambda: (self._design, self.session.chosen))
-        self.save = QPushButton("Save the study …", autoDefault=False)
-        self.save.setToolTip("Save a study file for the commands kindyna --headless vary and tolerance")
+        self.save = described(
+            QPushButton("Save the study …", autoDefault=False),
+            tip="Save a study file for the commands kindyna --headless vary and tolerance",
+        )
         self._lay_out()
         self._connect()
 

@@ -28,6 +28,7 @@ from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
 from kindyna_gui.help import sections
 from kindyna_gui.labels import allowed_text, choice_text, entry_name, no_number, sentence, step_text, value_text
+from kindyna_gui.look import described
 from kindyna_gui.motion.header import stroke_entry
 from kindyna_gui.pictures.units import legible
 from kindyna_gui.rebuilt import fill
@@ -266,9 +267,8 @@ class Finder(QFrame):
         self._back: QWidget | None = None
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.setAutoFillBackground(True)
-        self.line = _Line(self)
+        self.line = described(_Line(self), name="Find anything")
         self.line.setPlaceholderText(HINT)
-        self.line.setAccessibleName("Find anything")
         self.line.textChanged.connect(self._search)
         self.rows = RowsModel(
             (TableHeading("Kind"), TableHeading("What", wide=True), TableHeading("Keys, value", number=True))

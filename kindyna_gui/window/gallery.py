@@ -40,7 +40,7 @@ from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.files.beginnings import beginning, dwell_first, with_previous_motion
 from kindyna_gui.labels import choice_text, choice_tip
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
@@ -362,8 +362,9 @@ class CircuitsDialog(QDialog):
         give_help(self, "linkages#Circuits")
         self.setWindowTitle("Circuits of the linkage")
         self._circuits = circuits
-        self.pictures = Pictures([_choice(i, circuit) for i, circuit in enumerate(circuits, 1)], THUMBS[0])
-        self.pictures.setAccessibleName("Circuits")
+        self.pictures = described(
+            Pictures([_choice(i, circuit) for i, circuit in enumerate(circuits, 1)], THUMBS[0]), name="Circuits"
+        )
         while self.pictures.paint_next():
             pass
         hint = coloured(

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPlainTextEdit,
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import log_file, log_text, report_text
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import fill
@@ -23,15 +23,15 @@ class LogView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
-        self.text = QPlainTextEdit(readOnly=True, placeholderText=EMPTY)
+        self.text = described(QPlainTextEdit(readOnly=True, placeholderText=EMPTY), name="Log")
         self.text.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
         self.file = coloured(QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse), SCREEN.quiet)
         self.file.setMinimumWidth(1)
-        self.text.setAccessibleName("Log")
         self.copy = QPushButton("Copy all")
         self.copy.clicked.connect(lambda: QApplication.clipboard().setText(self.text.toPlainText()))
-        self.report = QPushButton("Copy for a report")
-        self.report.setToolTip("Copy versions, system and log, to send with a report of the error")
+        self.report = described(
+            QPushButton("Copy for a report"), tip="Copy versions, system and log, to send with a report of the error"
+        )
         self.report.clicked.connect(lambda: QApplication.clipboard().setText(report_text()))
         header = fill(QHBoxLayout(), (self.file, 1), self.copy, self.report, margins=(8, 4, 8, 2))
         self.set_column(header, self.text, grows=self.text)

@@ -33,7 +33,7 @@ from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import TextKeys
-from kindyna_gui.look import icon
+from kindyna_gui.look import described, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import KEYS_HELP, TURN, Player, Speed, initial_speed, obey, speeds, step_of
@@ -158,10 +158,12 @@ class PlayerBar(View):
         self.reverse.setCheckable(True)
         self.slider = AngleSlider()
         self.angle = self._angle_box()
-        self.speed = QComboBox(sizeAdjustPolicy=QComboBox.SizeAdjustPolicy.AdjustToContents)
+        self.speed = described(
+            QComboBox(sizeAdjustPolicy=QComboBox.SizeAdjustPolicy.AdjustToContents),
+            name="Speed of playing",
+            tip="Playback speed, as a multiple of the shaft's speed, and the duration of one turn",
+        )
         self.speed.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.speed.setAccessibleName("Speed of playing")
-        self.speed.setToolTip("Playback speed, as a multiple of the shaft's speed, and the duration of one turn")
         row = fill(
             QHBoxLayout(),
             self.join_back,
@@ -204,24 +206,24 @@ class PlayerBar(View):
                 button.setVisible(room >= 0)
 
     def _button(self, name: str, tip: str) -> QToolButton:
-        button = QToolButton(autoRaise=True)
+        button = described(QToolButton(autoRaise=True), name=tip.partition(" (")[0], tip=tip)
         button.setIcon(icon(name))
         button.setIconSize(QSize(18, 18))
-        button.setToolTip(tip)
         button.setStatusTip(tip)
-        button.setAccessibleName(tip.partition(" (")[0])
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         return button
 
     def _angle_box(self) -> QDoubleSpinBox:
-        box = AngleBox(decimals=2, minimum=0.0, maximum=360.0, singleStep=1.0)
+        box = described(
+            AngleBox(decimals=2, minimum=0.0, maximum=360.0, singleStep=1.0),
+            name="Cam angle",
+            tip="Cam angle of all views",
+        )
         box.setWrapping(True)
         box.setSuffix("°")
         box.setAlignment(Qt.AlignmentFlag.AlignRight)
         box.setKeyboardTracking(False)
         box.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        box.setAccessibleName("Cam angle")
-        box.setToolTip("Cam angle of all views")
         return box
 
     def _connect(self) -> None:

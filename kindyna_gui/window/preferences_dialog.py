@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import MessageLabel
+from kindyna_gui.look import MessageLabel, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
@@ -46,8 +46,9 @@ class PreferencesDialog(QDialog):
         for size, text in FONTS.items():
             self.font_size.addItem(text, size)
         fill_choices(self.paper, {name: name for name in PAPERS})
-        self.still = QCheckBox("Reduced motion")
-        self.still.setToolTip("Menus and docks appear at once; nothing moves except an animation")
+        self.still = described(
+            QCheckBox("Reduced motion"), tip="Menus and docks appear at once; nothing moves except an animation"
+        )
         self.author, self.company, self.logo = QLineEdit(), QLineEdit(), QLineEdit()
         self.message = MessageLabel(SCREEN.limit)
         self.logo.textChanged.connect(self._check_logo)

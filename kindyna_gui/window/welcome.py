@@ -23,7 +23,7 @@ from core.papers import PAPERS
 from core.project import load
 from core.project.reading_faults import Example, subjects
 from kindyna_gui import dialogs
-from kindyna_gui.look import coloured
+from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
@@ -104,9 +104,9 @@ class Welcome(QWidget):
         for card in self.cards:
             card.clicked.connect(partial(window.documents.open_example, card.example.path))
         self.recent = ContentArea()
-        self.at_start = QCheckBox("&Show at start")
-        self.at_start.setToolTip(
-            "Show this page when KINDYNA starts without a file; the Help menu opens it at any time"
+        self.at_start = described(
+            QCheckBox("&Show at start"),
+            tip="Show this page when KINDYNA starts without a file; the Help menu opens it at any time",
         )
         self.at_start.setChecked(window.settings.welcome)
         self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))
@@ -121,10 +121,9 @@ class Welcome(QWidget):
         side = QWidget()
         side.setFixedWidth(SIDE)
         self.new_button, self.open_button = QPushButton("&New..."), QPushButton("&Open...")
-        self.tour_button = QPushButton("&Tour")
+        self.tour_button = described(QPushButton("&Tour"), tip="The window in five minutes")
         self.new_button.setToolTip("Begin a new design with a mechanism chosen from images")
         self.open_button.setToolTip("Open a design file")
-        self.tour_button.setToolTip("The window in five minutes")
         self.new_button.clicked.connect(self._window.designing.new_by_picture)
         self.open_button.clicked.connect(self._window.documents.open_file)
         self.tour_button.clicked.connect(partial(self._window.show_help, "tour"))
@@ -183,12 +182,11 @@ class Welcome(QWidget):
         )
         column = fill(QVBoxLayout(content), heading, margins=0, spacing=2)
         for path in files:
-            button = QPushButton(flat=True)
+            button = described(QPushButton(flat=True), tip=str(path))
             button.setText(
                 button.fontMetrics().elidedText(path.name, Qt.TextElideMode.ElideMiddle, SIDE - 36).replace("&", "&&")
             )
             button.setStyleSheet("text-align: left")
-            button.setToolTip(str(path))
             button.clicked.connect(partial(self._window.documents.open_path, path))
             column.addWidget(button)
         self.recent.replace(content)
