@@ -199,13 +199,9 @@ class FindView(BackgroundView):
 
     def _lay_out(self) -> None:
         self._footer = QStackedWidget()
-        for parts in ((self.take,), (self.bar, self.counted, self.cancel), (self.again,)):
+        for parts in ((self.take, STRETCH), ((self.bar, 1), self.counted, self.cancel), (self.again, STRETCH)):
             page = QWidget()
-            row = fill(QHBoxLayout(page), margins=0)
-            for part in parts:
-                row.addWidget(part, 1 if part is self.bar else 0)
-            if self.bar not in parts:
-                row.addStretch(1)
+            fill(QHBoxLayout(page), *parts, margins=0)
             self._footer.addWidget(page)
         self._footer.setFixedHeight(self.take.sizeHint().height() + 2)
         self._form = QWidget()

@@ -34,6 +34,7 @@ from PySide6.QtWidgets import (
     QMenu,
     QMenuBar,
     QPushButton,
+    QScrollArea,
     QSizePolicy,
     QTabBar,
     QToolBar,
@@ -515,6 +516,17 @@ class Picture(QWidget):
             painter.setPen(SCREEN.pen(SCREEN.quiet))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._message)
         painter.end()
+
+
+def scrolled(content: QWidget, *, sideways: bool = True) -> QScrollArea:
+    """Area without a frame that scrolls its content, only up and down unless ``sideways``; it takes no focus."""
+    area = QScrollArea(widgetResizable=True)
+    area.setFrameShape(QScrollArea.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    if not sideways:
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setWidget(content)
+    return area
 
 
 def row_with_text(box: QWidget, text: QLabel) -> QHBoxLayout:

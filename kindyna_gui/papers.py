@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
     QHeaderView,
     QLabel,
     QPushButton,
-    QScrollArea,
     QSplitter,
     QTreeWidget,
     QTreeWidgetItem,
@@ -41,7 +40,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.texts import command_text, copy_button
 from kindyna_gui.forms.tables import CopyKey
-from kindyna_gui.look import coloured, described
+from kindyna_gui.look import coloured, described, scrolled
 from kindyna_gui.pictures.painter import RATIO
 from kindyna_gui.pictures.paper.paper_figures import paper_file
 from kindyna_gui.pictures.style import SCREEN
@@ -157,13 +156,9 @@ class FiguresWindow(QWidget):
         words = fill(QVBoxLayout(), self.heading, self.says, self.result, self.verdict, buttons)
         below = QWidget()
         below.setLayout(words)
-        scrolled = QScrollArea(widgetResizable=True)
-        scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
-        scrolled.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scrolled.setWidget(below)
         right = QSplitter(Qt.Orientation.Vertical)
         right.addWidget(self.picture)
-        right.addWidget(scrolled)
+        right.addWidget(scrolled(below))
         right.setStretchFactor(0, 1)
         right.setSizes([540, 200])
         sides = QSplitter()

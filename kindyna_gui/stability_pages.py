@@ -43,7 +43,7 @@ from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, with_unit
-from kindyna_gui.rebuilt import connect_all, fill
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 
 # -- fields of a point -----------------------------------------------------------------------------------
 
@@ -481,10 +481,7 @@ def _text() -> QLabel:
 def _scrolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
     """Stack widgets and rows in an area that scrolls where it is too low."""
     paper = QWidget()
-    column = fill(QVBoxLayout(paper), margins=0)
-    for part in parts:
-        column.addWidget(part) if isinstance(part, QWidget) else column.addLayout(part)
-    column.addStretch(1)
+    fill(QVBoxLayout(paper), *parts, STRETCH, margins=0)
     area = QScrollArea(widgetResizable=True)
     area.setFrameShape(QScrollArea.Shape.NoFrame)
     area.setWidget(paper)
@@ -495,9 +492,7 @@ def _side_by_side(plots: tuple[XYPlot, ...]) -> QWidget:
     if len(plots) == 1:
         return plots[0]
     page = QWidget()
-    row = fill(QHBoxLayout(page), margins=0, spacing=0)
-    for plot in plots:
-        row.addWidget(plot, 1)
+    fill(QHBoxLayout(page), *((plot, 1) for plot in plots), margins=0, spacing=0)
     return page
 
 

@@ -9,11 +9,9 @@ from PySide6.QtCore import QPoint, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QComboBox,
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QScrollArea,
     QSizePolicy,
     QSplitter,
     QVBoxLayout,
@@ -41,7 +39,7 @@ from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_li
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, no_number
-from kindyna_gui.look import MessageLabel, coloured, described
+from kindyna_gui.look import MessageLabel, coloured, described, scrolled
 from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, event_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
@@ -302,11 +300,7 @@ class TimingView(View):
             QHBoxLayout(bar), label, self.unit, self._overlap_label, *self.pair, (self.overlap, 1), margins=(6, 2, 6, 2)
         )
         left = QWidget()
-        scroll = QScrollArea(widgetResizable=True)  # for many drives
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.setWidget(self.canvas)
-        fill(QVBoxLayout(left), bar, (scroll, 1), margins=0, spacing=0)
+        fill(QVBoxLayout(left), bar, (scrolled(self.canvas), 1), margins=0, spacing=0)
         self.splitter = QSplitter(Qt.Orientation.Horizontal)
         self.splitter.addWidget(left)
         self.splitter.addWidget(self.rows)

@@ -244,8 +244,7 @@ def taken_by_list(rows: Any, event: QKeyEvent) -> bool:
 
 def row_of_buttons(buttons: Iterable[QToolButton], above: int = 0) -> QHBoxLayout:
     """Return a row with the buttons at the left, and some pixels above and below them."""
-    row = fill(QHBoxLayout(), *buttons, STRETCH, margins=(4, above, 4, above), spacing=0)
-    return row
+    return fill(QHBoxLayout(), *buttons, STRETCH, margins=(4, above, 4, above), spacing=0)
 
 
 class TwoGroups(QWidget):
@@ -253,10 +252,14 @@ class TwoGroups(QWidget):
 
     def __init__(self, first: Iterable[QToolButton], second: Iterable[QToolButton], above: int = 0) -> None:
         super().__init__()
-        self._line = fill(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), margins=(0, above, 0, above), spacing=0)
-        self._groups = [row_of_buttons(group) for group in (first, second)]
-        for stretch, group in zip((1, 0), self._groups, strict=True):
-            self._line.addLayout(group, stretch)
+        self._groups = left, right = row_of_buttons(first), row_of_buttons(second)
+        self._line = fill(
+            QBoxLayout(QBoxLayout.Direction.LeftToRight, self),
+            (left, 1),
+            right,
+            margins=(0, above, 0, above),
+            spacing=0,
+        )
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         in_a_row = sum(group.sizeHint().width() for group in self._groups) <= event.size().width()

@@ -39,7 +39,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import connect_all, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
 
 Kind = TypeVar("Kind")
 Summary = Callable[[Mapping[str, Any]], str]
@@ -54,13 +54,6 @@ FACTOR, MASSES = field_info(ScaleArguments, "factor"), field_info(ScaleArguments
 WIDTH = 380  # of the text of the scale dialog, pixels
 
 # -- dialogs that put a design in place ------------------------------------------------------------------
-
-
-def _add_stretched(row: QHBoxLayout, part: QWidget | QLayout) -> None:
-    if isinstance(part, QLayout):
-        row.addLayout(part, 1)
-    else:
-        row.addWidget(part, 1)
 
 
 class PutDialog(QDialog):
@@ -88,8 +81,7 @@ class PutDialog(QDialog):
         left = QWidget()
         left.setLayout(questions)
         left.setFixedWidth(width)
-        middle = fill(QHBoxLayout(), left, spacing=12)
-        _add_stretched(middle, shown)
+        middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
         footer = fill(QHBoxLayout(), (self.message, 1), self.buttons)
         fill(QVBoxLayout(self), (middle, 1), footer, margins=(12, 10, 12, 10))
         self.setMinimumSize(least)
@@ -288,15 +280,11 @@ class ComputedDialog(QDialog):
         self.result.setMinimumHeight(RESULT_LINES * self.fontMetrics().lineSpacing())
         self.buttons, self.export = accept_buttons(self, f"Save {file}...")
         add_copy(self.buttons, parent, self.command, self.command_options, of_drive=True)
-        left = QVBoxLayout()
         width = max(FORM_WIDTH, self.form.sizeHint().width())
         for widget in (self.form, self.result):
             widget.setFixedWidth(width)
-            left.addWidget(widget)
-        left.addStretch(1)
-        sides = QHBoxLayout()
-        sides.addLayout(left)
-        _add_stretched(sides, shown)
+        left = fill(QVBoxLayout(), self.form, self.result, STRETCH)
+        sides = fill(QHBoxLayout(), left, (shown, 1))
         fill(QVBoxLayout(self), sides, self.buttons)
         self._pause = single_shot(self, lambda: self._work.start([("", self.job())]), PAUSE_MS)
         connect_all(

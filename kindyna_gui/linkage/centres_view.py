@@ -448,7 +448,5 @@ class PolygonView(View):
 
 def _row(widgets: Sequence[QWidget], stretched: QWidget | None = None, *, top: int = 0, bottom: int = 0) -> QHBoxLayout:
     """Lay out widgets in a row, one of which takes the free width; margins in pixels."""
-    row = fill(QHBoxLayout(), margins=(8, top, 8, bottom))
-    for widget in widgets:
-        row.addWidget(widget, 1 if widget is stretched else 0)
-    return row
+    parts = ((widget, 1 if widget is stretched else 0) for widget in widgets)
+    return fill(QHBoxLayout(), *parts, margins=(8, top, 8, bottom))

@@ -368,8 +368,7 @@ class UnderlayPanel(QDialog):
             button.clicked.connect(lambda on, name=name: desk.choose_method(name if on else ""))
             self.method_buttons[name] = button
         form.addRow(_row(*self.method_buttons.values()))
-        column = QVBoxLayout(self)
-        column.addLayout(form)
+        fill(QVBoxLayout(self), form)
         self.finished.connect(lambda *_: desk.choose_method(""))
 
     def sizeHint(self) -> QSize:

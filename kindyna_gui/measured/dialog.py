@@ -145,9 +145,7 @@ class MeasuredDialog(PutDialog):
             tip="Estimate the errors from the scatter of the rows, at least the rounding of the last digit",
         )
         heading = fill(QHBoxLayout(), (bold_label("Fit"), 1), self.estimate)
-        checks = QHBoxLayout()
-        for check in (self.laws, self.dwells, self.keep_all, self.mirror):
-            checks.addWidget(check)
+        checked = (self.laws, self.dwells, self.keep_all, self.mirror)
         result = QWidget()
         self.figures = QFormLayout(result)
         self.figures.setVerticalSpacing(3)
@@ -164,20 +162,16 @@ class MeasuredDialog(PutDialog):
             4,
             heading,
             self._number_rows(),
-            checks,
+            fill(QHBoxLayout(), *checked),
             (tabs, 1),
         )
-        right = fill(QVBoxLayout(), (self.rows_plot, 4), spacing=2)
-        for plot in self.derivative_plots:
-            right.addWidget(plot, 2)
-        right.addWidget(self.residual_plot, 3)
         notes = fill(QVBoxLayout(), self.entries, (self.leave, 0, Qt.AlignmentFlag.AlignLeft), self.alternatives)
         footer = fill(QHBoxLayout(), (self.segments, 11), (notes, 10))
-        right.addLayout(footer, 3)
+        derivatives = ((plot, 2) for plot in self.derivative_plots)
+        right = fill(QVBoxLayout(), (self.rows_plot, 4), *derivatives, (self.residual_plot, 3), (footer, 3), spacing=2)
         self.frame(left, FORM_WIDTH, right, TYPICAL_SIZE, LEAST_SIZE)
 
         reading = (self.again, self.pages, self.cells, *self.form.boxes.values(), self.estimate, *self.errors.values())
-        checked = (self.laws, self.dwells, self.keep_all, self.mirror)
         fitting = (self.lowest, self.residual_of, *checked, tabs.tabBar(), self.sheet)
         results = (self.segments, self.entries, self.leave, self.alternatives)
         for previous, following in pairwise((*reading, *fitting, *results, *self.buttons.buttons())):
@@ -189,8 +183,7 @@ class MeasuredDialog(PutDialog):
         self.again = described(
             QPushButton("&Read again", autoDefault=False), tip="Read the file again after you corrected it"
         )
-        row = fill(QHBoxLayout(), (name, 1), self.again)
-        return row
+        return fill(QHBoxLayout(), (name, 1), self.again)
 
     def _number_rows(self) -> QGridLayout:
         grid = QGridLayout()

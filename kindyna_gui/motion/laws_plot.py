@@ -290,9 +290,7 @@ class RankingPanel(QWidget):
             button.setAutoDefault(False)
             button.clicked.connect(lambda _=False, do=do: do())
         self._table = ContentArea()
-        row = fill(QHBoxLayout(), margins=(6, 3, 6, 3))
-        for part in (self.text, self.bar, self.cancel, self.resume):
-            row.addWidget(part, 1 if part in (self.text, self.bar) else 0)
+        row = fill(QHBoxLayout(), (self.text, 1), (self.bar, 1), self.cancel, self.resume, margins=(6, 3, 6, 3))
         fill(QVBoxLayout(self), (self._table, 1), row, margins=0, spacing=0)
 
     @property

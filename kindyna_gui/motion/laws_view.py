@@ -418,26 +418,22 @@ class LawsView(View):
         self.use_button.setIcon(icon("insert"))
         self.use_button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.use_button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        self.use_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.use_button.clicked.connect(self._use_current)
         menu = QMenu(self.use_button)
         menu.aboutToShow.connect(partial(self._fill_menu, menu))
         self.use_button.setMenu(menu)
         self.clear_button.setToolTip("Remove all curves")
-        self.clear_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.clear_button.clicked.connect(self.model.untick_all)
         self.rank_button.setToolTip(
             "Rank the laws in the selected segment by torque, vibration and contact at the current speed"
         )
         self.all_button.setToolTip("Put the law into every segment that moves instead of the selected one")
         coloured(self.note, SCREEN.limit)
-        row = fill(QHBoxLayout(), self.use_button, self.clear_button, margins=(6, 3, 6, 3), spacing=6)
-        for button in (self.rank_button, self.all_button):
+        buttons = (self.use_button, self.clear_button, self.rank_button, self.all_button)
+        for button in buttons:
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            row.addWidget(button)
         self.all_button.hide()
-        row.addWidget(self.note, 1)
-        return row
+        return fill(QHBoxLayout(), *buttons, (self.note, 1), margins=(6, 3, 6, 3), spacing=6)
 
     # -- display -----------------------------------------------------------------------------------------
 

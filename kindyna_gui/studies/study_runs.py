@@ -339,10 +339,9 @@ class SurveyPages(QStackedWidget):
         self._survey: Survey | None = None
         self._quantities: Sequence[SurveyQuantity] = ()
         self._curves_page = QWidget()
-        column = fill(QVBoxLayout(self._curves_page), margins=0, spacing=0)
         for plot in self.curves:
             plot.setMinimumHeight(LEAST_CURVE)
-            column.addWidget(plot, 1)
+        fill(QVBoxLayout(self._curves_page), *((plot, 1) for plot in self.curves), margins=0, spacing=0)
         for page in (self.map, self._curves_page, self.parallel, self.front):
             self.addWidget(page)
         self.setMinimumSize(*LEAST_PAGE)

@@ -14,11 +14,9 @@ import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import (
-    QFrame,
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QScrollArea,
     QTabWidget,
     QVBoxLayout,
     QWidget,
@@ -46,7 +44,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
-from kindyna_gui.look import described
+from kindyna_gui.look import described, scrolled
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 from kindyna_gui.studies.best_page import BestPage, TolerancePage
@@ -143,12 +141,7 @@ class StudyView(BackgroundView):
         fill(QVBoxLayout(vary), self.rows, self.figure_rows, STRETCH, margins=(8, 6, 6, 6), spacing=10)
         self.tabs = QTabWidget(documentMode=True)
         for title, page in (("Vary", vary), ("Tolerances", self.tolerances), ("Best design", self.best)):
-            scroll = QScrollArea(widgetResizable=True)
-            scroll.setFrameShape(QFrame.Shape.NoFrame)
-            scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-            scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-            scroll.setWidget(page)
-            self.tabs.addTab(scroll, title)
+            self.tabs.addTab(scrolled(page, sideways=False), title)
         files = fill(QHBoxLayout(), self.open, self.save, STRETCH, margins=(8, 0, 6, 0))
         self.share.setContentsMargins(8, 0, 6, 4)
         self._form = QWidget()

@@ -26,7 +26,7 @@ from core.frozen import frozen
 from core.study import extremes_of, findings_of, quantity
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example, lesson_files
-from kindyna_gui.rebuilt import fill, remove_part
+from kindyna_gui.rebuilt import connect_all, fill, remove_part
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.tutorial_steps import ACTIONS, CannotDo, play, region_of, settle, wait_for
 
@@ -223,12 +223,14 @@ class TutorialStrip(QToolBar):
         self.leave.setToolTip("End the tutorial and keep the design")
         content = QWidget()
         content.setFixedHeight(LINES * self.fontMetrics().lineSpacing() + 10)
-        row = fill(QHBoxLayout(content), self.count, (self.text, 1), margins=(8, 4, 8, 4))
-        for button, act in (
-            (self.where, self._show_where), (self.done, self._do), (self.next, self.go_on), (self.leave, self.end),
-        ):  # fmt: skip
-            button.clicked.connect(act)
-            row.addWidget(button)
+        buttons = (self.where, self.done, self.next, self.leave)
+        fill(QHBoxLayout(content), self.count, (self.text, 1), *buttons, margins=(8, 4, 8, 4))
+        connect_all(
+            (self.where.clicked, self._show_where),
+            (self.done.clicked, self._do),
+            (self.next.clicked, self.go_on),
+            (self.leave.clicked, self.end),
+        )
         self.addWidget(content)
         self._marks: WeakSet[Mark] = WeakSet()
         self._met_before = self._plays = self.ended = False
