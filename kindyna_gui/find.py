@@ -20,7 +20,6 @@ from PySide6.QtWidgets import (
     QPushButton,
     QStackedWidget,
     QVBoxLayout,
-    QWidget,
 )
 
 from core.design import Design, get, with_only
@@ -61,7 +60,7 @@ from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import NO_SIZES, Unavailable
 from kindyna_gui.settings import size_of
 from kindyna_gui.view import BackgroundView
@@ -200,12 +199,12 @@ class FindView(BackgroundView):
     def _lay_out(self) -> None:
         self._footer = QStackedWidget()
         for parts in ((self.take, STRETCH), ((self.bar, 1), self.counted, self.cancel), (self.again, STRETCH)):
-            page = QWidget()
-            fill(QHBoxLayout(page), *parts, margins=0)
+            page = widget_with(fill(QHBoxLayout(), *parts, margins=0))
             self._footer.addWidget(page)
         self._footer.setFixedHeight(self.take.sizeHint().height() + 2)
-        self._form = QWidget()
-        fill(QVBoxLayout(self._form), self.what, self.choice, self.limits, STRETCH, margins=0, spacing=4)
+        self._form = widget_with(
+            fill(QVBoxLayout(), self.what, self.choice, self.limits, STRETCH, margins=0, spacing=4)
+        )
         result = fill(QVBoxLayout(), (self.plot, 1), self.answer, self._footer, margins=0, spacing=4)
         self._sides = fill(
             QBoxLayout(QBoxLayout.Direction.TopToBottom), self._form, (result, 1), margins=(8, 6, 8, 6), spacing=6

@@ -51,7 +51,7 @@ from kindyna_gui.look import Picture, coloured, described, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
-from kindyna_gui.rebuilt import connect_all, fill, single_shot
+from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
 
 # -- form of the probe -----------------------------------------------------------------------------------
 
@@ -367,8 +367,7 @@ class MeasuredCamDialog(QDialog):
         name = described(QLabel(self._path.name), tip=str(self._path))
         header = fill(QHBoxLayout(), (name, 1), self.again)
         left = fill(QVBoxLayout(), header, self.form, 6, self.verdict, self.notes, (self.rows, 1), margins=0)
-        side = QWidget()
-        side.setLayout(left)
+        side = widget_with(left)
         side.setFixedWidth(LEFT_WIDTH)
         middle = fill(QHBoxLayout(), side, (self.picture, 1), spacing=12)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)

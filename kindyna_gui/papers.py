@@ -44,7 +44,7 @@ from kindyna_gui.look import coloured, described, scrolled
 from kindyna_gui.pictures.painter import RATIO
 from kindyna_gui.pictures.paper.paper_figures import paper_file
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import STRETCH, fill
+from kindyna_gui.rebuilt import STRETCH, fill, widget_with
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 
@@ -154,8 +154,7 @@ class FiguresWindow(QWidget):
     def _lay_out(self) -> None:
         buttons = fill(QHBoxLayout(), STRETCH, self.open_button, self.save_button, copy_button(self._as_command))
         words = fill(QVBoxLayout(), self.heading, self.says, self.result, self.verdict, buttons)
-        below = QWidget()
-        below.setLayout(words)
+        below = widget_with(words)
         right = QSplitter(Qt.Orientation.Vertical)
         right.addWidget(self.picture)
         right.addWidget(scrolled(below))

@@ -28,18 +28,25 @@ Filled = TypeVar("Filled", bound=QLayout)
 
 
 def fill(
-    layout: Filled, *parts: Part, margins: int | tuple[int, int, int, int] | None = None, spacing: int | None = None
+    layout: Filled,
+    *parts: Part,
+    margins: int | tuple[int, int, int, int] | None = None,
+    spacing: int | tuple[int, int] | None = None,
 ) -> Filled:
     """Add parts to a layout, and return it.
 
     A part of a row or column is a widget or layout, alone or with its stretch and alignment, a space in pixels, or
-    ``STRETCH``; a part of a form is a widget or layout, alone or after its label.
+    ``STRETCH``; a part of a form is a widget or layout, alone or after its label. Two spacings, between columns and
+    between rows, are those of a grid.
     """
     if margins is not None:
         layout.setContentsMargins(*((margins,) * 4 if isinstance(margins, int) else margins))
-    if spacing is not None:
-        layout.setSpacing(spacing)
     target: Any = layout
+    if isinstance(spacing, tuple):
+        target.setHorizontalSpacing(spacing[0])
+        target.setVerticalSpacing(spacing[1])
+    elif spacing is not None:
+        target.setSpacing(spacing)
     for part in parts:
         item = part if isinstance(part, tuple) else (part,)
         if isinstance(layout, QFormLayout):
@@ -53,6 +60,13 @@ def fill(
         else:
             target.addWidget(*item)
     return layout
+
+
+def widget_with(layout: QLayout) -> QWidget:
+    """Return a new widget with this layout."""
+    widget = QWidget()
+    widget.setLayout(layout)
+    return widget
 
 
 def remove_part(part: QWidget, *sources: QObject) -> None:
@@ -166,4 +180,5 @@ __all__ = [
     "fill",
     "remove_part",
     "single_shot",
+    "widget_with",
 ]

@@ -43,7 +43,7 @@ from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, with_unit
-from kindyna_gui.rebuilt import STRETCH, connect_all, fill
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
 
 # -- fields of a point -----------------------------------------------------------------------------------
 
@@ -480,8 +480,7 @@ def _text() -> QLabel:
 
 def _scrolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
     """Stack widgets and rows in an area that scrolls where it is too low."""
-    paper = QWidget()
-    fill(QVBoxLayout(paper), *parts, STRETCH, margins=0)
+    paper = widget_with(fill(QVBoxLayout(), *parts, STRETCH, margins=0))
     area = QScrollArea(widgetResizable=True)
     area.setFrameShape(QScrollArea.Shape.NoFrame)
     area.setWidget(paper)
@@ -491,8 +490,7 @@ def _scrolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
 def _side_by_side(plots: tuple[XYPlot, ...]) -> QWidget:
     if len(plots) == 1:
         return plots[0]
-    page = QWidget()
-    fill(QHBoxLayout(page), *((plot, 1) for plot in plots), margins=0, spacing=0)
+    page = widget_with(fill(QHBoxLayout(), *((plot, 1) for plot in plots), margins=0, spacing=0))
     return page
 
 

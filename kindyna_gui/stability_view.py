@@ -12,7 +12,7 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QHideEvent, QPalette, QShowEvent
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout
 
 from core.design import with_elastic
 from core.errors import KindynaError
@@ -25,7 +25,7 @@ from kindyna_gui.pictures.plots.mouse import DraggablePoint
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import connect_all, fill, single_shot
+from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
 from kindyna_gui.stability_pages import (
     ChartPoint,
@@ -222,8 +222,7 @@ class StabilityView(View):
             name = coloured(QLabel(text), SCREEN.quiet)
             tools.addWidget(name)
             tools.addWidget(box)
-        upper = QWidget()
-        fill(QVBoxLayout(upper), tools, (self.chart, 1), margins=0, spacing=2)
+        upper = widget_with(fill(QVBoxLayout(), tools, (self.chart, 1), margins=0, spacing=2))
         splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         splitter.addWidget(upper)
         splitter.addWidget(self.pages)

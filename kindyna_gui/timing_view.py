@@ -44,7 +44,7 @@ from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, Timin
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import connect_all, fill
+from kindyna_gui.rebuilt import connect_all, fill, widget_with
 from kindyna_gui.timing_canvas import HOW, TimingCanvas
 from kindyna_gui.view import View
 
@@ -291,16 +291,22 @@ class TimingView(View):
             box.activated.connect(self._choose_pair)
         self.overlap = QLabel()
         self.overlap.setMinimumWidth(1)
-        bar = QWidget()
         label = QLabel("Axis")
         label.setBuddy(self.unit)
         self._overlap_label = QLabel("Overlap of")
         self._overlap_label.setBuddy(self.pair[0])
-        fill(
-            QHBoxLayout(bar), label, self.unit, self._overlap_label, *self.pair, (self.overlap, 1), margins=(6, 2, 6, 2)
+        bar = widget_with(
+            fill(
+                QHBoxLayout(),
+                label,
+                self.unit,
+                self._overlap_label,
+                *self.pair,
+                (self.overlap, 1),
+                margins=(6, 2, 6, 2),
+            )
         )
-        left = QWidget()
-        fill(QVBoxLayout(left), bar, (scrolled(self.canvas), 1), margins=0, spacing=0)
+        left = widget_with(fill(QVBoxLayout(), bar, (scrolled(self.canvas), 1), margins=0, spacing=0))
         self.splitter = QSplitter(Qt.Orientation.Horizontal)
         self.splitter.addWidget(left)
         self.splitter.addWidget(self.rows)

@@ -39,7 +39,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
 from kindyna_gui.settings import DISPLAY, is_default
 
@@ -129,11 +129,10 @@ class ReasonPage(QScrollArea):
             alignment=Qt.AlignmentFlag.AlignCenter,
             textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
         )
-        paper = QWidget()
         self._buttons = fill(QVBoxLayout(), spacing=4)
         if retry is not None:
             self._add("Try again", retry)
-        fill(QVBoxLayout(paper), STRETCH, self.label, self._buttons, STRETCH)
+        paper = widget_with(fill(QVBoxLayout(), STRETCH, self.label, self._buttons, STRETCH))
         self.setWidget(paper)
         for widget in (self.viewport(), paper):
             widget.setAutoFillBackground(False)

@@ -294,8 +294,6 @@ class Form(QScrollArea):
 
 
 def _grid(part: QWidget) -> QGridLayout:
-    grid = fill(QGridLayout(part), margins=0)
-    grid.setHorizontalSpacing(6)
-    grid.setVerticalSpacing(3)
+    grid = fill(QGridLayout(part), margins=0, spacing=(6, 3))
     grid.setColumnStretch(1, 1)
     return grid

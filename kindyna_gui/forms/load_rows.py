@@ -79,9 +79,7 @@ class AttachmentRows(QWidget):
         self.buttons: dict[str, QPushButton] = {}
         self._messages: dict[str, QLabel] = {}
         self._values: dict[str, list[Target | None]] = {}
-        grid = fill(QGridLayout(self), margins=(0, 0, 0, 3))
-        grid.setHorizontalSpacing(6)
-        grid.setVerticalSpacing(3)
+        grid = fill(QGridLayout(self), margins=(0, 0, 0, 3), spacing=(6, 3))
         grid.setColumnStretch(1, 1)
         for number, end in enumerate(self._ends(session.typed)):
             self._add(grid, 2 * number, end)

@@ -23,7 +23,7 @@ from kindyna_gui.forms.load_rows import AttachmentRows, WhenRow, list_button, ro
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.units import digits, readable
-from kindyna_gui.rebuilt import add_entry, clear_menu, connect_all, fill, single_shot
+from kindyna_gui.rebuilt import add_entry, clear_menu, connect_all, fill, single_shot, widget_with
 
 WHAT = {
     "masses": ("&Mass", "A mass and an inertia on a link"),
@@ -296,9 +296,8 @@ class LoadsPage(QWidget):
         rows.picked.connect(partial(self.picked.emit, group))
         if parts_of(group)[0] != "process":
             return rows
-        both = QWidget()
         self.whens[group] = WhenRow(self._session, group)
-        fill(QVBoxLayout(both), rows, self.whens[group], margins=0, spacing=0)
+        both = widget_with(fill(QVBoxLayout(), rows, self.whens[group], margins=0, spacing=0))
         return both
 
     @property

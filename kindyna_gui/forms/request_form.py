@@ -39,7 +39,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot, widget_with
 
 Kind = TypeVar("Kind")
 Summary = Callable[[Mapping[str, Any]], str]
@@ -78,8 +78,7 @@ class PutDialog(QDialog):
         """Lay out the dialog: ``questions`` in the left column, ``width`` pixels wide, ``shown`` in the right one."""
         questions.setContentsMargins(0, 0, 0, 0)
         questions.setSpacing(6)
-        left = QWidget()
-        left.setLayout(questions)
+        left = widget_with(questions)
         left.setFixedWidth(width)
         middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
         footer = fill(QHBoxLayout(), (self.message, 1), self.buttons)

@@ -38,7 +38,7 @@ from kindyna_gui.pictures.drawing.polygons import (
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import fill, widget_with
 from kindyna_gui.requirements import lists_links, require_centres, require_links
 from kindyna_gui.settings import size_of, symbol_of
 from kindyna_gui.view import View
@@ -329,10 +329,9 @@ class PolygonView(View):
         self.back.clicked.connect(lambda: self._step(-1))
         self.next.clicked.connect(lambda: self._step(1))
         self.all.clicked.connect(lambda: self._show_steps(None))
-        self.steps_row = QWidget()
         for button in (self.back, self.next, self.all):
             button.setMaximumWidth(BUTTON)
-        self.steps_row.setLayout(_row((self.back, self.step_label, self.next, self.all), self.step_label, bottom=4))
+        self.steps_row = widget_with(_row((self.back, self.step_label, self.next, self.all), self.step_label, bottom=4))
         self.set_column(self.choice, self.sheet, self.steps_row, self.note, grows=self.sheet)
         self._steps: int | None = None
         self._polygon: VelocityPolygon | None = None

@@ -186,9 +186,7 @@ class MeasuredDialog(PutDialog):
         return fill(QHBoxLayout(), (name, 1), self.again)
 
     def _number_rows(self) -> QGridLayout:
-        grid = QGridLayout()
-        grid.setHorizontalSpacing(8)
-        grid.setVerticalSpacing(4)
+        grid = fill(QGridLayout(), spacing=(8, 4))
         self.units = {**{quantity: QLabel() for quantity in self.errors}, "lowest": QLabel(symbol(self._unit))}
         self.labels: dict[str, QLabel] = {}
         rows = (

@@ -236,9 +236,7 @@ class ReadingForm(QWidget):
         self._motion_unit = motion_unit
         self._choices: dict[str, str] = {}
         self.boxes: dict[str, WordBox] = {}
-        grid = fill(QGridLayout(self), margins=0)
-        grid.setHorizontalSpacing(8)
-        grid.setVerticalSpacing(4)
+        grid = fill(QGridLayout(self), margins=0, spacing=(8, 4))
         for row, labels in enumerate(ROWS):
             line = fill(QHBoxLayout(), spacing=6)
             grid.addLayout(line, row, 1)

@@ -486,9 +486,7 @@ class SegmentCurveForm(QWidget):
         )
 
     def _grid(self) -> QGridLayout:
-        grid = fill(QGridLayout(self._paper), margins=0)
-        grid.setHorizontalSpacing(6)
-        grid.setVerticalSpacing(2)
+        grid = fill(QGridLayout(self._paper), margins=0, spacing=(6, 2))
         return grid
 
     def _register(self, field: Field) -> Field:

@@ -30,7 +30,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import described
-from kindyna_gui.rebuilt import ContentArea, fill
+from kindyna_gui.rebuilt import ContentArea, fill, widget_with
 
 STROKE = Info(
     "Stroke",
@@ -108,8 +108,7 @@ class MotionHeader(QWidget):
         self.origin, self.unlink_button = QLabel(), QPushButton("Make it a motion of its own")
         self.unlink_button.setToolTip("Unlink the motion from these files, so that you can edit it here")
         self.unlink_button.clicked.connect(self._unlink)
-        self._following = QWidget()
-        fill(QHBoxLayout(self._following), (self.origin, 1), self.unlink_button, margins=(10, 2, 6, 4))
+        self._following = widget_with(fill(QHBoxLayout(), (self.origin, 1), self.unlink_button, margins=(10, 2, 6, 4)))
         self._following.hide()
         self.cycle = described(
             QLabel(), tip="Figures of one turn; energy with recovery is reduced by the energy of braking"
@@ -171,9 +170,7 @@ class MotionHeader(QWidget):
         for spec in specs:
             field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)
             field.setParent(paper)  # deleted together
-            grid = QGridLayout()
-            grid.setHorizontalSpacing(5)
-            grid.setVerticalSpacing(2)
+            grid = fill(QGridLayout(), spacing=(5, 2))
             grid.setColumnStretch(1, 1)
             field.add_to(grid, 0, below)
             field.editor.setMinimumWidth(LEAST_WIDTH)  # two fit next to each other in a narrow dock

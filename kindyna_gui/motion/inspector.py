@@ -22,7 +22,7 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import COLUMNS, LAW
 from kindyna_gui.motion.segments_view import SegmentBar, perform
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
+from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill, widget_with
 from kindyna_gui.settings import DISPLAY
 
 SPACING = 6  # pixels between a name and its field
@@ -102,18 +102,19 @@ class MotionPage(QScrollArea):
         chooser.addWidget(label, 0, 0)
         chooser.addWidget(self.segment, 0, 1)
         chooser.setColumnStretch(1, 1)
-        paper = QWidget()
-        fill(
-            QVBoxLayout(paper),
-            self.header,
-            self.header.errors,
-            chooser,
-            self._segment_area,
-            self.curve,
-            self.bar,
-            STRETCH,
-            margins=(0, 0, 0, 4),
-            spacing=1,
+        paper = widget_with(
+            fill(
+                QVBoxLayout(),
+                self.header,
+                self.header.errors,
+                chooser,
+                self._segment_area,
+                self.curve,
+                self.bar,
+                STRETCH,
+                margins=(0, 0, 0, 4),
+                spacing=1,
+            )
         )
         self.setWidget(paper)
         self.setFrameShape(QFrame.Shape.NoFrame)
@@ -181,10 +182,8 @@ class MotionPage(QScrollArea):
 
     def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
-        grid = fill(QGridLayout(paper), margins=(10, 3, 6, 0))
-        grid.setHorizontalSpacing(SPACING)
+        grid = fill(QGridLayout(paper), margins=(10, 3, 6, 0), spacing=(SPACING, 3))
         grid.setColumnMinimumWidth(0, self._indent)
-        grid.setVerticalSpacing(3)
         grid.setColumnStretch(1, 1)
         self._rows = {}
         for spec in specs:

@@ -55,7 +55,7 @@ from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, Se
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
 
@@ -278,8 +278,7 @@ class SegmentForm(QScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        paper = QWidget()
-        fill(QVBoxLayout(paper), *parts, STRETCH, margins=0, spacing=1)
+        paper = widget_with(fill(QVBoxLayout(), *parts, STRETCH, margins=0, spacing=1))
         self.setWidget(paper)
 
     def set_view_height(self, view_height: int) -> None:
@@ -332,8 +331,7 @@ class SegmentsView(MarkedView):
 
     def _lay_out(self) -> None:
         lower = QWidget()
-        lower_form = QWidget()
-        fill(QVBoxLayout(lower_form), self.form, self.bar, margins=0, spacing=1)
+        lower_form = widget_with(fill(QVBoxLayout(), self.form, self.bar, margins=0, spacing=1))
         self._parts = fill(
             QBoxLayout(QBoxLayout.Direction.TopToBottom, lower), (self.table, 1), lower_form, margins=0, spacing=1
         )

@@ -20,7 +20,7 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured, described, icon
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill
+from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill, widget_with
 from kindyna_gui.studies.texts import (
     STATISTICS,
     info_of,
@@ -86,14 +86,11 @@ class _Rows(QWidget):
         self._keys = tuple(rows)
         self.boxes, self.removers = {}, {}
         self.message.show_message("")
-        grid = fill(QGridLayout(), margins=0)
-        grid.setHorizontalSpacing(4)
-        grid.setVerticalSpacing(2)
+        grid = fill(QGridLayout(), margins=0, spacing=(4, 2))
         return grid
 
     def _put(self, grid: QGridLayout) -> None:
-        content = QWidget()
-        content.setLayout(grid)
+        content = widget_with(grid)
         self._area.replace(content)
 
     def _remover(self, key: str, name: str) -> QToolButton:

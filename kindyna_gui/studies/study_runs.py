@@ -40,7 +40,7 @@ from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import clear_menu, fill, single_shot
+from kindyna_gui.rebuilt import clear_menu, fill, single_shot, widget_with
 from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
 from kindyna_gui.studies.texts import name_of, number_text, reason_text, span_title, value_text
 from kindyna_gui.view import View, ViewHost
@@ -338,10 +338,9 @@ class SurveyPages(QStackedWidget):
         self._design: Design | None = None
         self._survey: Survey | None = None
         self._quantities: Sequence[SurveyQuantity] = ()
-        self._curves_page = QWidget()
         for plot in self.curves:
             plot.setMinimumHeight(LEAST_CURVE)
-        fill(QVBoxLayout(self._curves_page), *((plot, 1) for plot in self.curves), margins=0, spacing=0)
+        self._curves_page = widget_with(fill(QVBoxLayout(), *((plot, 1) for plot in self.curves), margins=0, spacing=0))
         for page in (self.map, self._curves_page, self.parallel, self.front):
             self.addWidget(page)
         self.setMinimumSize(*LEAST_PAGE)

@@ -46,7 +46,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import in_sentence, reason, thousands
 from kindyna_gui.look import described, scrolled
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, connect_all, fill
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
 from kindyna_gui.studies.best_page import BestPage, TolerancePage
 from kindyna_gui.studies.board import Board, BoardFile, Card
 from kindyna_gui.studies.plots import SurveyQuantity
@@ -137,8 +137,7 @@ class StudyView(BackgroundView):
         self.message.setFixedHeight(MESSAGE_LINES * self.fontMetrics().lineSpacing() + 2)
 
     def _lay_out(self) -> None:
-        vary = QWidget()
-        fill(QVBoxLayout(vary), self.rows, self.figure_rows, STRETCH, margins=(8, 6, 6, 6), spacing=10)
+        vary = widget_with(fill(QVBoxLayout(), self.rows, self.figure_rows, STRETCH, margins=(8, 6, 6, 6), spacing=10))
         self.tabs = QTabWidget(documentMode=True)
         for title, page in (("Vary", vary), ("Tolerances", self.tolerances), ("Best design", self.best)):
             self.tabs.addTab(scrolled(page, sideways=False), title)
