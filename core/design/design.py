@@ -296,7 +296,7 @@ class Design:
             return self.shaft.sense
         return 1.0 if first_value(self.drive.signed_rpm) > 0.0 else -1.0
 
-    @property
+    @cached_property
     def by_crank(self) -> bool:
         """Whether the only drive is moved by a crank at constant speed."""
         return not self.listed and self.drive.by_crank
@@ -306,7 +306,7 @@ class Design:
         """Name of the angle in its findings."""
         return "cam angle" if self.listed else self.drive.angle_name
 
-    @property
+    @cached_property
     def stages(self) -> tuple[str, ...]:
         """Stages that the design has, each after the stages on which it depends."""
         return tuple(name for name, has_stage in _STAGES.items() if has_stage(self))

@@ -404,6 +404,9 @@ class _Search:
         """Highest value; among values equal to rounding, that at the smallest cam angle."""
         top = self._highest()
         slack = TAIL * abs(top) if np.isfinite(top) else 0.0
+        if self.sampled.value < top - slack:
+            theta, value = min((b.theta, b.value) for b in self._all if b.value >= top - slack)
+            return Extreme(self.sign * value, theta % (2.0 * pi))
         first, representative = self._plateaus(np.flatnonzero(self._value >= top - slack))
         candidates = list(zip(self._theta[representative].tolist(), self._value[representative].tolist(), strict=True))
         if not candidates and self.sampled.value >= top - slack:

@@ -36,50 +36,64 @@ def part_of(value: T, selected: slice | np.ndarray, count: int) -> T:
             return row
         if id(row) not in cuts:
             cuts[id(row)] = row, row[..., selected]
+            cuts[id(row)][1].flags.writeable = False
         return cuts[id(row)][1]
 
     part: T = _cut(cut, value)
     return part
 
 
-def _same(cut: Cut, value: Any) -> Any:
-    return value
+def _cut(cut: Cut, value: Any) -> Any:
+    cutter = _cutter(cast(Hashable, type(value)))
+    return value if cutter is None else cutter(cut, value)
 
 
 @lru_cache(maxsize=256)
-def _cutter(kind: Any) -> Callable[[Cut, Any], Any]:
-    """Function that cuts a value of this type."""
+def _cutter(kind: Any) -> Callable[[Cut, Any], Any] | None:
+    """Function that cuts a value of this type; None for a type without arrays."""
     if issubclass(kind, np.ndarray):
         return lambda cut, value: cut(value)
     if issubclass(kind, Derivatives):
         return lambda cut, value: Derivatives(lambda order: cut(value[order]), value.constant)
     if issubclass(kind, Mapping):
-        return lambda cut, value: MappingProxyType({name: _cut(cut, item) for name, item in value.items()})
+        return _cut_mapping
     if issubclass(kind, tuple):
         build = getattr(kind, "_make", kind)
         return lambda cut, value: build([_cut(cut, item) for item in value])
     if is_dataclass(kind):
-        return partial(_cut_fields, kind, *_field_names(kind))
-    return _same
+        return _fields_cutter(kind)
+    return None
 
 
-def _field_names(kind: Any) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of the fields of a dataclass, and those of its lazy fields."""
-    names = tuple(field.name for field in fields(kind))
-    return names, tuple(name for name in names if isinstance(vars(kind).get(name), Lazy))
-
-
-def _cut_fields(kind: Any, names: tuple[str, ...], lazy: tuple[str, ...], cut: Cut, value: Any) -> Any:
-    own = vars(value)
-    parts = {name: _cut(cut, own[name]) for name in names if name not in lazy}
-    if not lazy and all(parts[name] is own[name] for name in names):
+def _cut_mapping(cut: Cut, value: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    if all(_cutter(cast(Hashable, type(item))) is None for item in value.values()):
         return value
-    return kind(**parts, **{name: partial(_cut_lazy, cut, value, name) for name in lazy})
+    return MappingProxyType({name: _cut(cut, item) for name, item in value.items()})
+
+
+_PLAIN = ("float", "int", "str", "bool", "complex", "tuple[str, ...]", "Mapping[str, complex]", "Mapping[str, Pair]")
+
+
+def _fields_cutter(kind: Any) -> Callable[[Cut, Any], Any] | None:
+    """Function that cuts the fields of a dataclass; None where none of them has arrays."""
+    plain = [field.name for field in fields(kind) if field.type in _PLAIN]
+    lazy = [field.name for field in fields(kind) if isinstance(vars(kind).get(field.name), Lazy)]
+    eager = [field.name for field in fields(kind) if field.name not in (*plain, *lazy)]
+    if not eager and not lazy:
+        return None
+
+    def cut_fields(cut: Cut, value: Any) -> Any:
+        own = vars(value)
+        parts = {name: _cut(cut, own[name]) for name in eager}
+        if not lazy and all(parts[name] is own[name] for name in eager):
+            return value
+        result = object.__new__(kind)
+        parts |= {name: own[name] for name in plain} | {name: partial(_cut_lazy, cut, value, name) for name in lazy}
+        vars(result).update(parts)
+        return result
+
+    return cut_fields
 
 
 def _cut_lazy(cut: Cut, value: Any, name: str) -> Any:
     return _cut(cut, getattr(value, name))
-
-
-def _cut(cut: Cut, value: Any) -> Any:
-    return _cutter(cast(Hashable, type(value)))(cut, value)

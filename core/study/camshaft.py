@@ -326,8 +326,9 @@ class Camshaft(Generic[D]):
         def compute() -> Flywheel:
             evaluations["flywheel"] += 1
             if single is not None:
+                unsolved = single.with_design(single.design)  # a flywheel in the cache does not keep a study's results
                 return Flywheel(
-                    lambda angles: single.at(angles).shaft_torque, single.load_curve, camshaft, single.turn_sign
+                    lambda angles: unsolved.at(angles).shaft_torque, single.load_curve, camshaft, single.turn_sign
                 )
             return Flywheel(lambda angles: self.at_theta(angles.theta).torque, self.load, camshaft)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from core import dynamics, stress
 from core.cam import INNER, OUTER, SECOND, CamShape
-from core.design import NO_LIMITS, Design, si
+from core.design import NO_LIMITS, STAGES, Design, si
 from core.design.parts import Servo
 from core.dynamics import FlankChange, Forces, Friction, Loading, UnitLoads, kinetic_energy
 from core.errors import NoPosition, NoSolution
@@ -25,11 +25,11 @@ from core.motion.extremes import Extreme, crossings, find_above, piecewise_angle
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import spread
 from core.numerics.roots import gauss
-from core.shaft import LoadCurve, combined_load
+from core.shaft import LoadCurve, combined_load, has_flywheel
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved_mass
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
-from core.study.stages import fit_load_curve, memory
+from core.study.stages import fit_load_curve, load_nodes, memory
 
 if TYPE_CHECKING:  # imported where a study first needs them
     from core.dynamics import ContactForce, Flights, ForceOnBody, LiftOff
@@ -63,6 +63,24 @@ class DriveForces(DriveStudy):
             return dynamics.newton_euler(kinematics, shape, loading, omega, units=self._unit_loads)
 
         return self._stage("dynamics", solve, self.linkage, self.shape, self.loading, self.omega)
+
+    def solve_turn(self, stage: str, *further: Angles, has_load: bool = False) -> None:
+        """Solve a stage, and those before it, at once at all angles at which searches over the turn begin, and at further ones.
+
+        ``has_load``: the load on the shaft is needed although this drive alone has no flywheel.
+        """
+        stages = [name for name in self.stages if STAGES.index(name) <= STAGES.index(stage)]
+        sets = [*further, piecewise_angles(self.program)]
+        if self.loading.is_empty:
+            stages = [name for name in stages if name != "dynamics"]
+        elif stage == "dynamics" and self.loads_shaft and (has_load or self.levels_torque):
+            sets.append(load_nodes(self.program))
+        self.solve_together(stages, sets)
+
+    @property
+    def levels_torque(self) -> bool:
+        """Whether flywheel and motor make the torque of the motor differ from that of cam or crank."""
+        return self.design.shaft is not None and has_flywheel(self.design.shaft)
 
     @property
     def _unit_loads(self) -> UnitLoads:
@@ -100,7 +118,7 @@ class DriveForces(DriveStudy):
         )
         return pairs
 
-    @property
+    @cached_property
     def jam(self) -> Extreme | None:
         """Refined extreme of the jamming factor where friction jams, independent of the sampling; None where nothing jams.
 
@@ -110,6 +128,7 @@ class DriveForces(DriveStudy):
             return None
 
         def compute() -> Extreme | None:
+            self.solve_turn("dynamics")
             return find_above(lambda angles: self.at(angles).dynamics.jam, self.program, dynamics.JAMS)
 
         worst: Extreme | None = memory.get("jam", self.depends_on("dynamics"), compute)
@@ -382,7 +401,8 @@ class DriveForces(DriveStudy):
         return curve
 
     def _load_curve(self) -> LoadCurve:
-        slides = [f for f in self.loading.frictions if self.linkage.pairs[f.pair].kind == SLIDING]
+        self.solve_turn("dynamics")
+        slides = [f for f in self.loading.frictions if self.mechanism.pairs_by_name[f.pair].kind == SLIDING]
         curve = fit_load_curve(
             self._forces_at, self._torque_of, self.loading, self.program, slides, self.is_form_closed
         )

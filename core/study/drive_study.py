@@ -31,6 +31,7 @@ from core.motion.program import SubdividedTurn
 from core.numerics.lazy import locked
 from core.numerics.parts import part_of
 from core.study.stages import (
+    SEARCHED,
     crank_grid,
     crank_state,
     cut_grid,
@@ -243,8 +244,16 @@ class DriveStudy:
         return CrankMotion(self.driver_ranges).degrees(self.samples) if self.by_crank else degrees(self.samples)
 
     def at(self, angles: Angles) -> Self:
-        """Study of the same design at other angles; its results are not cached."""
-        return type(self)(self.design, self.samples, angles)
+        """Study of the same design at other angles; the same study for the same angles where their results are cached."""
+        if not angles.cached:
+            return type(self)(self.design, self.samples, angles)
+        if angles not in self._at:
+            self._at[angles] = type(self)(self.design, self.samples, angles)
+        return self._at[angles]
+
+    @cached_property
+    def _at(self) -> dict[Angles, Self]:
+        return {}
 
     def at_theta(self, theta: np.ndarray) -> Self:
         """Study of the same design at given angles.
@@ -274,7 +283,7 @@ class DriveStudy:
         -------
         DriveStudy
         """
-        study = self.at(angles)
+        study = type(self)(self.design, self.samples, angles)
         study._larger = self, selected
         return study
 
@@ -305,10 +314,10 @@ class DriveStudy:
         """Result of function(*parts), cached by its parts where the angles are those of a full turn."""
         if not self.angles.cached:
             return locked(function(*parts))
-        kind = (name, "searched") if self.angles.search else name
+        kind = (name, SEARCHED) if self.angles.search else name
         if not self._solves and not memory.has(kind, parts):
             raise _NotSolvedError
-        return memory.get(kind, parts, lambda: function(*parts))
+        return memory.get(kind, parts, lambda: function(*parts), is_locked=self._larger is not None)
 
     def solve_together(self, stages: Sequence[str], sets: Sequence[Angles]) -> None:
         """Solve stages at several sets of cached angles at once; studies at these angles then read their part from the cache.
@@ -330,12 +339,13 @@ class DriveStudy:
             for stage in stages:
                 for part in parts:
                     getattr(part, stage)
+            self._at.update(zip(missing, parts, strict=True))
         except KindynaError:
             return
 
     def _is_solved(self, stages: Sequence[str], angles: Angles) -> bool:
         """Whether the results of stages at these angles are cached."""
-        study = self.at(angles)
+        study = type(self)(self.design, self.samples, angles)
         study._solves = False
         try:
             for stage in stages:

@@ -5,13 +5,14 @@ It does so at a cusp of the profile, at a dead centre of a crank and at a change
 
 from __future__ import annotations
 
-from collections.abc import Container, Hashable, Mapping
+from collections.abc import Callable, Container, Hashable, Mapping
 from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
 from core import cam
+from core.design import STAGES
 from core.errors import NoSolution
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
@@ -67,14 +68,14 @@ def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping
     return extremes
 
 
-def search_together(study: Study, requested: Mapping[str, tuple[str, ...]]) -> None:
+def search_together(study: Study, requested: Mapping[str, tuple[str, ...]], prepare: Callable[[], None]) -> None:
     """Extremes of several stages (stage -> names of quantities) in one search; ``extremes_of`` then reads them from the cache.
 
-    Stages without a solution are left to ``extremes_of``, which raises their error.
+    ``prepare`` is called before a search. Stages without a solution are left to ``extremes_of``, which raises their error.
     """
     rows = {name: row for stage, only in requested.items() if only for name, row in _rows(study, stage, only).items()}
     with suppress(NoSolution):
-        _searched(study, rows)
+        _searched(study, rows, prepare)
 
 
 def _key(study: Study, stage: str, names: Container[str]) -> tuple[Hashable, ...]:
@@ -111,7 +112,12 @@ def undercut_on(study: Study, flank: str) -> bool:
 
 def has_undercut(study: Study) -> bool:
     """Whether any flank is undercut, so that the face cannot touch the profile everywhere."""
-    return any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
+
+    def compute() -> bool:
+        return any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)
+
+    is_undercut: bool = memory.get("undercut", study.depends_on("cam"), compute)
+    return is_undercut
 
 
 def has_quantity(study: Study, row: Quantity) -> bool:
@@ -138,16 +144,20 @@ def _rows(study: Study, stage: str, only: tuple[str, ...]) -> dict[str, Quantity
     }
 
 
-def _searched(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Extremes]:
+def _searched(
+    study: Study, rows: Mapping[str, Quantity], prepare: Callable[[], None] | None = None
+) -> dict[str, Extremes]:
     """Extremes of quantities; those that are not cached are searched together, so that a pass costs one solution."""
-    rows = {**rows, **_cusp_rows(study, rows)}
-    keys = {name: (("extremes", name), _key(study, row.stage, (name,))) for name, row in rows.items()}
-    missing = {name: row for name, row in rows.items() if not memory.has(*keys[name])}
+    with_cusps = {**rows, **_cusp_rows(study, rows)}
+    keys = {name: (("extremes", name), _key(study, row.stage, (name,))) for name, row in with_cusps.items()}
+    missing = {name: row for name, row in with_cusps.items() if not memory.has(*keys[name])}
     if missing:
+        if prepare is not None:
+            prepare()
         extremes = {name: memory.get(*key, dict) for name, key in keys.items() if name not in missing}
         for name, range_ in _search(study, missing, extremes).items():
             memory.get(*keys[name], lambda range_=range_: range_)  # type: ignore[misc]
-    return {name: memory.get(*key, dict) for name, key in keys.items()}
+    return {name: memory.get(*keys[name], dict) for name in rows}
 
 
 def _cusp_rows(study: Study, rows: Mapping[str, Quantity]) -> Mapping[str, Quantity]:
@@ -166,6 +176,9 @@ def _search(study: Study, rows: Mapping[str, Quantity], known: Mapping[str, Extr
         at_angles = study.at(angles)
         return {name: row.value(at_angles) for name, row in rows.items()}
 
+    last = max((row.stage for row in rows.values()), key=STAGES.index)
+    if last != "motion":
+        study.solve_turn(last, *near_singular(study))
     extremes = find_extremes(values, study.program)
     if study.design.drive.motion is not None and study.design.drive.motion.gain:
         extremes = _at_turn_end(extremes, values(piecewise_angles(study.program)))
@@ -246,23 +259,22 @@ def _singular_angles(study: Study) -> list[_SingularAngle]:
     return [_SingularAngle(at / turns, near, inwards) for at, near, inwards in angles]
 
 
-def near_singular(study: Study) -> Angles | None:
-    """Two angles next to every dead centre and change point of a crank; None where it has none."""
+def near_singular(study: Study) -> tuple[Angles, ...]:
+    """Two angles next to every dead centre and change point of a crank, as one set; empty where it has none."""
 
-    def compute() -> Angles | None:
+    def compute() -> tuple[Angles, ...]:
         steps = [at.theta + at.inwards * _STEPS for at in _singular_angles(study)]
         if not steps:
-            return None
+            return ()
         angles = study.program.angles(np.concatenate(steps))
-        return Angles(angles.theta, angles.piece, cached=True, search=True)
+        return (Angles(angles.theta, angles.piece, cached=True, search=True),)
 
-    result: Angles | None = memory.get("near singular", study.driver_ranges, compute) if study.by_crank else None
-    return result
+    sets: tuple[Angles, ...] = memory.get("near singular", study.driver_ranges, compute) if study.by_crank else ()
+    return sets
 
 
 def _grows(study: Study, name: str, number: int) -> bool:
     """Whether a quantity grows without limit towards a singular angle: a hundred times nearer it is more than five times as large."""
-    angles = near_singular(study)
-    assert angles is not None, "a singular angle"
+    (angles,) = near_singular(study)
     nearer, near = np.abs(quantity(name).value(study.at(angles)))[2 * number : 2 * number + 2]
     return bool(nearer > 5.0 * near)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from core import cam, dynamics, mechanism, motion, shaft
 from core.cam import Wall
-from core.design import BALANCER, Design, contradiction, distances, excess, path_of, with_drive
+from core.design import BALANCER, STAGES, Design, contradiction, distances, excess, path_of, with_drive
 from core.errors import KindynaError, NoSolution, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
@@ -22,7 +22,7 @@ from core.study.drive_forces import has_servo, servo_part, servo_turn
 from core.study.extremes import cam_extremes, extremes_of, near_singular, search_together
 from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
-from core.study.stages import load_nodes, memory
+from core.study.stages import memory
 from core.study.study import Study
 
 if TYPE_CHECKING:
@@ -83,7 +83,6 @@ def servo_findings(study: Study) -> Iterator[Finding]:
 
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
-_SOLVED = ("motion", "linkage", "cam", "dynamics")
 _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
@@ -101,7 +100,7 @@ def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]
 
 def _stage_findings(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
     with suppress(KindynaError):  # the stages report it
-        _solve_together(study, stages or study.stages, study.levels_torque)
+        _search_together(study, stages or study.stages, has_load=False)
     for name in stages or study.stages:
         yield from _FINDINGS[name](study)
         yield from limit_findings(study, name)
@@ -116,22 +115,19 @@ def _motion_findings(study: Study) -> list[Finding]:
     return motion.findings(program(study.design.drive.motion))
 
 
-def _solve_together(study: Study, stages: Sequence[str], has_load: bool) -> None:
-    """Solve all angles at which findings and certificate read a study at once, and search all their extremes in one pass.
+def _search_together(study: Study, stages: Sequence[str], has_load: bool) -> None:
+    """Search the extremes of all quantities that these findings need in one pass.
 
-    ``has_load``: whether the load on the shaft is read too.
+    Before, all angles at which findings and certificate read the study are solved at once; ``has_load``: those of the load on the
+    shaft too.
     """
-    solved = [stage for stage in study.stages if stage in _SOLVED and (stage in stages or stage != "dynamics")]
-    if study.loading.is_empty:
-        solved = [stage for stage in solved if stage != "dynamics"]
-    sets = [study.angles] if set(stages) >= set(study.stages) else []
-    sets.append(piecewise_angles(study.program))
-    if has_load and "dynamics" in solved:
-        sets.append(load_nodes(study.program))
-    if singular := near_singular(study):
-        sets.append(singular)
-    study.solve_together(solved, sets)
-    search_together(study, _requested(study, stages))
+
+    def solve() -> None:
+        last = max((stage for stage in stages if stage != "stability"), key=STAGES.index)
+        further = [study.angles] if set(stages) >= set(study.stages) else []
+        study.solve_turn(last, *further, *near_singular(study), has_load=has_load)
+
+    search_together(study, _requested(study, stages), solve)
 
 
 def _requested(study: Study, stages: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
@@ -282,7 +278,7 @@ def _camshaft_findings(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iter
 def _drive_findings(study: Study, stages: Sequence[str]) -> Iterator[Finding]:
     """Findings of a drive, stage by stage up to the first that has no solution."""
     with suppress(KindynaError):  # the stages report it
-        _solve_together(study, stages or study.stages, study.loads_shaft)
+        _search_together(study, stages or study.stages, has_load=True)
     for stage in study.stages:
         if stages and stage not in stages:
             continue

@@ -105,8 +105,15 @@ def friction_switches(loading: Loading, slides: Sequence[Friction], is_form_clos
 
 
 MAX_RESULTS = 24  # results of each kind that are cached, so that undo computes nothing
+MAX_SEARCHED = 16  # at angles of searches, whose extremes are cached: the drives of a shaft
+SEARCHED = "searched"
 evaluations: Counter[str] = Counter()
 """Stage -> number of its evaluations; tests read it."""
+
+
+def is_searched(kind: Hashable) -> bool:
+    """Whether results of a kind are those at angles of searches."""
+    return isinstance(kind, tuple) and kind[-1] == SEARCHED
 
 
 class Memory:
@@ -119,8 +126,8 @@ class Memory:
         self._cached: defaultdict[Hashable, OrderedDict[Hashable, Any]] = defaultdict(OrderedDict)
         self.computed: Counter[Hashable] = Counter()
 
-    def get(self, kind: Hashable, key: Hashable, compute: Callable[[], Any]) -> Any:
-        """Result of this kind and key, computed where it is not cached."""
+    def get(self, kind: Hashable, key: Hashable, compute: Callable[[], Any], is_locked: bool = False) -> Any:
+        """Result of this kind and key, computed where it is not cached; ``is_locked``: it is read-only already."""
         cached = self._cached[kind]
         try:
             value = cached[key]
@@ -128,8 +135,8 @@ class Memory:
             return value
         except KeyError:  # not computed yet, or removed by another thread just now
             self.computed[kind] += 1
-        value = cached[key] = locked(compute())
-        if len(cached) > MAX_RESULTS:
+        value = cached[key] = compute() if is_locked else locked(compute())
+        if len(cached) > (MAX_SEARCHED if is_searched(kind) else MAX_RESULTS):
             cached.popitem(last=False)
         return value
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from core.design import drive_names, only
 from core.errors import NoStability
-from core.shaft import Flywheel, has_flywheel
+from core.shaft import Flywheel
 from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_forces import DriveForces
 
@@ -50,11 +50,6 @@ class Study(DriveForces):
     def camshaft(self) -> Camshaft[Study]:
         """The drives together on their shaft, by machine angle."""
         return Camshaft(self.design, self.drives, self.samples)
-
-    @property
-    def levels_torque(self) -> bool:
-        """Whether flywheel and motor make the torque of the motor differ from that of cam or crank."""
-        return self.design.shaft is not None and has_flywheel(self.design.shaft)
 
     @cached_property
     def flywheel(self) -> Flywheel:
