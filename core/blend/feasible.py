@@ -226,7 +226,8 @@ def _rank(request: Request, candidate: BlendCandidate, constraints: Sequence[Con
     problem = candidate.problem(request, constraints)
     strokes = problem.task.back / problem.task.rise
     rows = np.array([_directions(problem.family, strokes, c.name, c.at) for c in problem.constraints])
-    return max(int(np.sum(np.linalg.svd(rows[:, i], compute_uv=False) > _ZERO)) for i in range(rows.shape[1]))
+    ranks = (int(np.sum(np.linalg.svd(rows[:, i], compute_uv=False) > _ZERO)) for i in range(rows.shape[1]))
+    return max(ranks, default=len(constraints))  # none depends on another where no motion exists
 
 
 @lru_cache(maxsize=1024)

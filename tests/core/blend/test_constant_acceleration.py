@@ -111,6 +111,23 @@ def test_the_gentlest_beside_a_constant_acceleration() -> None:
 # -- ranges and refusals ----------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "settings given: none; C1-C2 requires 1 setting; still open: h1"),
+        (["--best", "acceleration"], "flat1 = 400 deg is not feasible; feasible: 0 < flat1 < 120 deg"),
+    ],
+)
+def test_a_span_longer_than_all_curves_is_refused_in_one_line(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    request = ["--type", "DRD", "--stroke", "20", "--start", "30", "--end", "150", "--set", "flat1=400"]
+    assert main(["blend", *request, *words]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
 def test_ranges() -> None:
     """Shorter than its curve, and no longer than V/A where the size is given; A from a plain half cycloid's to V/λ."""
     speed = 2.0 * H / SPAN
