@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
@@ -26,7 +27,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.output.stability_files import table_text, verdict_counts
-from core.papers import PAPERS, VERDICTS, Claim, Drawing, Examples, claims
+from core.papers import PAPERS, VERDICTS, Claim, Examples, claims
 from core.papers.claim import (
     AGREES,
     AS_SCANNED,
@@ -34,7 +35,6 @@ from core.papers.claim import (
     DIFFERS,
     METHOD,
     MISPRINT,
-    Judgement,
 )
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background, Job
@@ -184,8 +184,10 @@ class FiguresWindow(QWidget):
         """Compute the selected row with its drawing, then the missing verdicts of the list."""
         jobs: list[Job] = []
         if self.claim is not None and self.busy:
-            jobs.append((self.claim, partial(_judgement, self.claim)))
-        jobs += [((claim,), partial(_verdict, claim)) for claim in self._items if claim not in self._judged]
+            jobs.append((self.claim, partial(attrgetter("judgement", "drawing"), self.claim)))
+        jobs += [
+            ((claim,), partial(attrgetter("verdict"), claim)) for claim in self._items if claim not in self._judged
+        ]
         self._work.start(jobs)
 
     def _take(self, key: Claim | tuple[Claim], result: Any) -> None:
@@ -277,14 +279,6 @@ class FiguresWindow(QWidget):
     def leave(self) -> None:
         """Stop the calculation in the background."""
         self._work.close()
-
-
-def _judgement(claim: Claim) -> tuple[Judgement, Drawing]:
-    return claim.judgement, claim.drawing
-
-
-def _verdict(claim: Claim) -> str:
-    return claim.verdict
 
 
 def _colour(verdict: str) -> str:

@@ -363,10 +363,6 @@ class MotionDiagram(CurvePlot):
         self._view.addItem(item, ignoreBounds=True)
         return item
 
-    def show_angles(self, on: bool) -> None:
-        """Show or hide the numbers of the angle axis."""
-        self.show_numbers(on)
-
     def _size_axes(self) -> None:
         super()._size_axes()
         if self._numbered_below:

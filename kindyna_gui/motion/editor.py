@@ -136,7 +136,7 @@ class DerivativePlots(QWidget):
         if has_room != self.shows_plots:
             for plot in self.plots:
                 plot.setVisible(has_room)
-            self._diagram.show_angles(not has_room)
+            self._diagram.show_numbers(not has_room)
             self.visibility_changed.emit()
 
 

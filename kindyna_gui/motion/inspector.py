@@ -8,7 +8,7 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QComboBox, QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from core.design import NO_UNIT, UNITS, Design, Entry, Motion, Segment, entries, get, motion_of
+from core.design import NO_UNIT, UNITS, Design, Entry, Motion, entries, get, motion_of
 from core.design.edits import is_dwell
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
@@ -66,11 +66,6 @@ def _specs(design: Design, index: int) -> list[FieldSpec]:
         if entry.path.startswith(prefix) and entry.path.rpartition(".")[2].startswith(("span", "rise"))
     ]
     return [FieldSpec.of(Entry(law, COLUMNS[LAW].info, NO_UNIT, get(design, law), law)), *span_and_rise]
-
-
-def _segment_name(number: int, segment: Segment) -> str:
-    """Name of a segment in the list."""
-    return f"{number}  {law_label(segment.curve.law)}, {value_text(segment.span_deg, UNITS['deg'])}"
 
 
 class MotionPage(QScrollArea):
@@ -158,7 +153,10 @@ class MotionPage(QScrollArea):
         if before is not None and before[0] is motion and before[1] is shown[1] and before[2:] == shown[2:]:
             return
         self.header.show_motion(design)
-        names = [_segment_name(number, segment) for number, segment in enumerate(motion.segments, 1)]
+        names = [
+            f"{number}  {law_label(segment.curve.law)}, {value_text(segment.span_deg, UNITS['deg'])}"
+            for number, segment in enumerate(motion.segments, 1)
+        ]
         with QSignalBlocker(self.segment):
             if names != [self.segment.itemText(i) for i in range(self.segment.count())]:
                 self.segment.clear()

@@ -41,10 +41,6 @@ def _stroke(study: Study) -> float:
     return float(np.abs(study.motion.displacement[0]).max())
 
 
-def _unity(study: Study) -> float:
-    return 1.0
-
-
 @lru_cache(maxsize=4)
 def force_size(forces: Forces) -> float:
     """Largest finite force on any pair [N]."""
@@ -78,7 +74,7 @@ def floor_of(study: Study, row: Quantity) -> float:
     """
     symbol, slash, rate = row.unit.symbol.partition("/s")
     order = _ORDERS.get(slash + rate, 0)
-    natural_size = _stroke if row.stage == "motion" else _SIZES.get(symbol, _unity)
+    natural_size = _stroke if row.stage == "motion" else _SIZES.get(symbol, lambda study: 1.0)
     return ROUNDING * natural_size(study) * abs(study.omega) ** order / row.unit.factor
 
 

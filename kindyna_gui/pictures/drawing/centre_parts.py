@@ -464,9 +464,6 @@ class LinkageLayers:
         """Paths of the coupler layer (n,) [mm]."""
         return [track for _, track, _ in _paths(self._geometry)]
 
-    def _coupler(self, layer: str) -> Iterator[DrawnPart]:
-        yield from coupler_curves(self._geometry, self._theme)
-
     def _poses(self, layer: str) -> Iterator[DrawnPart]:
         yield from ghost_poses(self._geometry, self._theme, layer)
 
@@ -477,7 +474,7 @@ _LAYERS: Mapping[str, Callable[[LinkageLayers, str], Iterator[DrawnPart]]] = Map
         "kennedy": LinkageLayers._kennedy,
         "ratios": LinkageLayers._ratios,
         "chain": LinkageLayers._ratios,
-        "coupler": LinkageLayers._coupler,
+        "coupler": lambda layers, _: coupler_curves(layers._geometry, layers._theme),
         **dict.fromkeys(GHOST_POSES, LinkageLayers._poses),
     }
 )
