@@ -119,15 +119,26 @@ def fitted_loads(
     -------
     list of LoadCurve
     """
+    return _loads(counts, start, width, _fit(torque), _fit(inertia))
+
+
+def _fit(values: np.ndarray) -> np.ndarray:
+    """Coefficients of r**k (NODES, m) from values (m, NODES) at the nodes."""
+    _, to_chebyshev = nodes()
+    return by_panel(to_powers(NODES), by_panel(to_chebyshev, values.T))
+
+
+def _loads(
+    counts: np.ndarray, start: np.ndarray, width: np.ndarray, torque: np.ndarray, inertia: np.ndarray
+) -> list[LoadCurve]:
+    """Loads from the coefficients (NODES, m) on their panels."""
     if not counts.size:
         return []
-    _, to_chebyshev = nodes()
-    rows = [by_panel(to_powers(NODES), by_panel(to_chebyshev, row.T)) for row in (torque, inertia)]
     ends = np.cumsum(counts)
-    work = width * (rows[0] / np.arange(1, NODES + 1)[:, None]).sum(axis=0)
+    work = width * (torque / np.arange(1, NODES + 1)[:, None]).sum(axis=0)
     means = (np.add.reduceat(work, ends - counts) / TURN).tolist()
     parts = zip((ends - counts).tolist(), ends.tolist(), means, strict=True)
-    return [LoadCurve(start[a:b], width[a:b], rows[0][:, a:b], rows[1][:, a:b], mean) for a, b, mean in parts]
+    return [LoadCurve(start[a:b], width[a:b], torque[:, a:b], inertia[:, a:b], mean) for a, b, mean in parts]
 
 
 def by_panel(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -371,6 +382,9 @@ def locate_in_turns(
 # -- total load of several drives on one shaft ------------------------------------------------------------------
 
 
+ROUNDING = 1e-14  # [rad] of the ends of panels
+
+
 def combined_load(loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> LoadCurve:
     """Total T_c and J_e of several loads by machine angle.
 
@@ -394,16 +408,10 @@ def combined_loads(shafts: Sequence[Sequence[tuple[LoadCurve, ShaftPosition]]]) 
     shaft, start = shaft[keep], ends[keep]
     is_last = np.diff(shaft, append=len(shafts)) > 0
     width = np.where(is_last, TURN, np.roll(start, -1)) - start
-    inside = width[:, None] * (nodes()[0] - 0.5)
-    torque, inertia = np.zeros_like(inside), np.zeros_like(inside)
+    rows = np.zeros((2, NODES, start.size))
     for drive in drives:
-        panel, r = drive.locate(shaft, start + 0.5 * width)
-        loaded = np.flatnonzero(np.asarray(drive.is_loaded)[panel])
-        panel, r = panel[loaded], r[loaded, None]
-        r = r + (drive.sign[panel] / drive.width[panel])[:, None] * inside[loaded]
-        torque[loaded] += polyval(r, drive.torque[:, panel, None])
-        inertia[loaded] += polyval(r, drive.inertia[:, panel, None])
-    return fitted_loads(np.bincount(shaft, minlength=len(shafts)), start, width, torque, inertia)
+        drive.add(shaft, start, width, rows)
+    return _loads(np.bincount(shaft, minlength=len(shafts)), start, width, *rows)
 
 
 class _PositionedLoads:
@@ -423,15 +431,25 @@ class _PositionedLoads:
         )
         self._phases, self._signs = phases, signs
         self.phase, self.sign = phases[self.shaft], signs[self.shaft]
-        self.is_loaded = np.any((self.torque != 0.0) | (self.inertia != 0.0), axis=0)
+        self.is_loaded: np.ndarray = np.logical_or.reduce((self.torque != 0.0) | (self.inertia != 0.0))
 
     def machine_angle(self, angle: np.ndarray) -> np.ndarray:
         return np.asarray(np.mod(self.phase + self.sign * angle, TURN))
 
-    def locate(self, shaft: np.ndarray, machine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Panel and its coordinate r at machine angles (n,) of given shafts, both (n,)."""
-        angle = np.mod(self._signs[shaft] * (machine - self._phases[shaft]), TURN)
-        return locate_in_turns(self.shaft, self.start, self.width, shaft, angle)
+    def add(self, shaft: np.ndarray, start: np.ndarray, width: np.ndarray, rows: np.ndarray) -> None:
+        """Add coefficients of torque and inertia to ``rows`` (2, NODES, n), on parts (n,) of the panels of given shafts."""
+        middle = start + 0.5 * width
+        angle = np.mod(self._signs[shaft] * (middle - self._phases[shaft]), TURN)
+        panel, r = locate_in_turns(self.shaft, self.start, self.width, shaft, angle)
+        loaded = self.is_loaded[panel]
+        is_same = loaded & (self.sign[panel] > 0.0)  # a complete panel, but for rounding
+        is_same &= (np.abs(width - self.width[panel]) < ROUNDING) & (np.abs(r - 0.5) * width < ROUNDING)
+        rows[:, :, is_same] += np.stack((self.torque, self.inertia))[:, :, panel[is_same]]
+        part = np.flatnonzero(loaded & ~is_same)
+        panel, r = panel[part], r[part, None]
+        r = r + (self.sign[panel] * width[part] / self.width[panel])[:, None] * (nodes()[0] - 0.5)
+        for row, power in zip(rows, (self.torque, self.inertia), strict=True):
+            row[:, part] += _fit(polyval(r, power[:, panel, None]))
 
 
 def torque_at(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
@@ -504,9 +522,15 @@ def load_extremes(curves: Sequence[LoadCurve]) -> TurnExtremes:
     -------
     TurnExtremes
     """
-    turn = np.repeat(np.arange(len(curves)), [curve.start.size for curve in curves])
-    start, width = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("start", "width"))
+    counts = np.array([curve.start.size for curve in curves])
+    first, turn = np.cumsum(counts) - counts, np.repeat(np.arange(len(curves)), counts)
     torque = np.concatenate([curve.torque for curve in curves], axis=1)
+    begin, reach = torque[0], np.abs(torque[1:]).sum(axis=0)  # the other panels are within the values at the begins
+    near = (begin + reach >= np.maximum.reduceat(begin, first)[turn]) | (
+        begin - reach <= np.minimum.reduceat(begin, first)[turn]
+    )
+    start, width = (np.concatenate([getattr(curve, name) for curve in curves])[near] for name in ("start", "width"))
+    turn, torque = turn[near], torque[:, near]
     return ratio_extremes(turn, start, width, torque, np.ones((1, turn.size)))
 
 
