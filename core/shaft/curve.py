@@ -400,7 +400,7 @@ def combined_loads(shafts: Sequence[Sequence[tuple[LoadCurve, ShaftPosition]]]) 
         return []
     drives = [_PositionedLoads(drive) for drive in zip(*shafts, strict=True)]
     shaft = np.concatenate([np.arange(len(shafts)), *(drive.shaft for drive in drives)])
-    ends = np.concatenate([np.zeros(len(shafts)), *(drive.machine_angle(drive.start) for drive in drives)])
+    ends = np.concatenate([np.zeros(len(shafts)), *(drive.machine for drive in drives)])
     order = np.lexsort((ends, shaft))
     shaft, ends = shaft[order], ends[order]
     keep = (np.diff(ends, prepend=-1.0) > CLOSEST) | (np.diff(shaft, prepend=-1) > 0)
@@ -415,40 +415,48 @@ def combined_loads(shafts: Sequence[Sequence[tuple[LoadCurve, ShaftPosition]]]) 
 
 
 class _PositionedLoads:
-    """Panels (m,) of one load of every shaft, with the number of their shaft, its phase [rad] and its sense of rotation."""
+    """One load of every shaft, with its position; shafts with the same load share its panels (m,).
+
+    Attributes
+    ----------
+    shaft : ndarray (n,), dimensionless
+        Number of the shaft, of the panels of all shafts.
+    machine : ndarray (n,) [rad]
+        Machine angles at the starts of these panels.
+    """
 
     def __init__(self, loads: Sequence[tuple[LoadCurve, ShaftPosition]]) -> None:
-        counts = [curve.start.size for curve, _ in loads]
-        self.shaft = np.repeat(np.arange(len(loads)), counts)
-        self.start, self.width = (
-            np.concatenate([getattr(curve, name) for curve, _ in loads]) for name in ("start", "width")
-        )
-        self.torque, self.inertia = (
-            np.concatenate([getattr(curve, name) for curve, _ in loads], axis=1) for name in ("torque", "inertia")
-        )
-        phases, signs = (
-            np.array([getattr(position, name) for _, position in loads]) for name in ("phase", "rotation_sign")
-        )
-        self._phases, self._signs = phases, signs
-        self.phase, self.sign = phases[self.shaft], signs[self.shaft]
-        self.is_loaded: np.ndarray = np.logical_or.reduce((self.torque != 0.0) | (self.inertia != 0.0))
-
-    def machine_angle(self, angle: np.ndarray) -> np.ndarray:
-        return np.asarray(np.mod(self.phase + self.sign * angle, TURN))
+        curves = list({id(curve): curve for curve, _ in loads}.values())
+        numbers = {id(curve): number for number, curve in enumerate(curves)}
+        counts = np.array([curve.start.size for curve in curves])
+        self._curve_of = np.array([numbers[id(curve)] for curve, _ in loads])  # of a shaft
+        self._phases = np.array([position.phase for _, position in loads])
+        self._signs = np.array([position.rotation_sign for _, position in loads])
+        self._curve = np.repeat(np.arange(len(curves)), counts)  # of a panel
+        self._start = np.concatenate([curve.start for curve in curves])
+        self._width = np.concatenate([curve.width for curve in curves])
+        torque, inertia = ([getattr(curve, name) for curve in curves] for name in ("torque", "inertia"))
+        self._rows = np.array((np.concatenate(torque, axis=1), np.concatenate(inertia, axis=1)))
+        self._is_loaded: np.ndarray = (self._rows != 0.0).any(axis=(0, 1))
+        of_shaft = counts[self._curve_of]
+        self.shaft = np.repeat(np.arange(len(loads)), of_shaft)
+        within = np.arange(self.shaft.size) - np.repeat(np.cumsum(of_shaft) - of_shaft, of_shaft)
+        start = self._start[(np.cumsum(counts) - counts)[self._curve_of][self.shaft] + within]
+        self.machine = np.mod(self._phases[self.shaft] + self._signs[self.shaft] * start, TURN)
 
     def add(self, shaft: np.ndarray, start: np.ndarray, width: np.ndarray, rows: np.ndarray) -> None:
         """Add coefficients of torque and inertia to ``rows`` (2, NODES, n), on parts (n,) of the panels of given shafts."""
-        middle = start + 0.5 * width
-        angle = np.mod(self._signs[shaft] * (middle - self._phases[shaft]), TURN)
-        panel, r = locate_in_turns(self.shaft, self.start, self.width, shaft, angle)
-        loaded = self.is_loaded[panel]
-        is_same = loaded & (self.sign[panel] > 0.0)  # a complete panel, but for rounding
-        is_same &= (np.abs(width - self.width[panel]) < ROUNDING) & (np.abs(r - 0.5) * width < ROUNDING)
-        rows[:, :, is_same] += np.stack((self.torque, self.inertia))[:, :, panel[is_same]]
+        sign = self._signs[shaft]
+        angle = np.mod(sign * (start + 0.5 * width - self._phases[shaft]), TURN)
+        panel, r = locate_in_turns(self._curve, self._start, self._width, self._curve_of[shaft], angle)
+        loaded = self._is_loaded[panel]
+        is_same = loaded & (sign > 0.0)  # a complete panel, but for rounding
+        is_same &= (np.abs(width - self._width[panel]) < ROUNDING) & (np.abs(r - 0.5) * width < ROUNDING)
+        rows[:, :, is_same] += self._rows[:, :, panel[is_same]]
         part = np.flatnonzero(loaded & ~is_same)
         panel, r = panel[part], r[part, None]
-        r = r + (self.sign[panel] * width[part] / self.width[panel])[:, None] * (nodes()[0] - 0.5)
-        for row, power in zip(rows, (self.torque, self.inertia), strict=True):
+        r = r + (sign[part] * width[part] / self._width[panel])[:, None] * (nodes()[0] - 0.5)
+        for row, power in zip(rows, self._rows, strict=True):
             row[:, part] += _fit(polyval(r, power[:, panel, None]))
 
 
