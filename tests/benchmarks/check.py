@@ -45,6 +45,7 @@ def keys() -> dict[str, Callable[[], float]]:
     return {
         **made,
         **{f"many: {row.name}": partial(look_at_many, row) for row in designs.ROWS},
+        **{f"many, by one force: {row.name}": partial(look_at_totals, row) for row in designs.TOTALS},
         RANK: look_at_rank,
         **windows(),
     }
@@ -94,6 +95,11 @@ def look_at_rank(seconds: float = SECONDS) -> float:
 def look_at_many(row: designs.Designs, seconds: float = 2.0 * SECONDS) -> float:
     told = measure({"ours": row.ours, "rival": row.by_hand}, seconds).seconds
     return told["ours"] / told["rival"]
+
+
+def look_at_totals(row: designs.Totals, seconds: float = 4.0 * SECONDS) -> float:
+    told = measure({"ours": row.ours, "force": row.by_force}, seconds).seconds
+    return told["ours"] / told["force"]
 
 
 def allowed(limit: Mapping[str, Any]) -> float:

@@ -319,3 +319,41 @@ ROWS = (
             "linkage.links[3].points.B.x_mm": (68.0, 75.0)}, ("A_n:max", "O4_n:max", "driver_torque_nm:max"),
             four_bar, _bar_numbers),
 )  # fmt: skip
+
+
+# -- totals of a turn, by one force of the same designs -----------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Totals:
+    """One row: designs that differ at some paths, a total of them, and the figure of one force it is measured by."""
+
+    name: str
+    design: Design
+    varied: Mapping[str, tuple[float, float]]
+    total: str
+    force: str = "drive_torque_nm:abs"
+    count: int = COUNT
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        rng = np.random.default_rng(5)
+        return {path: rng.uniform(*ends, self.count) for path, ends in self.varied.items()}
+
+    def ours(self) -> np.ndarray:
+        return many(self.design, self.columns, [self.total]).value[self.total]
+
+    def by_force(self) -> np.ndarray:
+        return many(self.design, self.columns, [self.force]).value[self.force]
+
+
+LEVELLED, UNIT = _example("transfer_lift"), _example("transfer_unit")
+LIFTS = {"cam.base_radius_mm": (390.0, 420.0), "shaft.speed_rpm": (10.0, 20.0)}
+OF_UNIT = {"drives[2].cam.base_radius_mm": (390.0, 420.0)}
+
+TOTALS = (
+    Totals("energy of a turn", LEVELLED, LIFTS, "energy_j"),
+    Totals("flywheel", LEVELLED, LIFTS, "flywheel_inertia_kg_m2"),
+    Totals("motor torque with a flywheel", LEVELLED, LIFTS, "motor_torque_nm:abs"),
+    Totals("torque of a shaft with four drives", UNIT, OF_UNIT, "torque_nm:abs", "drives[2].drive_torque_nm:abs"),
+)
