@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Self
@@ -325,8 +325,10 @@ class DriveStudy:
         Sets that are solved already are left out. Where a stage has no solution, it and those after it are left to the study that
         reads them, which raises the error.
         """
-        try:
-            missing = [angles for angles in sets if not self._is_solved(stages, angles)]
+        unknown = [angles for angles in sets if not self._solved.get(angles, frozenset()).issuperset(stages)]
+        self._solved.update(dict.fromkeys(unknown, frozenset(stages)))
+        with suppress(KindynaError):
+            missing = [angles for angles in unknown if not self._is_cached(stages, angles)]
             if len(missing) < 2:
                 return
             union = self.at(_union(tuple(missing)))
@@ -340,10 +342,13 @@ class DriveStudy:
                 for part in parts:
                     getattr(part, stage)
             self._at.update(zip(missing, parts, strict=True))
-        except KindynaError:
-            return
 
-    def _is_solved(self, stages: Sequence[str], angles: Angles) -> bool:
+    @cached_property
+    def _solved(self) -> dict[Angles, frozenset[str]]:
+        """Angles -> stages that ``solve_together`` has solved or tried to solve there."""
+        return {}
+
+    def _is_cached(self, stages: Sequence[str], angles: Angles) -> bool:
         """Whether the results of stages at these angles are cached."""
         study = type(self)(self.design, self.samples, angles)
         study._solves = False
