@@ -9,7 +9,16 @@ from pathlib import Path
 import numpy as np
 
 from core.commands import DONE, DONE_WITH_ERRORS, Painter
-from core.commands.common import as_json, design_file, drive_name, one_studied, require_cam, samples_per_turn, verdict
+from core.commands.common import (
+    DriveArguments,
+    as_json,
+    design_file,
+    drive_name,
+    one_studied,
+    require_cam,
+    samples_per_turn,
+    verdict,
+)
 from core.design.fields import flag, number, whole
 from core.findings import ERROR
 from core.frozen import frozen
@@ -51,11 +60,9 @@ from core.study import Study
 
 
 @frozen(kw_only=True)
-class ContactArguments:
+class ContactArguments(DriveArguments):
     """Arguments of ``contact``: a design, whether flights are computed, and the samples of the map."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     flights: bool = flag("Flights", help="compute the motion of the follower after it has left the cam")
     turns: float = option(
         number("Turns", 0.0, 200.0, open_low=True, default=3.0, help="number of turns to compute"), metavar="N"
@@ -92,11 +99,9 @@ def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
 
 
 @frozen(kw_only=True)
-class InspectionArguments:
+class InspectionArguments(DriveArguments):
     """Arguments of ``inspection``: a cam, its inspection, and a measured table to compare with."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     out: Path = text_option("table to write (.csv), with summary.json in the same folder", type=Path, metavar="FILE")
     request: InspectionRequest = InspectionRequest()
     measured: Path | None = text_option(
@@ -205,11 +210,9 @@ def _speeds(text: str) -> tuple[float, float]:
 
 
 @frozen(kw_only=True)
-class VibrationArguments:
+class VibrationArguments(DriveArguments):
     """Arguments of ``vibration``: a design and the speeds of the spectrum."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     speeds: tuple[float, float] | None = text_option(
         "of the spectrum, in rpm",
         default=None,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,8 @@ from core.design import BALANCER, Design, in_machine, path_in
 from core.design.fields import whole
 from core.errors import KindynaError, NoSolution
 from core.findings import ERROR, Finding, Residual
+from core.frozen import frozen
+from core.output.lines import finding_line
 from core.project import load, number_of, one_of
 from core.requests import text_option
 from core.study import SAMPLES, Study, certificate_of, findings_of
@@ -65,6 +68,14 @@ def design_file() -> Any:
 def drive_name() -> Any:
     """Option: the drive, where a design has several."""
     return text_option("name of one drive of a camshaft", "--drive", default="", metavar="NAME")
+
+
+@frozen(kw_only=True)
+class DriveArguments:
+    """Arguments of the commands about one drive: a design, and the name of the drive."""
+
+    design: Path = design_file()
+    drive: str = drive_name()
 
 
 def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles per turn", default: int = SAMPLES) -> Any:
@@ -149,6 +160,30 @@ def verdict_on(findings: Iterable[Finding], certificate: Mapping[str, Residual])
     """Exit code of findings and certificate: an error among the findings, or a residual above its bound."""
     bad = any(f.severity == ERROR for f in findings) or not all(residual.kept for residual in certificate.values())
     return DONE_WITH_ERRORS if bad else DONE
+
+
+def print_errors(study: Study, findings: Iterable[Finding]) -> int:
+    """Print findings that are errors to stderr, and return the exit code."""
+    rows = list(findings)
+    for finding in rows:
+        print(finding_line(finding, study.angle_name), file=sys.stderr)
+    return DONE_WITH_ERRORS if rows else DONE
+
+
+class Progress:
+    """Prints a line of progress, every ``PATIENCE`` seconds, on a terminal."""
+
+    PATIENCE = 2.0  # seconds between two lines
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+
+    def report(self, line: str) -> None:
+        """Print a line where enough time has passed since the last one."""
+        now = time.monotonic()
+        if now - self._last > self.PATIENCE and sys.stderr.isatty():
+            self._last = now
+            print(line, file=sys.stderr)
 
 
 def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
+from core.commands import NOTHING_DONE, Painter
 from core.commands.common import (
+    DriveArguments,
+    Progress,
     as_json,
-    design_file,
-    drive_name,
     in_file,
+    print_errors,
     studied,
 )
 from core.design import only, with_only
@@ -24,15 +24,12 @@ from core.errors import KindynaError
 from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
 from core.findings import ERROR
 from core.frozen import frozen
-from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.requests import option, text_option
 from core.shaft import AIMS
 from core.study import findings_of
 from core.study.limits import FieldBound, Limit
-
-PATIENCE = 2.0  # seconds between two lines of progress
 
 
 def _limit(text: str) -> tuple[str, float | None]:
@@ -58,11 +55,9 @@ def _limits_help() -> str:
 
 
 @frozen(kw_only=True)
-class FindArguments:
+class FindArguments(DriveArguments):
     """Arguments of ``find``: a design, a dimension and its limits."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     what: str = text_option("; ".join(f"{name}: {words}" for name, words in SEARCHES.items()), "WHAT")
     limit: tuple[tuple[str, float | None], ...] = text_option(
         _limits_help(), default=(), action="append", type=_limit, metavar="KEY=VALUE"
@@ -81,12 +76,13 @@ def run_find(arguments: FindArguments, painter: Painter | None) -> int:
         raise KindynaError(f"--drive {arguments.drive}: {what} belongs to the whole shaft; omit --drive")
     number = 0 if what in SHAFT_SEARCHES else number_of(machine, arguments.drive)
     design = machine if what in SHAFT_SEARCHES else only(machine, number)
+    progress = Progress()
     solution = find(
         design,
         what,
         _limits(arguments.limit),
         aim=arguments.aim,
-        notify=_Progress().report,
+        notify=lambda count: progress.report(f"{count} designs tried ..."),
         machine=same_design if what in SHAFT_SEARCHES else partial(with_only, machine, number),
     )
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
@@ -100,22 +96,7 @@ def run_find(arguments: FindArguments, painter: Painter | None) -> int:
     is_contact_search = what in CAM_SEARCHES and CAM_SEARCHES[what].seeks_contact
     study, stages = studied(solution.design), ("dynamics",) if what in SHAFT_SEARCHES or is_contact_search else ("cam",)
     errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
-    for finding in errors if what in SHAFT_SEARCHES else in_file(errors, machine, number):
-        print(finding_line(finding, study.angle_name), file=sys.stderr)
-    return DONE_WITH_ERRORS if errors else DONE
-
-
-class _Progress:
-    """Prints the number of designs tried, every ``PATIENCE`` seconds, on a terminal."""
-
-    def __init__(self) -> None:
-        self._last = time.monotonic()
-
-    def report(self, count: int) -> None:
-        now = time.monotonic()
-        if now - self._last > PATIENCE and sys.stderr.isatty():
-            self._last = now
-            print(f"{count} designs tried ...", file=sys.stderr)
+    return print_errors(study, errors if what in SHAFT_SEARCHES else in_file(errors, machine, number))
 
 
 def _limits(given: Sequence[tuple[str, float | None]]) -> StatedLimits:

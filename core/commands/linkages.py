@@ -10,7 +10,15 @@ import numpy as np
 
 from core.bounds import PROGRAM_BYTES
 from core.commands import DONE, Painter
-from core.commands.common import as_json, design_file, drive_name, ending_with, out_folder, pictures, samples_per_turn
+from core.commands.common import (
+    DriveArguments,
+    as_json,
+    design_file,
+    ending_with,
+    out_folder,
+    pictures,
+    samples_per_turn,
+)
 from core.design import Design, require_linkage
 from core.design.fields import choice, flag, number, whole
 from core.design.topology import driver_turns
@@ -43,11 +51,9 @@ from core.study import Study
 
 
 @frozen(kw_only=True)
-class CentresArguments:
+class CentresArguments(DriveArguments):
     """Arguments of the command: a design, an angle and a file or folder."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
     out: Path | None = out_folder("also write them to this folder, with pictures")
 
@@ -132,11 +138,9 @@ def _line(row: dict[str, object]) -> str:
 
 
 @frozen(kw_only=True)
-class CurvesArguments:
+class CurvesArguments(DriveArguments):
     """Arguments of ``curves``: a design and its points."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     out: Path = text_option("file to write", type=ending_with("curves", ".csv", *WRITERS), metavar="FILE.csv|.dxf|.svg")
     points: tuple[str, ...] = text_option(
         "only these points", default=(), default_text="all moving points", nargs="+", metavar="NAME"
@@ -172,11 +176,9 @@ def _write_path(study: Study, out: Path) -> int:
 
 
 @frozen(kw_only=True)
-class PoseArguments:
+class PoseArguments(DriveArguments):
     """Arguments of the command: a design, an angle and a file or folder."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
     every_deg: float = option(
         number("Repeat the pose every", 0.0, 360.0, default=0.0, help="degrees of the turn; 0: none"), "--every"

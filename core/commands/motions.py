@@ -26,12 +26,29 @@ from core.blend.best import with_blend
 from core.blend.request import LEAST_STROKE
 from core.blend.sequences import motion_type_of, sequence_error
 from core.commands import DONE, Painter
-from core.commands.common import as_json, design_file, drive_name, ending_with, pictures, sorted_by, verdict
+from core.commands.common import (
+    DriveArguments,
+    as_json,
+    drive_name,
+    ending_with,
+    pictures,
+    sorted_by,
+    verdict,
+)
 from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
 from core.design import Design, alone, only, split_unit, with_motion_of, with_only
 from core.design.fields import choice, number
 from core.errors import KindynaError
-from core.find import RankingColumn, RankingRow, ranking, ranking_columns, sorted_rows
+from core.find import (
+    RankingColumn,
+    RankingRow,
+    blend_candidates,
+    law_candidates,
+    moving_segments,
+    ranking,
+    ranking_columns,
+    sorted_rows,
+)
 from core.find.ranking import Candidate
 from core.frozen import frozen
 from core.laws import LAWS, Peaks, peaks
@@ -52,25 +69,8 @@ from core.output.texts import (
 )
 from core.project import load, load_one, number_of, save
 from core.project.files import read_bytes, write
-from core.requests import option, text_option
+from core.requests import option, require_in_range, text_option
 from core.study import Study
-
-# -- a new design of a motion -----------------------------------------------------------------------------------
-
-
-def begin(arguments: Any, make: Callable[[Any], Design]) -> int:
-    """Write a new design to a file, print its peaks, and return the exit code."""
-    from core.commands import DONE
-    from core.output.channels import new_design_text
-    from core.project import save
-    from core.requests import require_in_range
-
-    require_in_range(arguments.request)
-    design = make(arguments.request)
-    save(design, arguments.out)
-    print(new_design_text(design))
-    return DONE
-
 
 # -- the command ``blend`` --------------------------------------------------------------------------------------
 
@@ -112,15 +112,16 @@ def _curve(text: str) -> str:
     return text.upper()
 
 
-def _types_help() -> str:
-    return "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
-
-
 @frozen(kw_only=True)
 class BlendArguments:
     """Arguments of ``blend``: a motion and its files, or a curve of the table."""
 
-    type: str | None = choice("Type", tuple(MOTION_TYPES), default=None, help=_types_help())
+    type: str | None = choice(
+        "Type",
+        tuple(MOTION_TYPES),
+        default=None,
+        help="; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items()),
+    )
     stroke: float | None = option(
         number("Stroke", LEAST_STROKE, 1e9, default=None, help="of the rise (mm, or --unit)"), metavar="S"
     )
@@ -245,8 +246,6 @@ def _blend(arguments: BlendArguments) -> BlendResult:
 
 def _rank_blend(path: Path, arguments: BlendArguments, blended: BlendResult) -> int:
     """Print the blend, and its ranking among the other sequences and laws in the design. Raises KindynaError."""
-    from core.find import blend_candidates
-
     if arguments.into is not None or arguments.out is not None:
         raise BlendError("--rank: cannot be combined with --into and --out")
     machine = load(path)
@@ -303,10 +302,6 @@ def run_laws(arguments: LawsArguments, painter: Painter | None) -> int:
 
 def _rank_laws(path: Path, arguments: LawsArguments) -> None:
     """Print the ranking of the laws in a design. Raises KindynaError."""
-    from core.design import only
-    from core.find import law_candidates, moving_segments
-    from core.project import load, number_of
-
     machine = load(path)
     design = only(machine, number_of(machine, arguments.drive))
     numbers = [number - 1 for number in arguments.segment] or moving_segments(design)
@@ -359,11 +354,9 @@ def _centre(text: str) -> complex:
 
 
 @frozen(kw_only=True)
-class MotionFromArguments:
+class MotionFromArguments(DriveArguments):
     """Arguments of ``motion-from``: a curve, a design, and how the drawing is read."""
 
-    design: Path = design_file()
-    drive: str = drive_name()
     curve: Path = text_option(
         "drawing with one closed curve of lines and arcs; the layer PROFILE, where it has a curve",
         "CURVE.dxf",
@@ -401,36 +394,40 @@ def run_motion_from(arguments: MotionFromArguments, painter: Painter | None) -> 
     return code
 
 
-# -- the command ``flying-shear`` -------------------------------------------------------------------------------
+# -- the commands ``flying-shear`` and ``indexer`` --------------------------------------------------------------
 
 
 @frozen(kw_only=True)
-class FlyingShearArguments:
-    """Arguments of the command: the motion and a file."""
+class NewDesignArguments:
+    """Arguments of a command that begins a design with a motion: its file."""
+
+    out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
+
+
+@frozen(kw_only=True)
+class FlyingShearArguments(NewDesignArguments):
+    """Arguments of ``flying-shear``: the motion and a file."""
 
     request: FlyingShear = FlyingShear()
-    out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
-
-
-def run_flying_shear(arguments: FlyingShearArguments, painter: Painter | None) -> int:
-    """Write the design to a file, and print its peaks."""
-    return begin(arguments, flying_shear)
-
-
-# -- the command ``indexer`` ------------------------------------------------------------------------------------
 
 
 @frozen(kw_only=True)
-class IndexerArguments:
-    """Arguments of the command: the motion and a file."""
+class IndexerArguments(NewDesignArguments):
+    """Arguments of ``indexer``: the motion and a file."""
 
     request: Indexer = Indexer()
-    out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
 
 
-def run_indexer(arguments: IndexerArguments, painter: Painter | None) -> int:
-    """Write the design to a file, and print its peaks."""
-    return begin(arguments, indexer)
+def _begin(arguments: Any, painter: Painter | None, make: Callable[[Any], Design]) -> int:
+    """Write a new design to a file, print its peaks, and return the exit code."""
+    require_in_range(arguments.request)
+    design = make(arguments.request)
+    save(design, arguments.out)
+    print(new_design_text(design))
+    return DONE
+
+
+run_flying_shear, run_indexer = partial(_begin, make=flying_shear), partial(_begin, make=indexer)
 
 
 # -- the command ``motion`` -------------------------------------------------------------------------------------
@@ -497,7 +494,8 @@ def row_data(figures: Sequence[RankingColumn], row: RankingRow) -> dict[str, Any
 def ranking_text(heading: str, figures: Sequence[RankingColumn], rows: Sequence[RankingRow]) -> str:
     """Table of a ranking; a row without figures ends with its reason."""
     table: list[tuple[str, ...]] = [(heading, *(f"{figure.title} {figure.symbol}" for figure in figures), "")]
-    for row in rows:
-        table.append((row.name, *("–" if value is None else digits(value, 5) for value in row.figures), row.problem))
+    table.extend(
+        (row.name, *("–" if value is None else digits(value, 5) for value in row.figures), row.problem) for row in rows
+    )
     widths = columns([row[:-1] for row in table])
     return "\n".join(f"{line}  {row[-1]}".rstrip() for line, row in zip(widths, table, strict=True)) + "\n"

@@ -5,14 +5,14 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
-from core.commands.common import as_json, ending_with, out_folder, studied
+from core.commands import DONE, NOTHING_DONE, Painter
+from core.commands.common import Progress, as_json, ending_with, out_folder, print_errors, studied
 from core.design import drive_names
 from core.design.fields import flag, whole
 from core.errors import KindynaError
@@ -20,7 +20,6 @@ from core.findings import ERROR
 from core.frozen import frozen
 from core.motion import degrees
 from core.output.export import csv
-from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import loads, parsed, save
 from core.project.files import read_text, write_into
@@ -48,9 +47,6 @@ from core.varying.waves import AllWaves
 # -- the command ``optimise`` -----------------------------------------------------------------------------------
 
 
-PATIENCE = 2.0  # seconds between two lines of progress
-
-
 @frozen(kw_only=True)
 class OptimiseArguments:
     """Arguments of ``optimise``: a study, and a file for the best design."""
@@ -65,7 +61,8 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     if arguments.into is not None and arguments.into.resolve() == arguments.study.resolve():
         raise KindynaError(f"--into {arguments.into}: is the study that is read; choose another file")
     study_file = load_study(arguments.study)
-    optimum = optimise(study_file, _Progress().report)
+    progress = Progress()
+    optimum = optimise(study_file, lambda fields, goal, start: progress.report(f"start {start}: {goal:.6g} ..."))
     notes = remarks(study_file, optimum)
     print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes), end="")
     if not optimum.is_feasible:
@@ -78,23 +75,7 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     if arguments.into is not None:
         save(optimum.design, arguments.into)
     study = studied(optimum.design)
-    errors = [finding for finding in findings_of(study) if finding.severity == ERROR]
-    for finding in errors:
-        print(finding_line(finding, study.angle_name), file=sys.stderr)
-    return DONE_WITH_ERRORS if errors else DONE
-
-
-class _Progress:
-    """Prints the goal of the search, every ``PATIENCE`` seconds, on a terminal."""
-
-    def __init__(self) -> None:
-        self._last = time.monotonic()
-
-    def report(self, fields: Mapping[str, Any], goal: float, start: int) -> None:
-        now = time.monotonic()
-        if now - self._last > PATIENCE and sys.stderr.isatty():
-            self._last = now
-            print(f"start {start}: {goal:.6g} ...", file=sys.stderr)
+    return print_errors(study, (finding for finding in findings_of(study) if finding.severity == ERROR))
 
 
 def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
@@ -121,8 +102,7 @@ def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
-    for key, value in optimum.goals.items():
-        lines.append(f"{key} = {value:.7g}, before {optimum.before[key]:.7g}")
+    lines.extend(f"{key} = {value:.7g}, before {optimum.before[key]:.7g}" for key, value in optimum.goals.items())
     lines += [
         f"at its limit {bound.limit}: 1 % more of it changes the goal by {bound.per_percent:.4g}"
         for bound in optimum.binding
@@ -180,7 +160,10 @@ def run_tolerance(arguments: ToleranceArguments, painter: Painter | None) -> int
     data: dict[str, Any] = {
         "machines": share.machines, "seed": seed, "within": share.within, "share": share.value, "low": low, "high": high,
         "limits": [
-            {"quantity": limit.quantity, "of": limit.of, "bound": bound, "share": _share_within(scatter, values, limit.key, side, bound)}
+            {
+                "quantity": limit.quantity, "of": limit.of, "bound": bound,
+                "share": float((side * values[scatter.keys.index(limit.key)] <= side * bound).mean()),
+            }
             for limit, side, bound in scatter.bounds()
         ],
         "worst": [
@@ -208,19 +191,16 @@ def _study(path: Path) -> StudyOfMany:
     return tolerance_study(loads(text, str(path))) if "format" in parsed(text, str(path)) else load_study(path)
 
 
-def _share_within(scatter: Scatter, values: np.ndarray, key: str, side: float, bound: float) -> float:
-    """Share of machines within one bound."""
-    return float((side * values[scatter.keys.index(key)] <= side * bound).mean())
-
-
 def _sensitivity(scatter: Scatter, slopes: np.ndarray) -> str:
     """CSV of field, quantity, change of the quantity per unit of the field and part of its variance, the largest part first."""
     parts, fields = scatter.parts(slopes), list(scatter.nominal)
     lines = ["field,quantity,per_unit,part_of_tolerance"]
     for q, row in enumerate(scatter.study.quantities):
-        for i in sorted(range(len(fields)), key=lambda i: -parts[i, q]):
-            if np.isfinite(slopes[i, q]):
-                lines.append(f"{fields[i]},{row.column},{float(slopes[i, q])!r},{float(parts[i, q])!r}")
+        lines.extend(
+            f"{fields[i]},{row.column},{float(slopes[i, q])!r},{float(parts[i, q])!r}"
+            for i in sorted(range(len(fields)), key=lambda i: -parts[i, q])
+            if np.isfinite(slopes[i, q])
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -301,7 +281,7 @@ def run_vary(arguments: VaryArguments, painter: Painter | None) -> int:
     """Write the table; print the number of designs, and why some have no values."""
     study = load_study(arguments.study)
     run = Run(study)
-    progress = Progress()
+    progress = RunProgress()
     with workers(arguments.workers, arguments.scheduler) as (executor, ahead):
         run.compute(resume=arguments.resume, executor=executor, ahead=ahead, progress=progress.report)
     reasons: Counter[str] = Counter()
@@ -327,7 +307,7 @@ def run_vary(arguments: VaryArguments, painter: Painter | None) -> int:
     return DONE
 
 
-class Progress:
+class RunProgress:
     """Prints the number of designs, designs per second and the remaining time: often on a terminal, seldom in a log."""
 
     OFTEN, SELDOM = 2.0, 60.0  # seconds between two lines

@@ -12,7 +12,7 @@ from dataclasses import replace
 from math import fsum
 
 from core.design.design import Design, Drive, TimingRow
-from core.design.parts import Motion, Segment, Shaft
+from core.design.parts import Motion, Shaft
 from core.design.paths import all_paths, followed, row_at
 from core.errors import DesignError, Fault
 from core.file_names import no_device
@@ -303,7 +303,7 @@ class Stroke:
 def strokes(motion: Motion) -> tuple[Stroke, ...]:
     """Rises and returns of a motion, in the order of the turn."""
     count = len(motion.segments)
-    directions = [_direction(segment) for segment in motion.segments]
+    directions = [(segment.rise > 0.0) - (segment.rise < 0.0) for segment in motion.segments]
     begins = [fsum(s.span_deg for s in motion.segments[:i]) for i in range(count)]
     result: list[Stroke] = []
     numbers = {"rise": 0, "return": 0}
@@ -320,10 +320,6 @@ def strokes(motion: Motion) -> tuple[Stroke, ...]:
         span = fsum(motion.segments[k].span_deg for k in run)
         result.append(Stroke(f"{word}.{numbers[word]}", tuple(run), begins[i], begins[i] + span))
     return tuple(result)
-
-
-def _direction(segment: Segment) -> int:
-    return (segment.rise > 0.0) - (segment.rise < 0.0)
 
 
 def events(design: Design) -> Mapping[str, float]:

@@ -101,9 +101,11 @@ def _sliders(drive: Drive) -> Iterator[Fault]:
     seen: set[int] = set()
     for i, slider in enumerate(linkage.sliders):
         at = f"linkage.sliders[{i}]"
-        for key, value in (("link", slider.link), ("on", slider.on)):
-            if value not in numbers:
-                yield Fault(f"{at}.{key}", value, "no such link", " | ".join(map(str, _numbers(linkage))))
+        yield from (
+            Fault(f"{at}.{key}", value, "no such link", " | ".join(map(str, _numbers(linkage))))
+            for key, value in (("link", slider.link), ("on", slider.on))
+            if value not in numbers
+        )
         if slider.link == slider.on:
             yield Fault(f"{at}.on", slider.on, "a link cannot slide on itself", "another link")
         if slider.link == FRAME_LINK:
@@ -224,9 +226,11 @@ def _second_motion(linkage: Linkage, row: SecondDriver, at: str) -> Iterator[Fau
         yield Fault(
             f"{at}.motion", row.motion, "no such motion", " | ".join(sorted(named)) or f"[motions.{row.motion}]"
         )
-    for key in ("ratio", "kind"):
-        if (value := getattr(row, key)) is not None:
-            yield Fault(f"{at}.{key}", value, "cannot be combined with a motion", "one of them")
+    yield from (
+        Fault(f"{at}.{key}", value, "cannot be combined with a motion", "one of them")
+        for key in ("ratio", "kind")
+        if (value := getattr(row, key)) is not None
+    )
     if linkage.driver.kind != CRANK:
         yield Fault(f"{at}.motion", row.motion, "follows the turn of a crank", f'driver with kind = "{CRANK}"')
 
@@ -308,8 +312,10 @@ def _drawn(drive: Drive) -> Iterator[Fault]:
     if linkage.branch:
         yield Fault("linkage.branch", MISSING, "cannot be combined with linkage.drawn", "one of them")
     points = {name for link in linkage.links for name in link.places}
-    for name in drawn.places.keys() - points:
-        yield Fault(f"linkage.drawn.{name}", MISSING, "no link has a point of this name", " | ".join(sorted(points)))
+    yield from (
+        Fault(f"linkage.drawn.{name}", MISSING, "no link has a point of this name", " | ".join(sorted(points)))
+        for name in drawn.places.keys() - points
+    )
     if not _has_valid_names(linkage):
         return
     unit = "deg" if driver_turns(linkage) else "mm"
@@ -368,10 +374,7 @@ DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
 
 def only_incomplete(drive: Drive, faults: Iterable[Fault]) -> bool:
     """Whether these faults of a drive mean only that its linkage is incomplete."""
-    incomplete = {(fault.path, fault.problem) for fault in incomplete_linkage_faults(drive)} if drive.links else set()
+    incomplete = (
+        {(fault.path, fault.problem) for fault in [*_undriven(drive), *_structure(drive)]} if drive.links else set()
+    )
     return {(fault.path, fault.problem) for fault in faults} <= incomplete
-
-
-def incomplete_linkage_faults(drive: Drive) -> list[Fault]:
-    """Faults of a linkage that is not yet a mechanism."""
-    return [*_undriven(drive), *_structure(drive)]

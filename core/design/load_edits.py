@@ -79,11 +79,6 @@ def _spring(drive: Drive, rows: Sequence[PointSpring]) -> PointSpring:
     return PointSpring(from_=fixed, to=Attachment(link=link, point=point), rate_n_per_mm=1.0)
 
 
-def _torsion(drive: Drive, rows: Sequence[TorsionSpring]) -> TorsionSpring:
-    """Torsion spring between the last turning link and the frame."""
-    return TorsionSpring(link=(turning_links(drive) or _moving(drive))[-1], on=FRAME_LINK, rate_nm_per_rad=1.0)
-
-
 def _friction(drive: Drive, rows: Sequence[PairFriction]) -> PairFriction:
     """Friction in the first pair without it."""
     pairs, used = pairs_of(drive), {row.pair for row in rows}
@@ -107,10 +102,16 @@ def _process(drive: Drive, rows: Sequence[Process]) -> Process:
 
 NEW_ROWS: Mapping[str, Callable[[Drive, Any], Any]] = MappingProxyType(
     {
-        "masses": _mass, "forces": _force, "springs": _spring, "torsion_springs": _torsion, "pair_friction": _friction,
+        "masses": _mass,
+        "forces": _force,
+        "springs": _spring,
+        "torsion_springs": lambda drive, rows: TorsionSpring(
+            link=(turning_links(drive) or _moving(drive))[-1], on=FRAME_LINK, rate_nm_per_rad=1.0
+        ),
+        "pair_friction": _friction,
         "process": _process,
     }
-)  # fmt: skip
+)
 """List of loads -> its default row, from the drive and the present rows."""
 
 # -- attachments -----------------------------------------------------------------------------------------------

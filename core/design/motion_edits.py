@@ -234,13 +234,9 @@ class _Turn:
     behind: list[int]
 
 
-def _direction(segment: Segment) -> int:
-    return 0 if is_dwell(segment) or segment.rise == 0.0 else 1 if segment.rise > 0.0 else -1
-
-
 def _turn_from(motion: Motion, index: int) -> _Turn | None:
     """Turn from a segment's stroke; None for a dwell, without an opposite stroke, or where a curve has no image."""
-    directions = [_direction(s) for s in motion.segments]
+    directions = [0 if is_dwell(s) or s.rise == 0.0 else 1 if s.rise > 0.0 else -1 for s in motion.segments]
     count, direction = len(directions), directions[index]
     if direction == 0 or -direction not in directions:
         return None

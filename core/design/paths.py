@@ -118,8 +118,7 @@ def names_a_link(path: str, info: Info) -> bool:
 def all_paths(design: Design) -> Iterator[str]:
     """All paths that can be assumed, in the order of the file, with those of pairs and lists that are one entry."""
     for name, part in design.tables.items():
-        for path, _ in _walk(part, name, getattr(part, "unit", "")):
-            yield path
+        yield from (path for path, _ in _walk(part, name, getattr(part, "unit", "")))
 
 
 def in_order(part: Any, unit: str = "") -> list[FileEntry]:
@@ -167,8 +166,10 @@ def _values(part: Any, slot: FileEntry, at: str, path: str) -> Iterator[tuple[st
         yield at, Entry(at, slot.info, split_unit(slot.key)[1], getattr(part, slot.names[0]), at)
     else:
         yield at, None
-        for name, info in zip(slot.names, slot.infos, strict=True):
-            yield f"{path}.{name}", Entry(f"{path}.{name}", info, split_unit(name)[1], getattr(part, name), at)
+        yield from (
+            (f"{path}.{name}", Entry(f"{path}.{name}", info, split_unit(name)[1], getattr(part, name), at))
+            for name, info in zip(slot.names, slot.infos, strict=True)
+        )
 
 
 # -- values -----------------------------------------------------------------------------------------------

@@ -160,22 +160,18 @@ def _inputs(linkage: Linkage, unknown: list[int], known: Set[int], driven: Mappi
 
 def _ends(linkage: Linkage, link: int, known: Set[int]) -> Iterator[str]:
     """Pairs of a link with known links."""
-    for pin in pins(linkage):
-        if link in pin.links and known & set(pin.links) - {link}:
-            yield pin.name
-    for slider in linkage.sliders:
-        if (slider.link == link and slider.on in known) or (slider.on == link and slider.link in known):
-            yield str(slider.link)
+    yield from (pin.name for pin in pins(linkage) if link in pin.links and known & set(pin.links) - {link})
+    yield from (
+        str(slider.link)
+        for slider in linkage.sliders
+        if (slider.link == link and slider.on in known) or (slider.on == link and slider.link in known)
+    )
 
 
 def _between(linkage: Linkage, a: int, b: int, known: Set[int]) -> Iterator[str]:
     """Pairs of two unknown links with each other."""
-    for pin in pins(linkage):
-        if {a, b} <= set(pin.links) and not known & set(pin.links):
-            yield pin.name
-    for slider in linkage.sliders:
-        if {slider.link, slider.on} == {a, b}:
-            yield str(slider.link)
+    yield from (pin.name for pin in pins(linkage) if {a, b} <= set(pin.links) and not known & set(pin.links))
+    yield from (str(slider.link) for slider in linkage.sliders if {slider.link, slider.on} == {a, b})
 
 
 def _dyads(linkage: Linkage, unknown: list[int], known: Set[int]) -> Iterator[SolutionStep]:

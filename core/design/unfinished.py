@@ -239,9 +239,11 @@ def _returns(motion: Motion, index: int) -> Iterator[Motion]:
     if gap == 0.0:
         yield motion
     segments = list(motion.segments)
-    for k in _after(motion, index):
-        if not is_dwell(segments[k]):
-            yield replace(motion, segments=back_at_start(segments, (k,), motion.gain))
+    yield from (
+        replace(motion, segments=back_at_start(segments, (k,), motion.gain))
+        for k in _after(motion, index)
+        if not is_dwell(segments[k])
+    )
     if gap != 0.0:
         back = balance(0.0, (gap,))
         dwells = [i for i in range(index + 1, len(segments)) if is_dwell(segments[i])]

@@ -78,14 +78,6 @@ NEAR = np.linspace(-0.4, 0.4, 25)  # of the logarithm: trial values near the pre
 FAR = np.linspace(-4.6, 4.6, 36)
 
 
-def _no_changes(design: Design, path: str) -> Mapping[str, float]:
-    return {}
-
-
-def _no_choice(design: Design) -> tuple[str, ...]:
-    return ()
-
-
 class SearchRow(NamedTuple):
     """A search for the value of one or two fields of a drive.
 
@@ -121,12 +113,12 @@ class SearchRow(NamedTuple):
     values: Callable[[Design, str], np.ndarray]
     limits: tuple[str, ...] = tuple(LIMITS)
     help: str = ""
-    choices: Callable[[Design], tuple[str, ...]] = _no_choice
+    choices: Callable[[Design], tuple[str, ...]] = lambda design: ()
     seeks_contact: bool = False
     limits_contact: bool = True
     bounded: bool = True
     put: Callable[[Design, str, float], Design] = edited
-    also_changed: Callable[[Design, str], Mapping[str, float]] = _no_changes
+    also_changed: Callable[[Design, str], Mapping[str, float]] = lambda design, path: {}
 
     def keys(self, design: Design, paths: Sequence[str]) -> tuple[str, ...]:
         """Keys of all limits that the user may state when these fields are varied."""
@@ -228,17 +220,6 @@ def _near_pivot(design: Design, path: str) -> np.ndarray:
     return get(design, path) + far * np.linspace(-0.25, 0.25, 9)
 
 
-def _half_to_double(design: Design, path: str) -> np.ndarray:
-    return get(design, path) * np.linspace(0.5, 2.0, 49)
-
-
-def _arm(design: Design, box: Box) -> tuple[str, ...]:
-    """Path of the length of the arm with the contact."""
-    return next(
-        ((path,) for path in ("follower.arm_mm", "follower.roller_arm_mm") if has(design, path)), ("follower.arm_mm",)
-    )
-
-
 def _first(paths: tuple[str, ...]) -> Callable[[Design, Box], tuple[str, ...]]:
     """Function that returns the first of these fields that the design has."""
     return lambda design, box: (next((path for path in paths if has(design, path)), paths[0]),)
@@ -284,7 +265,8 @@ CAM_SEARCHES: Mapping[str, SearchRow] = MappingProxyType(
             _near_pivot, help="the pivot of least pressure angle in a box",
         ),
         "arm": SearchRow(
-            "Arm of least pressure angle", _arm, LEAST_PRESSURE, _half_to_double,
+            "Arm of least pressure angle", _first(("follower.arm_mm", "follower.roller_arm_mm")), LEAST_PRESSURE,
+            lambda design, path: get(design, path) * np.linspace(0.5, 2.0, 49),
             help="the arm length of least pressure angle in a box",
         ),
         "preload": SearchRow(

@@ -85,23 +85,11 @@ def _residual(study: Study, extremes: ExtremesByName) -> float | None:
     return max((lever_arm * residual.from_rest for residual in study.follower_response.residuals), default=None)
 
 
-def _pressure(study: Study, extremes: ExtremesByName) -> float | None:
-    return max((extremes[name].high.value for name in PRESSURES.values() if name in extremes), default=None)
-
-
 def _least_contact(study: Study, extremes: ExtremesByName) -> float | None:
     """Least contact force, of the elastic follower in steady running where the design has one; None without damping."""
     if not study.is_elastic:
         return extremes["contact_force"].low.value
     return extremes["elastic_contact_force"].low.value if "elastic_contact_force" in extremes else None
-
-
-def _is_open(study: Study) -> bool:
-    return "cam" in study.stages and not study.is_form_closed and not study.loading.is_empty
-
-
-def _is_stressed(study: Study) -> bool:
-    return "cam" in study.stages and not study.loading.is_empty and bool(pairings(study))
 
 
 def _has_motor(study: Study) -> bool:
@@ -127,11 +115,14 @@ FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
         "least_contact_force_n", "Least contact",
         "Least contact force over the turn, of an elastic follower in steady running: below 0 the follower leaves the cam",
-        _is_open, _least_contact, ("contact_force", "elastic_contact_force"),
+        lambda study: "cam" in study.stages and not study.is_form_closed and not study.loading.is_empty,
+        _least_contact, ("contact_force", "elastic_contact_force"),
     ),
     RankingColumn(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",
-        _is_stressed, _pressure, tuple(PRESSURES.values()),
+        lambda study: "cam" in study.stages and not study.loading.is_empty and bool(pairings(study)),
+        lambda study, extremes: max((extremes[name].high.value for name in PRESSURES.values() if name in extremes), default=None),
+        tuple(PRESSURES.values()),
     ),
     RankingColumn(
         "motor_rms_nm", "Motor rms", "Root mean square of the servo's torque over the turn", _has_motor,

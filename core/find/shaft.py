@@ -141,10 +141,6 @@ def _wheel_keys(design: Design) -> Mapping[str, float | None]:
     }
 
 
-def _phase_keys(design: Design) -> Mapping[str, float | None]:
-    return dict.fromkeys(f"drives[{i}].phase_deg{end}" for i in range(1, len(design.drives)) for end in ENDS)
-
-
 def _spring_keys(design: Design) -> Mapping[str, float | None]:
     paths = (RATE, PRELOAD)
     return {
@@ -683,7 +679,8 @@ SHAFT_SEARCHES: Mapping[str, ShaftRow] = MappingProxyType(
         "phases": ShaftRow(
             "Best phases", ("drives[",), (), _phases,
             "the phases of least peak torque that keep the timing; --for rms or fluctuation: least of these",
-            lambda design: len(design.drives) > 1, _phase_keys,
+            lambda design: len(design.drives) > 1,
+            lambda design: dict.fromkeys(f"drives[{i}].phase_deg{end}" for i in range(1, len(design.drives)) for end in ENDS),
             MappingProxyType(
                 {"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}
             ),

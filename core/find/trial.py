@@ -240,8 +240,10 @@ def sample_designs(
             continue
         peaks = curve_peaks(curves, batch.count, angles)
         failed = batch.failed_at(stage)
-        for k in np.flatnonzero(~batch.separate).tolist():
-            yield SampledDesign(first + k, None if failed[k] else peaks[k], linkage)
+        yield from (
+            SampledDesign(first + k, None if failed[k] else peaks[k], linkage)
+            for k in np.flatnonzero(~batch.separate).tolist()
+        )
 
 
 def curve_peaks(curves: Mapping[str, Sequence[Curve]], count: int, angles: Angles) -> list[Peaks]:

@@ -67,11 +67,8 @@ def velocity_differences(kinematics: Kinematics) -> Iterator[PolygonTriangle]:
     """
     for name, body in kinematics.bodies.items():
         if name != FRAME:
-            for a, p in combinations(_outwards(kinematics, name), 2):
-                yield _turning(name, body, a, p)
-    for pair in kinematics.pairs.values():
-        if pair.kind == SLIDING:
-            yield _sliding(kinematics, pair)
+            yield from (_turning(name, body, a, p) for a, p in combinations(_outwards(kinematics, name), 2))
+    yield from (_sliding(kinematics, pair) for pair in kinematics.pairs.values() if pair.kind == SLIDING)
 
 
 def _outwards(kinematics: Kinematics, name: str) -> list[str]:

@@ -121,9 +121,11 @@ def _ramps(x: np.ndarray, s: np.ndarray, v: np.ndarray, a: np.ndarray) -> Iterat
     steady = (np.abs(a) <= RAMP_CURVATURE * np.abs(a).max()) & (s <= RAMP_HEIGHT * s.max())
     steady &= (np.abs(v) <= RAMP_SPEED * np.abs(v).max()) & (np.abs(v) >= 1e-3 * np.abs(v).max())
     edges = np.flatnonzero(np.diff(np.concatenate(([False], steady, [False])).astype(int))).reshape(-1, 2)
-    for first, end in edges:
-        if x[end - 1] - x[first] >= RAMP_LEAST:
-            yield Ramp(float(x[first]), float(x[end - 1]), float(np.mean(v[first:end])))
+    yield from (
+        Ramp(float(x[first]), float(x[end - 1]), float(np.mean(v[first:end])))
+        for first, end in edges
+        if x[end - 1] - x[first] >= RAMP_LEAST
+    )
 
 
 def velocity_jumps(fit: MotionFit) -> tuple[VelocityJump, ...]:

@@ -158,10 +158,14 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
     figures = summary(study)
     yield from _extreme_rows(figures["extremes"])
     for name in ("flywheel", "torque"):
-        for key, value in figures.get(name, {}).items():
-            yield (key if name == "flywheel" else f"torque_{key}", ""), value
-    for life in figures.get("rolling_life", ()):
-        yield (f"{life['roller'].replace(' ', '_')}_life_hours", ""), life["hours"]
+        yield from (
+            ((key if name == "flywheel" else f"torque_{key}", ""), value)
+            for key, value in figures.get(name, {}).items()
+        )
+    yield from (
+        ((f"{life['roller'].replace(' ', '_')}_life_hours", ""), life["hours"])
+        for life in figures.get("rolling_life", ())
+    )
     for slug, drive in study.solved_drives.items():
         if slug:
             yield from _extreme_rows(extremes(drive, drive.stages), f"{slug}.")

@@ -134,8 +134,9 @@ def table(
 
     def lines() -> Iterator[bytes]:
         yield csv_header(columns)
-        for degrees, part in study_blocks(study):
-            yield csv_lines(columns, [degrees, *(row.values(part) for row in rows)])
+        yield from (
+            csv_lines(columns, [degrees, *(row.values(part) for row in rows)]) for degrees, part in study_blocks(study)
+        )
 
     return lines()
 

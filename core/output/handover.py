@@ -127,9 +127,11 @@ def _drives(study: Study) -> Iterator[tuple[str, float, Study]]:
     if not study.design.listed:
         yield "", 0.0, study
         return
-    for (name, drive_study), drive in zip(study.drives.items(), study.design.drives, strict=True):
-        if name not in study.camshaft.failures:
-            yield name, drive.phase_deg, drive_study
+    yield from (
+        (name, drive.phase_deg, drive_study)
+        for (name, drive_study), drive in zip(study.drives.items(), study.design.drives, strict=True)
+        if name not in study.camshaft.failures
+    )
 
 
 def _machine_data(study: Study, phase: float) -> dict[str, Any]:
@@ -424,8 +426,7 @@ def drive_folders(study: Study) -> Iterator[tuple[str, str, Study]]:
         yield "", "", study
         return
     camshaft = study.camshaft
-    for name, drive_study in study.drives.items():
-        yield f"{camshaft.slugs[name]}/", name, drive_study
+    yield from ((f"{camshaft.slugs[name]}/", name, drive_study) for name, drive_study in study.drives.items())
 
 
 def _file_builders(

@@ -245,8 +245,10 @@ def _svg_lines(comment: Sequence[str], layers: Layers) -> Iterator[str]:
         for line, closed in shapes.lines:
             points = " ".join(f"{at.real + 0.0!r},{0.0 - at.imag!r}" for at in line.tolist())
             yield f'<{"polygon" if closed else "polyline"} points="{points}"/>'
-        for centre, radius in shapes.circles:
-            yield f'<circle cx="{centre.real!r}" cy="{0.0 - centre.imag!r}" r="{radius!r}"/>'
+        yield from (
+            f'<circle cx="{centre.real!r}" cy="{0.0 - centre.imag!r}" r="{radius!r}"/>'
+            for centre, radius in shapes.circles
+        )
         yield "</g>"
     yield "</svg>\n"
 
@@ -420,9 +422,11 @@ def _point_or_direction(centre: Centres, size: float) -> tuple[complex | None, f
 def _links(study: Study) -> Iterator[LinkRow]:
     """Moving links; ratios of a follower's links to the speed of the cam."""
     if not study.design.drive.links:
-        for body, omega in _velocities(study).items():
-            if body != FRAME:
-                yield LinkRow(body, omega, omega / (study.sense * study.omega), math.nan)
+        yield from (
+            LinkRow(body, omega, omega / (study.sense * study.omega), math.nan)
+            for body, omega in _velocities(study).items()
+            if body != FRAME
+        )
         return
     driver = body_name(study.design.drive.linkage.driver.link)
     for number, speed in study.angular_velocities().items():
@@ -511,8 +515,10 @@ def _chains(study: Study) -> Iterator[tuple[CentreTable, str, str]]:
     """Pairs of bodies whose velocities are compared: of a linkage to the driver and from link to link, of a follower to the cam."""
     if study.design.drive.links:
         table, driver = study.centres, body_name(study.design.drive.linkage.driver.link)
-        for body, base in dict.fromkeys(pair for pairs in CHAINS.values() for pair in pairs(table, driver)):
-            yield table, body, base
+        yield from (
+            (table, body, base)
+            for body, base in dict.fromkeys(pair for pairs in CHAINS.values() for pair in pairs(table, driver))
+        )
     else:
         table = study.cam_centres
         yield from ((table, body, CAM) for body in table.bodies[1:-1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from core.design import UNITS, Design, distances
 from core.design.parts import LINEAR
 from core.design.topology import mobility
 from core.errors import NoStability
-from core.findings import Finding, Residual
+from core.findings import Finding
 from core.mechanism.branches import four_bar
 from core.motion.extremes import Extremes
 from core.output.channels import channels, has_cycle, motion_cycle
@@ -48,7 +48,10 @@ def summary(study: Study, stages: Sequence[str] = (), without: frozenset[str] = 
         **figures,
         **({"stability": shaft} if shaft else {}),
         "findings": finding_rows(findings_of(study, selected)),
-        "certificate": residual_rows(certificate_of(study, selected)),
+        "certificate": {
+            name: {"value": r.value, "bound": r.bound, "left_out": r.left_out}
+            for name, r in certificate_of(study, selected).items()
+        },
     }
 
 
@@ -147,11 +150,6 @@ def finding_rows(findings: Iterable[Finding]) -> list[dict[str, Any]]:
         }
         for f in findings
     ]
-
-
-def residual_rows(proof: Mapping[str, Residual]) -> dict[str, Any]:
-    """A certificate as data, by name."""
-    return {name: {"value": r.value, "bound": r.bound, "left_out": r.left_out} for name, r in proof.items()}
 
 
 def range_row(extreme_values: Extremes, factor: float) -> dict[str, Any]:

@@ -113,9 +113,11 @@ def blend_text(blended: BlendResult) -> str:
         rows.append((r.curve, *(digits(round(v, 12), 9) for v in numbers)))
     solution = blended.solution
     lines = [f"sequence {'-'.join(blended.curves)}", "", *columns(rows), ""]
-    for label, speed in (("rise", solution.speed), ("return", solution.back_speed)):
-        if speed:
-            lines.append(f"peak velocity of the {label} {digits(speed, 9)} {unit}/deg")
+    lines.extend(
+        f"peak velocity of the {label} {digits(speed, 9)} {unit}/deg"
+        for label, speed in (("rise", solution.speed), ("return", solution.back_speed))
+        if speed
+    )
     for flat in flat_rows(blended):
         position = (
             f"over {digits(flat.span, 9)} deg, from {digits(flat.angle, 9)} to {digits(flat.angle + flat.span, 9)} deg"

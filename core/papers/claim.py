@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from functools import cached_property
 from math import isfinite, isnan
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 # -- example files, each studied once ---------------------------------------------------------------------------
+
+T = TypeVar("T")
 
 SAMPLES = 720  # of a turn
 NONE: Mapping[str, Design] = MappingProxyType({})
@@ -43,8 +45,7 @@ class Examples:
 
     def study(self, name: str) -> Study:
         """Study of an example."""
-        study: Study = self.once(("study", name), lambda: Study(self.design(name), SAMPLES))
-        return study
+        return self.once(("study", name), lambda: Study(self.design(name), SAMPLES))
 
     def shaft(self, name: str) -> Camshaft[Study]:
         """Camshaft of an example with all its drives."""
@@ -55,11 +56,11 @@ class Examples:
         """Keys of the results that are already computed."""
         return frozenset(self._cache)
 
-    def once(self, key: Hashable, compute: Callable[[], Any]) -> Any:
+    def once(self, key: Hashable, compute: Callable[[], T]) -> T:
         """Result that several claims share, computed at its first use."""
         if key not in self._cache:
             self._cache[key] = compute()
-        return self._cache[key]
+        return cast("T", self._cache[key])
 
 
 # -- figures and tables of a paper ------------------------------------------------------------------------------
@@ -197,6 +198,17 @@ def closed(column: np.ndarray) -> np.ndarray:
     ndarray (n + 1,), dimensionless
     """
     return np.append(column, column[:1])
+
+
+def relative_error(value: np.ndarray, true: np.ndarray) -> float:
+    """Largest difference relative to the largest true value.
+
+    Parameters
+    ----------
+    value, true : ndarray (n,), dimensionless
+        Of the same unit.
+    """
+    return float(np.abs(value - true).max() / np.abs(true).max())
 
 
 def by_angle(columns: Columns, plots: Iterable[Lines], marks: Marks = ()) -> tuple[Plot, ...]:
@@ -374,8 +386,7 @@ class Claim:
         """Numbers computed from the examples, or the given ones."""
         if self.given is not None:
             return self.given
-        result: Numbers = self.examples.once((self.paper, self.where), lambda: self.row.numbers(self.examples))
-        return result
+        return self.examples.once((self.paper, self.where), lambda: self.row.numbers(self.examples))
 
     @cached_property
     def judgement(self) -> Judgement:

@@ -382,14 +382,6 @@ def _profile_plots(examples: Examples) -> tuple[Plot, ...]:
     return (Plot(CAM_ANGLE, "Relative to the largest", curves),)
 
 
-def _psi(examples: Examples) -> tuple[Plot, ...]:
-    return (coefficients_plot(shaft_of(examples).coefficients, ("ψ",)),)
-
-
-def _psi_table(examples: Examples) -> FigureTable:
-    return _table(coefficients_columns(shaft_of(examples).coefficients))
-
-
 # -- Figs. 6 to 12 ------------------------------------------------------------------------------------------
 
 
@@ -451,7 +443,12 @@ def _history(number: int) -> PaperFigure:
 FORCES = _sheet(2, "contact force and torque on the cam", _forces_table, _forces)
 LINEARISATION = _sheet(3, "the angle about which it is linearised", _angles_table, _linearisation)
 DISPLACEMENT = _sheet(4, "profile of the single harmonic cam", lambda e: table_by_column(_profile(e)), _profile_plots)
-PSI = _sheet(5, "the periodic function ψ, a = 1.5", _psi_table, _psi)
+PSI = _sheet(
+    5,
+    "the periodic function ψ, a = 1.5",
+    lambda examples: _table(coefficients_columns(shaft_of(examples).coefficients)),
+    lambda examples: (coefficients_plot(shaft_of(examples).coefficients, ("ψ",)),),
+)
 MEAN = _sheet(
     6, "mean of |β| through the first turn", _averages_table, lambda e: averages_plots(averages(e, CHART_ROWS))[:1]
 )
@@ -486,10 +483,10 @@ ROWS = (
     Row("(1)", "Ic d²θc/dt² + Kc (θc - θi) = Tc", equations.shaft_spring, wrong_symbol(AS_SCANNED,
         "{symbol} here and in the sentence before it, {fitting} in the list of symbols, in (8), (12) and (17): along the solution of Fig. "
         "9 (1) holds with a stiffness of {needed:.6f} Ic ω² = η² Ic ω², by (12) that of {fitting}"), EXAMPLE),
-    Row("(3), Fig. 2", "Fc = Mv Ẋ + Kv X", equations.contact_force, corrected_print(AS_SCANNED,
+    Row("(3), Fig. 2", "Fc = Mv Ẋ + Kv X", equations.print_errors("force"), corrected_print(AS_SCANNED,
         "Ẍ for Ẋ, a dot that the scan may have lost: as printed the largest force is {printed_largest:.3g} N, off by {printed:.2g} of the "
         "largest, {largest:.4g} N; with Ẍ it is Newton-Euler's to {corrected:.1g}"), EXAMPLE, FORCES),
-    Row("(4), Fig. 2", "Tc = Mv X'² θc + Mv X''X' θc² + Kv XX'", equations.cam_torque, corrected_print(MISPRINT,
+    Row("(4), Fig. 2", "Tc = Mv X'² θc + Mv X''X' θc² + Kv XX'", equations.print_errors("torque"), corrected_print(MISPRINT,
         "by (3) and (1) Tc = -Fc X' = -(Mv X'² d²θc/dt² + Mv X''X' (dθc/dt)² + Kv XX'): without the minus and the dots of θc, which the "
         "scan may have lost, it is off by {printed:.2g} of the largest, {largest:.4g} N·m; corrected it is that of the energies to "
         "{corrected:.1g}"), EXAMPLE, FORCES),

@@ -71,17 +71,15 @@ def require_kim(coefficients: Coefficients) -> None:
 
 def shaft_of(examples: Examples) -> Stability:
     """Flexible shaft of the example."""
-    shaft: Stability = examples.once("shaft of Kim", lambda: examples.study(EXAMPLE).flexible_shaft())
-    return shaft
+    return examples.once("shaft of Kim", lambda: examples.study(EXAMPLE).flexible_shaft())
 
 
 def row(examples: Examples, q: float, equation: str) -> Tongues:
     """Tongues 1 ... 11 at one Q."""
     coefficients = shaft_of(examples).coefficients
-    result: Tongues = examples.once(
+    return examples.once(
         ("tongues", q, equation), lambda: tongues(coefficients, np.array([q]), COUNT, equation, error=SHARP)
     )
-    return result
 
 
 def run_of(examples: Examples, number: int) -> History:
@@ -90,21 +88,17 @@ def run_of(examples: Examples, number: int) -> History:
     if _runs_key(TURNS, 0.0) in examples.cached_keys:
         return runs(examples)[index]
     _, eta, q, _ = FIGURES[index]
-    result: History = examples.once(
-        ("history", number), lambda: history(shaft.coefficients, eta, q, contact=shaft.contact)
-    )
-    return result
+    return examples.once(("history", number), lambda: history(shaft.coefficients, eta, q, contact=shaft.contact))
 
 
 def runs(examples: Examples, periods: float = TURNS, damping: float = 0.0) -> tuple[History, ...]:
     """Histories of Figs. 9-12, integrated together."""
     shaft = shaft_of(examples)
     eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
-    result: tuple[History, ...] = examples.once(
+    return examples.once(
         _runs_key(periods, damping),
         lambda: histories(shaft.coefficients, eta, q, damping, periods, contact=shaft.contact),
     )
-    return result
 
 
 def _runs_key(periods: float, damping: float) -> Hashable:

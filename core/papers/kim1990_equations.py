@@ -5,13 +5,13 @@ Each equation is compared with an independent result: energies, Newton-Euler's c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from core.papers.claim import Examples
+from core.papers.claim import Examples, relative_error
 from core.papers.kim1990_chart import EXAMPLE, FACTOR, Q, row, run_of, shaft_of
 from core.stability.coefficients import (
     APPROXIMATE,
@@ -38,11 +38,6 @@ def _turn() -> np.ndarray:
     return np.asarray(2.0 * pi * (np.arange(SAMPLES) + 0.5) / SAMPLES)
 
 
-def _off(value: np.ndarray, true: np.ndarray) -> float:
-    """Largest difference relative to the largest true value."""
-    return float(np.abs(value - true).max() / np.abs(true).max())
-
-
 def profile(examples: Examples) -> Numbers:
     """(33) as printed against the example's motion, each relative to its largest.
 
@@ -57,7 +52,7 @@ def profile(examples: Examples) -> Numbers:
     printed = (0.5 * (1.0 - np.cos(2.0 * theta)), np.sin(2.0 * theta), 2.0 * np.cos(2.0 * theta))
     stroke = shaft_of(examples).coefficients.sizes.stroke
     return {
-        "off": max(_off(np.where(is_moving, curve, 0.0), y[k] / stroke) for k, curve in enumerate(printed)),
+        "off": max(relative_error(np.where(is_moving, curve, 0.0), y[k] / stroke) for k, curve in enumerate(printed)),
         "bound": SMALL,
     }
 
@@ -75,7 +70,7 @@ def load_slope(examples: Examples) -> Numbers:
     psi = FACTOR * sizes.curvature * (a * (x - sizes.lowest) + v * v) / (sizes.slope**2 * sizes.stroke)
     computed = coefficients.panels.at(theta, 5)[LOAD_SLOPE]
     mean = float((coefficients.panels.weights * coefficients.panels.values[LOAD_SLOPE]).sum())
-    return {"off": _off(psi, computed), "bound": SMALL, "largest": float(computed.max()), "mean": abs(mean)}
+    return {"off": relative_error(psi, computed), "bound": SMALL, "largest": float(computed.max()), "mean": abs(mean)}
 
 
 def forces(examples: Examples) -> dict[str, np.ndarray]:
@@ -117,38 +112,25 @@ def forces(examples: Examples) -> dict[str, np.ndarray]:
     }
 
 
-def contact_force(examples: Examples) -> Numbers:
-    """Errors of (3) as printed and corrected.
+def print_errors(name: str) -> Callable[[Examples], Numbers]:
+    """Function that returns the errors of (3), `force`, or (4), `torque`, as printed and corrected.
 
     References
     ----------
-    Kim (1990), eq. (3).
+    Kim (1990), eqs. (3), (4).
     """
-    f = forces(examples)
-    return {
-        "printed": _off(f["force printed"], f["force"]),
-        "corrected": _off(f["force corrected"], f["force"]),
-        "bound": SMALL,
-        "largest": float(f["force"].max()),
-        "printed_largest": float(f["force printed"].max()),
-    }
 
+    def numbers(examples: Examples) -> Numbers:
+        f = forces(examples)
+        return {
+            "printed": relative_error(f[f"{name} printed"], f[name]),
+            "corrected": relative_error(f[f"{name} corrected"], f[name]),
+            "bound": SMALL,
+            "largest": float(np.abs(f[name]).max()),
+            "printed_largest": float(np.abs(f[f"{name} printed"]).max()),
+        }
 
-def cam_torque(examples: Examples) -> Numbers:
-    """Errors of (4) as printed and corrected.
-
-    References
-    ----------
-    Kim (1990), eq. (4).
-    """
-    f = forces(examples)
-    return {
-        "printed": _off(f["torque printed"], f["torque"]),
-        "corrected": _off(f["torque corrected"], f["torque"]),
-        "bound": SMALL,
-        "largest": float(np.abs(f["torque"]).max()),
-        "printed_largest": float(np.abs(f["torque printed"]).max()),
-    }
+    return numbers
 
 
 def spring_mass(examples: Examples) -> Numbers:
@@ -184,8 +166,7 @@ def _solution(examples: Examples) -> dict[str, np.ndarray]:
     and the
     rates of these two by differences.
     """
-    result: dict[str, np.ndarray] = examples.once("solution of Fig. 9", lambda: _integrated(examples))
-    return result
+    return examples.once("solution of Fig. 9", lambda: _integrated(examples))
 
 
 def _integrated(examples: Examples) -> dict[str, np.ndarray]:
@@ -283,8 +264,8 @@ def rates(examples: Examples) -> Numbers:
     second = 2.0 * pi * (s["centripetal"] + s["spring"] + s["load"]) / s["inertia"]
     pairs = ((s["wind-up"], s["rate"], s["first"]), (s["rate"], second, s["second"]), (share * theta, share, slope))
     return {
-        "printed": min(_off(printed, true) for printed, _, true in pairs),
-        "corrected": max(_off(corrected, true) for _, corrected, true in pairs),
+        "printed": min(relative_error(printed, true) for printed, _, true in pairs),
+        "corrected": max(relative_error(corrected, true) for _, corrected, true in pairs),
         "bound": NUMERICAL,
     }
 
@@ -343,7 +324,11 @@ def slope_of_c(examples: Examples) -> Numbers:
     panels, theta = shaft_of(examples).coefficients.panels, _turn()
     slope = (panels.at(theta + STEP, 5)[CENTRIPETAL] - panels.at(theta - STEP, 5)[CENTRIPETAL]) / (2.0 * STEP)
     rows = panels.at(theta, 5)
-    return {"printed": _off(rows[CENTRIPETAL], slope), "corrected": _off(rows[CURVATURE], slope), "bound": NUMERICAL}
+    return {
+        "printed": relative_error(rows[CENTRIPETAL], slope),
+        "corrected": relative_error(rows[CURVATURE], slope),
+        "bound": NUMERICAL,
+    }
 
 
 def _smallest(matrix: np.ndarray) -> float:

@@ -61,8 +61,7 @@ def data_file(examples: Examples) -> Numbers:
 
     The number of columns from which it is built, and the errors of its own velocity [mm/s] and acceleration [mm/s²].
     """
-    numbers: Numbers = examples.once("data file of the lift", lambda: _read(examples))
-    return numbers
+    return examples.once("data file of the lift", lambda: _read(examples))
 
 
 def _read(examples: Examples) -> Numbers:
@@ -88,11 +87,6 @@ def _read(examples: Examples) -> Numbers:
     }
 
 
-def _smooth_joins(study: Study) -> float:
-    """Number of joins at which neither velocity nor acceleration jumps."""
-    return float(sum(not join.jumps[1:3].any() for join in study.program.joins))
-
-
 def _lift_measure(measure: Callable[[Study], float]) -> Callable[[Examples], float]:
     return lambda examples: measure(examples.study(LIFT))
 
@@ -101,7 +95,8 @@ FILES: tuple[tuple[str, str, str, Callable[[Examples], float]], ...] = (
     ("MAIN.C", "calls each program, makes the menus", "stages of a study", _lift_measure(lambda s: float(len(s.stages)))),
     ("INPUT.C", "screen input and output", "values of the form", _lift_measure(lambda s: float(len(list(all_paths(s.design)))))),
     ("MOTION.C", "follower displacement, velocity, acceleration", "motion laws", lambda _: float(len(LAWS))),
-    ("MAKE.C", "makes the displacement curve, decides its continuity", "joins without a jump of v and a", _lift_measure(_smooth_joins)),
+    ("MAKE.C", "makes the displacement curve, decides its continuity", "joins without a jump of v and a",
+     _lift_measure(lambda s: float(sum(not join.jumps[1:3].any() for join in s.program.joins)))),
     ("FILEIO.C", "calls a data file of displacement, velocity, acceleration", "columns that make the motion",
      lambda examples: float(data_file(examples)["fitted"])),
     ("COMPO.C", "geometric form, basic position", "L0, mm", lambda examples: base(examples)["slider"]),
@@ -355,10 +350,6 @@ SECTION_6 = {16: FIG_16, 17: FIG_17, 18: FIG_18, 19: FIG_19, 20: FIG_20}
 # fmt: on
 
 
-def _unit(examples: Examples) -> Drawing:
-    return ShaftPicture(examples.shaft(UNIT), 0.0, "Shin1995 Fig. 14: structure of transfer unit")
-
-
 def _types_table(examples: Examples) -> FigureTable:
     numbers = layouts.types(examples)
     layouts_found, force = numbers["layouts"], numbers["force"]
@@ -378,7 +369,12 @@ def _types(examples: Examples) -> Drawing:
 
 
 FIG_1 = PaperFigure("figure_1", "Shin1995 Fig. 1: types of cam driving slide mechanisms", _types_table, _types)
-FIG_14 = PaperFigure("figure_14", "Shin1995 Fig. 14: structure of transfer unit", _drives, _unit)
+FIG_14 = PaperFigure(
+    "figure_14",
+    "Shin1995 Fig. 14: structure of transfer unit",
+    _drives,
+    lambda examples: ShaftPicture(examples.shaft(UNIT), 0.0, "Shin1995 Fig. 14: structure of transfer unit"),
+)
 
 
 def _path_columns(examples: Examples) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.design import Shaft, put, require_motion, si
 from core.numerics.derivatives import cross
-from core.papers.claim import Examples
+from core.papers.claim import Examples, relative_error
 from core.papers.shin1995_geometry import LIFT, UNIT
 from core.study import Study, extremes_of
 from core.study.quantity_requests import output_travel, path_drives, path_rate
@@ -21,11 +21,6 @@ from core.study.quantity_requests import output_travel, path_drives, path_rate
 SMALL = 1e-9
 
 Numbers = Mapping[str, Any]
-
-
-def _off(value: np.ndarray, true: np.ndarray) -> float:
-    """Largest difference relative to the largest true value."""
-    return float(np.abs(value - true).max() / np.abs(true).max())
 
 
 def largest(study: Study, stage: str, name: str) -> float:
@@ -52,7 +47,7 @@ def velocities(examples: Examples) -> Numbers:
     rod2 = (y[2] * np.cos(phi) + g.rod * beta1**2 * np.cos(d) + g.slider_arm * phi1**2) / (g.rod * np.sin(d))
     arm2 = (y[2] * np.cos(beta) + g.slider_arm * phi1**2 * np.cos(d) + g.rod * beta1**2) / (g.slider_arm * np.sin(-d))
     pairs = ((rod, beta1), (arm, phi1), (rod2, beta2), (arm2, phi2))
-    return {"off": max(_off(a[is_moving], b[is_moving]) for a, b in pairs), "bound": SMALL}
+    return {"off": max(relative_error(a[is_moving], b[is_moving]) for a, b in pairs), "bound": SMALL}
 
 
 def centre(examples: Examples) -> dict[str, np.ndarray]:
@@ -104,7 +99,7 @@ def roller_velocity(examples: Examples) -> Numbers:
     """
     c, study = centre(examples), examples.study(LIFT)
     return {
-        "off": _off(c["by centre"], c["roller"]),
+        "off": relative_error(c["by centre"], c["roller"]),
         "bound": SMALL,
         "centre": largest(study, "cam", "instant_centre_velocity"),
         "roller": largest(study, "cam", "reference_velocity"),
@@ -270,8 +265,7 @@ MUCH = 0.5  # of the cam's peak: greatest torque that is "much less"
 def weightless(examples: Examples) -> Study:
     """The lift without weights, which (22)-(24) of the paper leave out."""
     design = put(examples.design(LIFT), "loads.gravity_m_s2", 0.0)
-    study: Study = examples.once("lift without weights", lambda: Study(design, examples.study(LIFT).samples))
-    return study
+    return examples.once("lift without weights", lambda: Study(design, examples.study(LIFT).samples))
 
 
 def pin_force(examples: Examples) -> dict[str, np.ndarray]:
@@ -317,8 +311,8 @@ def bracket(examples: Examples) -> Numbers:
     """
     f = pin_force(examples)
     return {
-        "printed": _off(f["in m"], f["true"]),
-        "corrected": _off(f["corrected"], f["true"]),
+        "printed": relative_error(f["in m"], f["true"]),
+        "corrected": relative_error(f["corrected"], f["true"]),
         "bound": SMALL,
         "largest": float(np.abs(f["true"]).max()),
         "metres": float(np.abs(f["in m"]).max()),
@@ -369,8 +363,8 @@ def counted_twice(examples: Examples) -> Numbers:
     """
     t = arm_torque(examples)
     return {
-        "printed": _off(t["printed"], t["true"]),
-        "corrected": _off(t["corrected"], t["true"]),
+        "printed": relative_error(t["printed"], t["true"]),
+        "corrected": relative_error(t["corrected"], t["true"]),
         "bound": SMALL,
         "largest": float(np.abs(t["true"]).max()),
         "difference": float(np.abs(t["printed"] - t["true"]).max()),
@@ -389,7 +383,7 @@ def drive_torque(examples: Examples) -> Numbers:
     crossed = -study.cam.rotation_sign * cross(study.cam.reference, force)
     power = study.dynamics.follower_torque * study.linkage.coordinates["phi"][1]
     return {
-        "off": max(_off(crossed, study.dynamics.torque), _off(power, study.dynamics.torque)),
+        "off": max(relative_error(crossed, study.dynamics.torque), relative_error(power, study.dynamics.torque)),
         "bound": 1e-8,
         "largest": largest(study, "dynamics", "drive_torque"),
     }
@@ -433,8 +427,7 @@ def with_flywheel(examples: Examples) -> Study:
         shaft = replace(shaft_of(study), flywheel_inertia_kg_m2=needed)
         return Study(replace(study.design, shaft=shaft), study.samples)
 
-    study: Study = examples.once("lift with a flywheel", compute)
-    return study
+    return examples.once("lift with a flywheel", compute)
 
 
 def flywheel(examples: Examples) -> Numbers:

@@ -234,11 +234,6 @@ THIN = 15.0  # length over radius of gyration: nearly all of the mass would be i
 DIGITS = 1  # digits that a misprint may change
 
 
-def _radius_of(mass: float) -> float:
-    """Length L_D [mm], which the paper names without a number: that of its I_L as m r²/9.81."""
-    return sqrt(PRINTED_INERTIAS["arm"] * 9810.0 / mass)
-
-
 def half_rod(design: Design) -> float:
     """Half length of the rod, L2/2 [mm]."""
     return 0.5 * float(get(design, "follower.rod_mm"))
@@ -259,7 +254,8 @@ def inertia(link: str, length_path: str, arm: Callable[[Design], float] | None =
         design, value = examples.design(LIFT), PRINTED_INERTIAS[link]
         mass, taken = float(get(design, f"loads.{link}_mass_kg")), float(get(design, f"loads.{link}_inertia_kg_m2"))
         length, printed = float(get(design, length_path)), f"{value:.3f}"
-        r = _radius_of(mass) if arm is None else arm(design)
+        # the paper names L_D without a number: that of its I_L as m r²/9.81
+        r = sqrt(PRINTED_INERTIAS["arm"] * 9810.0 / mass) if arm is None else arm(design)
         decoded = f"{mass * r * r / 9810.0:.3f}"
         return {
             "value": value,
@@ -307,8 +303,7 @@ Sides = tuple[str, str, str]
 
 def study_of(examples: Examples, letter: str) -> Study:
     """Study of the lift in one of the layouts."""
-    study: Study = examples.once(("layout", letter), lambda: Study(in_layout(examples.design(LIFT), letter), SAMPLES))
-    return study
+    return examples.once(("layout", letter), lambda: Study(in_layout(examples.design(LIFT), letter), SAMPLES))
 
 
 def sides(study: Study, theta: float) -> Sides:

@@ -29,10 +29,7 @@ Numbers = Mapping[str, Any]
 
 def posed(examples: Examples, name: str) -> Study:
     """Study of an example at its angle."""
-    study: Study = examples.once(
-        ("posed", name), lambda: examples.study(name).at_theta(np.array([radians(ANGLES[name])]))
-    )
-    return study
+    return examples.once(("posed", name), lambda: examples.study(name).at_theta(np.array([radians(ANGLES[name])])))
 
 
 def centre(table: CentreTable, a: int, b: int) -> complex:

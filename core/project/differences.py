@@ -57,10 +57,8 @@ def _rows(path: str, before: Sequence[Any], after: Sequence[Any]) -> Iterator[Va
         common = min(i_end - i, j_end - j)
         for k in range(common):
             yield from _compare(f"{path}[{j + k}]", before[i + k], after[j + k])
-        for k in range(i + common, i_end):
-            yield ValueDifference(f"{path}[{k}]", before[k], MISSING)
-        for k in range(j + common, j_end):
-            yield ValueDifference(f"{path}[{k}]", MISSING, after[k])
+        yield from (ValueDifference(f"{path}[{k}]", before[k], MISSING) for k in range(i + common, i_end))
+        yield from (ValueDifference(f"{path}[{k}]", MISSING, after[k]) for k in range(j + common, j_end))
 
 
 def _is_table(value: Any) -> bool:

@@ -138,9 +138,11 @@ def with_unlinked_motion(design: Design) -> Design:
     motion = require_motion(design)
     if motion.follows is None:
         return design
-    compiled, segments = program(motion), []
-    for i, segment in enumerate(motion.segments):
-        segments.append(_tabled(compiled, i, segment) if isinstance(segment.curve, ComputedCurve) else segment)
+    compiled = program(motion)
+    segments = [
+        _tabled(compiled, i, segment) if isinstance(segment.curve, ComputedCurve) else segment
+        for i, segment in enumerate(motion.segments)
+    ]
     return with_drive(without_marks(design), motion=replace(motion, segments=tuple(segments), follows=None))
 
 

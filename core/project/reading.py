@@ -574,8 +574,9 @@ class Reader:
             self.faults.append(Fault(at, value, "must be a table"))
             return
         _, content = slots(kind)
-        for name, entry in value.items():
-            yield kind(str(name), *self.entry(content, entry, f"{at}.{spelled(name)}"))
+        yield from (
+            kind(str(name), *self.entry(content, entry, f"{at}.{spelled(name)}")) for name, entry in value.items()
+        )
 
     def _number(self, slot: FileEntry, value: Any, at: str) -> Any:
         """A number, an integer where the field requires one."""

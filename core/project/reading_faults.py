@@ -201,9 +201,11 @@ def _size_problems(bare: str) -> Iterator[tuple[str, int, str]]:
             yield "a text too long", word.start(), f"at most {FIELD} characters"
         if length > MOST_DIGITS and word[0].lstrip("+-")[:1].isdigit():
             yield "a number of too many digits", word.start(), f"at most {DIGITS}"
-    for key in re.finditer(r"[^\n{},\[\]=]++", bare):
-        if key[0].count(".") > MOST_KEY_PARTS:
-            yield f"a key of more than {MOST_KEY_PARTS} parts", key.start(), f"at most {MOST_KEY_PARTS}"
+    yield from (
+        (f"a key of more than {MOST_KEY_PARTS} parts", key.start(), f"at most {MOST_KEY_PARTS}")
+        for key in re.finditer(r"[^\n{},\[\]=]++", bare)
+        if key[0].count(".") > MOST_KEY_PARTS
+    )
 
 
 def require_few_entries(table: Mapping[str, Any]) -> None:
@@ -421,8 +423,10 @@ def kind_faults(table: Tables) -> Iterator[Fault]:
     kinds = [kind for kind in KINDS if kind in table]
     if not kinds and not is_alone(table):
         yield missing("follower", _ONE_KIND)
-    for key in kinds[1:]:
-        yield Fault(key, table[key], f"cannot be combined with {kinds[0]}: a design is of one kind", _ONE_KIND)
+    yield from (
+        Fault(key, table[key], f"cannot be combined with {kinds[0]}: a design is of one kind", _ONE_KIND)
+        for key in kinds[1:]
+    )
 
 
 def assumed_faults(table: Tables, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:

@@ -455,22 +455,20 @@ def _require_consistent(row: Controller, table: Mapping[str, Any], path: str) ->
     listed = placeholder_names(row.row)
     if "slave" not in row.columns:
         faults.append(Fault(f"{path}.columns", table["columns"], "no slave", "a list with slave"))
-    for name in row.columns:
-        if name not in listed:
-            faults.append(
-                Fault(
-                    f"{path}.row",
-                    row.row,
-                    f"lacks {{{name}}}, which is one of the columns",
-                    "a placeholder for each column",
-                )
-            )
-    for name in sorted(listed & {*COLUMNS} - {*row.columns}):
-        faults.append(
-            Fault(
-                f"{path}.columns", table["columns"], f"lacks {name}, which is in row", "a column for each placeholder"
-            )
+    faults.extend(
+        Fault(
+            f"{path}.row",
+            row.row,
+            f"lacks {{{name}}}, which is one of the columns",
+            "a placeholder for each column",
         )
+        for name in row.columns
+        if name not in listed
+    )
+    faults.extend(
+        Fault(f"{path}.columns", table["columns"], f"lacks {name}, which is in row", "a column for each placeholder")
+        for name in sorted(listed & {*COLUMNS} - {*row.columns})
+    )
     for method in row.interpolation:
         missing = [name for name in REQUIRED_COLUMNS[method] if name not in row.columns]
         if missing:

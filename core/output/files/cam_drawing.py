@@ -240,8 +240,10 @@ def _items(placed: _PlacedCallout, height: float) -> list[Item]:
     room = (right - left).real - 0.5 * height
     middle = 0.5 * (left + right)
     heights = ABOVE if tip.imag < end.imag else BELOW
-    for line, y in zip(placed.callout.lines, heights, strict=True):
-        items.append(SheetText(middle + 1j * y * height, line, height, room, 0.5))
+    items.extend(
+        SheetText(middle + 1j * y * height, line, height, room, 0.5)
+        for line, y in zip(placed.callout.lines, heights, strict=True)
+    )
     return items
 
 
@@ -509,8 +511,7 @@ def _keyway(values: CamDimensions) -> list[Edge]:
 
 
 def _edges(values: CamDimensions, placement: ViewPlacement) -> Iterator[Item]:
-    for edge in _keyway(values):
-        yield SheetLine((placement(edge.start), placement(edge.end)), OUTLINE)
+    yield from (SheetLine((placement(edge.start), placement(edge.end)), OUTLINE) for edge in _keyway(values))
 
 
 def _axes(bounds: Box, placement: ViewPlacement, beyond: float) -> Iterator[Item]:
@@ -570,9 +571,11 @@ def _callouts(values: CamDimensions, placement: ViewPlacement) -> list[Callout]:
                 )
             )
     circles = [] if base is None or on_base else [(base, f"R {number(base)}", "base circle")]
-    for name, text in (("bore_mm", "bore"), ("hub_mm", "hub")):
-        if name in given:
-            circles.append((0.5 * given[name], f"⌀ {number(given[name])}", text))
+    circles.extend(
+        (0.5 * given[name], f"⌀ {number(given[name])}", text)
+        for name, text in (("bore_mm", "bore"), ("hub_mm", "hub"))
+        if name in given
+    )
     for radius, size, text in circles:
         points = _circle_points(radius, values if text == "bore" else None)
         result.append(Callout((size, text), _tips(points, placement)))

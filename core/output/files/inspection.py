@@ -424,11 +424,6 @@ class ProfileComparison:
         return int(np.argmax(np.abs(self.normal_deviation)))
 
     @property
-    def largest_row(self) -> int:
-        """Row with the largest deviation of lift, which differs where the pressure angle is large."""
-        return int(np.argmax(np.abs(self.deviation)))
-
-    @property
     def is_outside(self) -> np.ndarray:
         """Whether a row is outside of the band (n,)."""
         return (self.measured < self.table.lower - ROUNDING) | (self.measured > self.table.upper + ROUNDING)
@@ -451,10 +446,10 @@ class ProfileComparison:
             findings.append(
                 Finding("out-of-tolerance", ERROR, "inspection.tolerance_mm", float(self.table.degrees[row]), values)
             )
-        for begin, end in self.gaps:
-            findings.append(
-                Finding("not-measured", NOTE, "inspection.measured", None, {"from_deg": begin, "to_deg": end})
-            )
+        findings.extend(
+            Finding("not-measured", NOTE, "inspection.measured", None, {"from_deg": begin, "to_deg": end})
+            for begin, end in self.gaps
+        )
         return tuple(findings)
 
 
@@ -603,7 +598,7 @@ def facts(inspected: Inspection, comparison: ProfileComparison | None = None) ->
 
 def verdict_facts(comparison: ProfileComparison) -> dict[str, Any]:
     """Facts about the comparison with a measured table."""
-    row, largest = comparison.worst_row, comparison.largest_row
+    row, largest = comparison.worst_row, int(np.argmax(np.abs(comparison.deviation)))
     return {
         "file": comparison.name,
         "rows": int(comparison.lines.size),

@@ -339,16 +339,17 @@ def _spline(space: Any, shape: Cubics, attributes: dict[str, Any]) -> None:
     entity.control_points = [(z.real, z.imag, 0.0) for z in points.tolist()]
 
 
-def _dxf_circle(space: Any, shape: CircleShape, attributes: dict[str, Any]) -> None:
-    space.add_circle((0.0, 0.0), shape.radius, dxfattribs=attributes)
-
-
 def _dxf_line(space: Any, shape: LineShape, attributes: dict[str, Any]) -> None:
     space.add_line((shape.start.real, shape.start.imag), (shape.end.real, shape.end.imag), dxfattribs=attributes)
 
 
 DXF_SHAPES: Mapping[type, Callable[[Any, Any, dict[str, Any]], None]] = MappingProxyType(
-    {Arcs: _polyline, Cubics: _spline, CircleShape: _dxf_circle, LineShape: _dxf_line}
+    {
+        Arcs: _polyline,
+        Cubics: _spline,
+        CircleShape: lambda space, shape, attributes: space.add_circle((0.0, 0.0), shape.radius, dxfattribs=attributes),
+        LineShape: _dxf_line,
+    }
 )
 
 
@@ -476,8 +477,10 @@ def _split_arc(start: complex, end: complex, bulge: float) -> Iterator[tuple[com
         return
     half = 2.0 * atan(bulge)  # half of the turn
     count = ceil(sqrt(0.5 * abs(chord * bulge) / _POINT))  # chords within the rounding
-    for i in range(1, count + 1):
-        yield start + chord * sin(half * i / count) / sin(half) * rect(1.0, half * (i / count - 1.0)), 0.0
+    yield from (
+        (start + chord * sin(half * i / count) / sin(half) * rect(1.0, half * (i / count - 1.0)), 0.0)
+        for i in range(1, count + 1)
+    )
 
 
 def _plunge_point(job: ProfileDrawing) -> complex | None:
@@ -574,17 +577,18 @@ def _path(parts: Sequence[str]) -> str:
     return f'<path d="{lines}"/>'
 
 
-def _svg_circle(shape: CircleShape) -> str:
-    return f'<circle cx="0" cy="0" r="{shape.radius!r}"/>'
-
-
 def _svg_line(shape: LineShape) -> str:
     (a, b), (c, d) = _svg_point(shape.start).split(), _svg_point(shape.end).split()
     return f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}"/>'
 
 
 SVG_SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType(
-    {Arcs: _arcs, Cubics: _cubics, CircleShape: _svg_circle, LineShape: _svg_line}
+    {
+        Arcs: _arcs,
+        Cubics: _cubics,
+        CircleShape: lambda shape: f'<circle cx="0" cy="0" r="{shape.radius!r}"/>',
+        LineShape: _svg_line,
+    }
 )
 
 

@@ -82,10 +82,6 @@ class Sampling:
     degrees: Callable[[ProfileCurve, FitMethod, float], np.ndarray]
 
 
-def _equal_angles(curve: ProfileCurve, fit: FitMethod, count: float) -> np.ndarray:
-    return degrees(int(count))
-
-
 def _equal_lengths(curve: ProfileCurve, fit: FitMethod, spacing: float) -> np.ndarray:
     count = ceil(curve.length / spacing * (1.0 - 1e-12))
     if not LEAST_POINTS <= count <= MOST_POINTS:
@@ -109,7 +105,7 @@ def _fewest_points(curve: ProfileCurve, fit: FitMethod, tolerance: float) -> np.
 
 SAMPLINGS: Mapping[str, Sampling] = MappingProxyType(
     {
-        "samples": Sampling("{value:g} points at equal cam angles", _equal_angles),
+        "samples": Sampling("{value:g} points at equal cam angles", lambda curve, fit, count: degrees(int(count))),
         "spacing": Sampling("points at equal arc lengths of at most {value:g} mm", _equal_lengths),
         "tolerance": Sampling("the fewest points that keep a tolerance of {value:g} mm", _fewest_points),
     }

@@ -218,10 +218,6 @@ def _profile(subject: Subject) -> list[Section]:
     return section("", note, table(header, cells, left=0, slug="profile"))
 
 
-def _drives(subject: Subject) -> list[Section]:
-    return _untitled(content.drives(subject.study.camshaft))
-
-
 def _main(subject: Subject) -> list[Section]:
     """Lowest and highest values of the main quantities, and the limits."""
     study = subject.study
@@ -335,13 +331,9 @@ def _certificate(subject: Subject) -> list[Section]:
     return [Section("", (Sentences((text,)), *part.blocks)) for part in content.certificate(subject.study)]
 
 
-def _equations(subject: Subject) -> list[Section]:
-    return [Section("", (ReportEquations(equations_of(subject.study)),))]
-
-
 CHAPTERS: tuple[Chapter, ...] = (
     Chapter("At a glance", DESIGN, _glance),
-    Chapter("Drives", (SHAFT,), _drives),
+    Chapter("Drives", (SHAFT,), lambda subject: _untitled(content.drives(subject.study.camshaft))),
     Chapter("Main figures", SINGLE, _main, within=""),
     Chapter("Inputs", SINGLE, _inputs, "inputs"),
     Chapter("Inputs of the shaft", (SHAFT,), _inputs, "inputs"),
@@ -356,7 +348,8 @@ CHAPTERS: tuple[Chapter, ...] = (
     Chapter("Profile", SINGLE, _profile, "profile"),
     Chapter("Extremes over one turn of all other quantities", SINGLE, _others, "extremes"),
     Chapter("Certificate", DESIGN, _certificate, "certificate"),
-    Chapter("Equations used", DESIGN, _equations, "equations"),
+    Chapter("Equations used", DESIGN,
+            lambda subject: [Section("", (ReportEquations(equations_of(subject.study)),))], "equations"),
     Chapter("Comparison with the paper", DESIGN, lambda subject: content.paper_claims(subject.study.design), "papers"),
     Chapter("Conventions and sources", DESIGN, lambda subject: content.conventions(subject.study), "conventions"),
 )  # fmt: skip

@@ -88,12 +88,8 @@ class ReportTable:
         return frozenset(
             i
             for i in range(len(self.rows[0]))
-            if not any(isinstance(row[i], Number) or _is_number(str(row[i])) for row in self.rows)
+            if not any(isinstance(row[i], Number) or str(row[i]).lstrip("+-")[:1].isdigit() for row in self.rows)
         )
-
-
-def _is_number(text: str) -> bool:
-    return text.lstrip("+-")[:1].isdigit()
 
 
 @frozen(eq=False)

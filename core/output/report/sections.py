@@ -243,10 +243,10 @@ def _steady(turn: SteadyTurn, values: Mapping[str, Any]) -> list[Block]:
         drive = f", {printable(error['drive'])}" if error["drive"] else ""
         extremes.append((f"Follower's error{drive}", UNITS[error["unit"]].symbol, error))
     rows: list[Sequence[Cell]] = []
-    for name, unit, v in extremes:
-        rows.append(
-            (name, unit, *(Number(end[key]) for end in (v["min"], v["max"]) for key in ("value", "cam_angle_deg")))
-        )
+    rows.extend(
+        (name, unit, *(Number(end[key]) for end in (v["min"], v["max"]) for key in ("value", "cam_angle_deg")))
+        for name, unit, v in extremes
+    )
     mean, amplitude = values["mean_shaft_torque_nm"], values["shaft_torque_amplitude_nm"]
     mean = 0.0 if abs(mean) < ZERO * amplitude else mean
     fatigue = [("Torque in the shaft, mean", Number(mean), "N·m"), ("alternating, amplitude", Number(amplitude), "N·m")]
@@ -346,8 +346,10 @@ def linkage_inputs(study: Study) -> list[Section]:
             position = f"{point.x_mm:.10g}", f"{point.y_mm:.10g}"
             rows.append((str(link.number), point.name, *position, ASSUMED if is_marked else ""))
     sliders: list[Sequence[Cell]] = []
-    for s in linkage.sliders:
-        sliders.append((str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg))))
+    sliders.extend(
+        (str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg)))
+        for s in linkage.sliders
+    )
     driver, facts = linkage.driver, mechanism(study)
     action = "turns" if driver.kind == CRANK else "follows the motion"
     against = "" if driver.on == FRAME_LINK else f" against link {driver.on}"
