@@ -79,7 +79,7 @@ class Pairing:
 
     @property
     def modulus(self) -> float:
-        """Contact modulus E* [Pa], E′ in the formulas of the report: 1/E* = Σ (1 - ν²)/E."""
+        """Contact modulus E* [Pa]: 1/E* = Σ (1 - ν²)/E."""
         return 1.0 / sum((1.0 - surface.ratio**2) / surface.modulus for surface in self.surfaces)
 
 

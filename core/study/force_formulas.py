@@ -110,13 +110,13 @@ def _hertz(second: bool) -> tuple[Formula, ...]:
     shear, depth = ("τ₂", "z₂") if second else ("τ.shear", "z.depth")
     title = "Stress under the second roller" if second else "Contact pressure"
     return (
-        Formula(f"{key}contact_pressure", title, (f"{p} = √(F_c E′ κ_rel/(π b))", "1/E′ = Σ (1 - ν²)/E"),
-                f"{p_key} F_c.flank E′ κ_rel b.width ν E.young", source, "core.stress.contact_pressure", member=member),
+        Formula(f"{key}contact_pressure", title, (f"{p} = √(F_c E* κ_rel/(π b))", "1/E* = Σ (1 - ν²)/E"),
+                f"{p_key} F_c.flank E* κ_rel b.width ν E.young", source, "core.stress.contact_pressure", member=member),
         Formula(f"{key}subsurface_shear", title, (f"τ{index} = 0.300283 {p}",), f"{shear} {p_key}", source, of,
                 working=f"τ{index} = 0.30028310600078 {p}", values=p_key, member=member),
         Formula(f"{key}subsurface_shear_depth", title, (f"z{index} = 0.786151 {a}",), f"{depth} {a_key}", source, of,
                 working=f"z{index} = 0.78615137775742 {a}", values=a_key, member=member),
-        Formula(f"{key}contact_half_width", title, (f"{a} = 2 {p}/(E′ κ_rel)",), f"{a_key} {p_key} E′ κ_rel", source, of,
+        Formula(f"{key}contact_half_width", title, (f"{a} = 2 {p}/(E* κ_rel)",), f"{a_key} {p_key} E* κ_rel", source, of,
                 member=member),
         Formula(f"{key}roller_speed", "Speed of the roller", ("ω_r = ω (d - α′ ∓ d |t|/R_r)",), "ω_r ω d α′ t R_r",
                 "rolling without slip", "core.stress.roller_speed", working="n_r = ω u", values="ω u.roller", member=member),

@@ -424,7 +424,7 @@ _FORCES: Mapping[str, SymbolSource] = {
     "F_y": SymbolSource("component y", "n", lambda s, pair: _pair_force(s, pair).imag, DYNAMICS),
     "ε.direction": SymbolSource("direction of the force"),
     "F_c.flank": SymbolSource("force on the flank", "n", lambda s, m: max(first(_stressed(s, m)[2].force), 0.0), DYNAMICS),
-    "E′": SymbolSource("effective modulus", "mpa", lambda s, m: float(_stressed(s, m)[1].modulus), "cam.material"),
+    "E*": SymbolSource("contact modulus", "mpa", lambda s, m: float(_stressed(s, m)[1].modulus), "cam.material"),
     "κ_rel": SymbolSource("sum of the curvatures of cam and what touches it", "per_mm",
                           lambda s, m: first(relative_curvature(_stressed(s, m)[0])), CAM),
     "b.width": SymbolSource("length of the line of contact", "mm", lambda s, m: float(_stressed(s, m)[1].width), "cam.thickness_mm"),

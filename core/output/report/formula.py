@@ -1,7 +1,7 @@
 """MathML of equations that are written as a line of text, as ``κ = κ_p/(1 - R_r κ_p)``.
 
 Neighbouring factors are a product, ``/`` divides the product on its left by the factor on its right, ``_`` and ``^`` apply to one name,
-number or bracket, accents and primes belong to their letter, and a function applies to the factor on its right.
+number or bracket, accents, primes and a star belong to their letter, and a function applies to the factor on its right.
 """
 
 from __future__ import annotations
@@ -149,10 +149,12 @@ class _Reader:
 
     def scripts(self, node: _Node) -> _Node:
         below, above = "", ""
-        while self.next and (self.next in PRIMES or self.next in RAISED or self.next in LOWERED or self.next in "_^"):
+        while self.next and (self.next in PRIMES or self.next in RAISED or self.next in LOWERED or self.next in "_^*"):
             sign = self.take()
             if sign in PRIMES:  # raised by its own shape
                 node = _Node(f'<mrow>{node.xml}<mo lspace="0" rspace="0">{sign}</mo></mrow>')
+            elif sign == "*":  # of a letter, as E*
+                node = _Node(f"<msup>{node.xml}<mo>*</mo></msup>")
             elif sign in RAISED or sign in LOWERED:
                 rows = RAISED if sign in RAISED else LOWERED
                 digits = rows[sign]
