@@ -24,7 +24,7 @@ from core.design.fields import choice, flag, number, whole
 from core.design.topology import driver_turns
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.linkage_programs import FORMATS, LinkageImport, read_linkage
+from core.linkage_programs import FORMATS, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
 from core.output.lines import printable
@@ -255,16 +255,11 @@ def run_linkage_from(arguments: LinkageFromArguments, painter: Painter | None) -
         text, arguments.format, name=name, units=arguments.units, mirror=arguments.mirror, inputs=arguments.inputs
     )
     write(arguments.out, dumps(result.design))
-    print(to_json(_data(result)) if arguments.json else _text(result), end="")
+    if arguments.json:
+        left_out = [{"what": part.what, "why": part.why} for part in result.left_out]
+        print(to_json({"links": result.links, "joints": result.joints, "left_out": left_out}), end="")
+    else:
+        print(f"{printable(result.design.name)}: {result.links} links, {result.joints} joints")
+        for part in result.left_out:
+            print(f"left out: {printable(part.what)}: {printable(part.why)}")
     return DONE
-
-
-def _data(result: LinkageImport) -> dict[str, object]:
-    left = [{"what": part.what, "why": part.why} for part in result.left_out]
-    return {"links": result.links, "joints": result.joints, "left_out": left}
-
-
-def _text(result: LinkageImport) -> str:
-    lines = [f"{printable(result.design.name)}: {result.links} links, {result.joints} joints"]
-    lines += [f"left out: {printable(part.what)}: {printable(part.why)}" for part in result.left_out]
-    return "\n".join(lines) + "\n"

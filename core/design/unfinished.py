@@ -278,9 +278,3 @@ def _fitting(segment: Segment) -> Segment:
     if law is not None and law.rises < 0 and segment.rise >= 0.0:
         return replace(segment, curve=NamedCurve(MIRRORS.get(law.slug, RETURN_LAW)))
     return segment
-
-
-__all__ = [
-    "RETURN_LAW", "closed", "closed_design", "differs_in_one_value", "merged", "missing_of_motion", "remove_from_incomplete", "rise_gap",
-    "span_gap", "with_value",
-]  # fmt: skip

@@ -379,16 +379,11 @@ def remedy_of(design: Design, finding: Finding) -> Remedy:
     """Remedy of a finding with its field; without a search that is not available for the design."""
     row, drive_field = finding.remedy, drive_in(design, finding.field)
     path = finding.field if drive_field is None else drive_field[1]
-    if row.find and not (row.of in ("", path) and row.find in _searches(design, drive_field)):
+    of_drive = () if drive_field is None else available_searches(only(design, drive_field[0]))
+    if row.find and not (row.of in ("", path) and row.find in (*available_shaft_searches(design), *of_drive)):
         row = Remedy()
     field = row.field if drive_field is None or not row.field else path_in(design, drive_field[0], row.field)
     return row._replace(field=field or finding.field)
-
-
-def _searches(design: Design, drive_field: tuple[int, str] | None) -> tuple[str, ...]:
-    """Available searches of the shaft, and of the drive to which a finding belongs."""
-    of_drive = () if drive_field is None else available_searches(only(design, drive_field[0]))
-    return (*available_shaft_searches(design), *of_drive)
 
 
 # -- all searches -----------------------------------------------------------------------------------------------

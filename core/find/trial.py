@@ -90,7 +90,9 @@ class FindingsCheck:
             if new:
                 self._suspect = stage
                 self.has_notes |= all(finding.severity == NOTE for finding in new)
-                return tuple(_message(finding) for finding in new)
+                return tuple(
+                    f"{drive}: {row.message}" if (drive := row.values.get("drive")) else row.message for row in new
+                )
         return ()
 
 
@@ -124,11 +126,6 @@ def _is_remedied_by_flywheel(finding: Finding) -> bool:
         and isinstance(limit, float)
         and percent <= ENLARGED * limit
     )
-
-
-def _message(finding: Finding) -> str:
-    drive = finding.values.get("drive")
-    return f"{drive}: {finding.message}" if drive else finding.message
 
 
 def nearest_accepted(

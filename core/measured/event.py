@@ -178,6 +178,3 @@ def _jumps_of_rows(fit: MotionFit) -> Iterator[VelocityJump]:
         next_row = (i + 1) % x.size
         angle = float(x[i] + h[i] * np.clip(change[next_row] / pair_change[i], 0.0, 1.0))
         yield VelocityJump(angle % 360.0, float(v[i - 1]), float(v[next_row]))
-
-
-__all__ = ["Duration", "Event", "Ramp", "VelocityJump", "events", "velocity_jumps"]

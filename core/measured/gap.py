@@ -195,6 +195,3 @@ def mirror_rows(table: MeasuredTable) -> MeasuredTable:
         ),
         notes=(*table.notes, f"the rows are mirrored at line {table.lines[peak]} ({table.angles[peak]:.6g} deg)"),
     )
-
-
-__all__ = ["FitError", "Gap", "OpenTurnError", "mirror_rows", "turn_gaps", "with_dwell_rows"]

@@ -24,7 +24,6 @@ import numpy as np
 
 from core.laws import PieceTable
 from core.measured.candidates import Candidate, Stroke, candidate_law, inverse_laws, named_candidate, tiers
-from core.measured.rows import EXACT
 from core.measured.strokes import Rest, UnrolledRows, shortest
 from core.numerics.lazy import checkpoint
 
@@ -557,6 +556,3 @@ def fitted_together(at: UnrolledRows, strokes: Sequence[Stroke]) -> list[Stroke]
         errors = (float(spread[i]), float(spread[i + 1]))
         result.append(Stroke(stroke.left, stroke.right, stroke.candidate, *ends, *levels2, fractions, errors, chi2))
     return result
-
-
-__all__ = ["EXACT", "Candidate", "Stroke", "fitted_together", "recognise", "tiers"]

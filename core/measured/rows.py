@@ -270,6 +270,3 @@ def disagreements(rows: TurnRows) -> list[Disagreement]:
             )
             result.append(Disagreement(order, factor, rows.x[is_off]))
     return result
-
-
-__all__ = ["EXACT", "Disagreement", "TurnRows", "disagreements", "scatter", "spoiled_runs", "turn_rows"]

@@ -345,6 +345,3 @@ def shortest(value: float, spread: float) -> float:
         if abs(rounded - value) <= 2.0 * spread:
             return rounded + 0.0
     return value
-
-
-__all__ = ["Rest", "UnrolledRows", "rests", "shortest", "slopes", "unrolled"]

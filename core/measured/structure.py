@@ -656,19 +656,3 @@ def _end_acceleration(part: _Part, start: bool) -> float:
     assert table is not None
     u = np.array([0.0 if start else 1.0])
     return float(table.at(u)[2][0]) * (part.high - part.low) / (part.end - part.start) ** 2
-
-
-__all__ = [
-    "DWELL",
-    "LEVEL",
-    "TABLE",
-    "AccelerationJump",
-    "SegmentFit",
-    "Structure",
-    "SwitchError",
-    "Switches",
-    "difference",
-    "far",
-    "motion_structure",
-    "segment_kinds",
-]

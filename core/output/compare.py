@@ -298,9 +298,3 @@ def _finding_lines(comparison: Comparison) -> list[str]:
         for mark, rows in (("gone", comparison.gone), ("new", comparison.new))
         for finding in rows
     ]
-
-
-__all__ = [
-    "ComparedDesign", "Comparison", "Difference", "compare_designs", "compared_design", "comparison_csv", "comparison_data",
-    "comparison_document", "comparison_text",
-]  # fmt: skip

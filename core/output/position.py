@@ -5,7 +5,6 @@ Links of a [linkage] are named by their numbers, links of a follower and the cam
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
@@ -34,7 +33,7 @@ from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import FRAME
 from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.output.channels import channels
-from core.output.files.profile_files import METRIC, MILLIMETRES, VERSION, without_clock
+from core.output.files.profile_files import dxf_file
 from core.output.lines import text_cell
 from core.study import Study, quantities_of, quantity
 from core.study.quantities import TRANSMISSION, member_of, shape_of
@@ -118,16 +117,17 @@ def curves_csv(curves: PointCurves) -> str:
     """Curves of points as CSV: the angle, then x and y of each point."""
     names = [text_cell(f"{name}_{axis}_mm") for name in curves.curves for axis in "xy"]
     columns = [curves.angles, *(part for z in curves.curves.values() for part in (z.real, z.imag))]
-    rows = np.column_stack(columns).tolist()
-    header = ",".join([curves.angle_column, *names])
-    return "\n".join([header, *(",".join(map(repr, row)) for row in rows)]) + "\n"
+    return _csv([curves.angle_column, *names], np.column_stack(columns))
+
+
+def _csv(names: Sequence[str], rows: np.ndarray) -> str:
+    return "\n".join([",".join(names), *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
 
 
 def path_csv(study: Study) -> str:
     """Path in space of the part that the drives carry, as CSV."""
-    shaft = study.camshaft
-    rows = np.column_stack((shaft.angle_degrees, study.camshaft.transfer_path * _MM)).tolist()
-    return "\n".join(["machine_angle_deg,x_mm,y_mm,z_mm", *(",".join(map(repr, row)) for row in rows)]) + "\n"
+    rows = np.column_stack((study.camshaft.angle_degrees, study.camshaft.transfer_path * _MM))
+    return _csv(["machine_angle_deg", "x_mm", "y_mm", "z_mm"], rows)
 
 
 def path_layers(study: Study) -> dict[str, LayerShapes]:
@@ -192,11 +192,8 @@ def repeated_pose_layers(study: Study, every_deg: float) -> dict[str, LayerShape
 
 def dxf(comment: Sequence[str], layers: Layers) -> bytes:
     """Layers as DXF, with comments."""
-    import ezdxf
 
-    with without_clock():
-        drawing = ezdxf.new(VERSION)
-        drawing.header["$INSUNITS"], drawing.header["$MEASUREMENT"] = MILLIMETRES, METRIC
+    def draw(drawing: Any) -> None:
         space = drawing.modelspace()
         for i, (name, shapes) in enumerate(layers.items()):
             drawing.layers.add(name, color=COLOURS[i % len(COLOURS)])
@@ -205,10 +202,8 @@ def dxf(comment: Sequence[str], layers: Layers) -> bytes:
                 space.add_lwpolyline(np.column_stack((z.real, z.imag)).tolist(), close=closed, dxfattribs=attributes)
             for centre, radius in shapes.circles:
                 space.add_circle((centre.real, centre.imag), radius, dxfattribs=attributes)
-        stream = io.StringIO()
-        drawing.write(stream)
-    header = "".join(f"999\n{line}\n" for line in comment)
-    return (header + stream.getvalue()).encode("utf-8", "replace")
+
+    return dxf_file(comment, draw)
 
 
 def pose_file(study: Study, theta: float, ending: str, added: Layers | None = None) -> bytes:

@@ -78,6 +78,3 @@ def events_csv(design: Design) -> str:
     """Table of the events as CSV."""
     lines = [",".join(EVENTS), *(f"{text_cell(name)},{angle!r},{time!r}" for name, angle, time in event_rows(design))]
     return "\n".join(lines) + "\n"
-
-
-__all__ = ["ENDINGS", "MotionBand", "bands", "event_rows", "events_csv"]

@@ -595,6 +595,3 @@ def _quintic_error(compiled: CompiledMotion, pieces: np.ndarray, at: np.ndarray,
     x = np.array([0.25, 0.5, 0.75])[:, None] * h
     curve = sum(c[:, k] * x**k for k in range(6))
     return float(np.abs(curve - _at(compiled, pieces, (at[:-1] + x).ravel())[0].reshape(x.shape)).max())
-
-
-__all__ = ["linked_motion", "output_units", "with_linked_motion", "with_unlinked_motion", "with_unlinked_motions"]

@@ -253,7 +253,9 @@ def shaft_coefficients(
         if spring != RETUNED:
             _require_even_load(mechanism)
     member_sizes = _member_sizes(mechanisms)
-    total = member_sizes[0] if len(mechanisms) == 1 else _total_sizes(member_sizes, _greatest_inertia(mechanisms, turn))
+    total = largest = max(member_sizes, key=lambda member: member.inertia)
+    if len(mechanisms) > 1:  # the motion is that of the mechanism with the largest inertia
+        total = Sizes(_greatest_inertia(mechanisms, turn), lambda: largest.motion)
     q = total.inertia / camshaft_inertia
     heaviest = max(1.0, 2.0 * q)
 
@@ -340,12 +342,6 @@ def _member_sizes(mechanisms: Sequence[DrivenMechanism]) -> list[Sizes]:
     if len(errors) == len(mechanisms):
         raise errors[0]
     return result
-
-
-def _total_sizes(members: Sequence[Sizes], inertia: float) -> Sizes:
-    """Sizes of the complete shaft: the motion is that of the heaviest mechanism."""
-    heaviest = max(members, key=lambda s: s.inertia)
-    return Sizes(inertia, lambda: heaviest.motion)
 
 
 def _greatest_inertia(mechanisms: Sequence[DrivenMechanism], turn: Any) -> float:

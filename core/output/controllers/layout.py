@@ -434,15 +434,3 @@ def _end_of_match(pattern: re.Pattern[str], text: str, position: int) -> int:
     """End of a pattern at this position; the position itself where it does not match."""
     match = pattern.match(text, position)
     return position if match is None else match.end()
-
-
-__all__ = [
-    "FileTable",
-    "column_decimals",
-    "file_bytes",
-    "read_file",
-    "round_column",
-    "rounded_table",
-    "rounding_error",
-    "row_positions",
-]

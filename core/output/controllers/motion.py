@@ -131,6 +131,3 @@ def motion_text(source: ControllerMotion) -> str:
         f"{source.rows} rows of {source.controller.label}, {source.interpolation}: {count} segment{'s' * (count > 1)} {law}"
     ]
     return "\n".join([*lines, *(f"open: {text}" for text in source.controller.open)]) + "\n"
-
-
-__all__ = ["ControllerMotion", "motion_facts", "motion_text", "read_motion", "with_controller_motion"]

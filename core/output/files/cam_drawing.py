@@ -471,7 +471,7 @@ def draw_view(values: CamDimensions, layout: PaperLayout) -> tuple[tuple[int, in
     bounds = Box(corner.real, corner.imag, opposite.real, opposite.imag)
     items: list[Item] = [BezierLoop(placement.centre + factor * chain.points) for chain in values.chains]
     items += _circles(values, placement)
-    items += _edges(values, placement)
+    items += [SheetLine((placement(edge.start), placement(edge.end)), OUTLINE) for edge in _keyway(values)]
     items += _axes(bounds, placement, BEYOND * unit)
     zero, label = _zero(values, bounds, placement, unit)
     arrow, chord = _rotation(values, placement, unit)
@@ -508,10 +508,6 @@ def _circles(values: CamDimensions, placement: ViewPlacement) -> Iterator[Item]:
 def _keyway(values: CamDimensions) -> list[Edge]:
     """Its sides and the bottom; empty where its dimensions are not given."""
     return [shape for shape in LAYERS["KEYWAY"].shapes(values.job) if isinstance(shape, Edge)]
-
-
-def _edges(values: CamDimensions, placement: ViewPlacement) -> Iterator[Item]:
-    yield from (SheetLine((placement(edge.start), placement(edge.end)), OUTLINE) for edge in _keyway(values))
 
 
 def _axes(bounds: Box, placement: ViewPlacement, beyond: float) -> Iterator[Item]:

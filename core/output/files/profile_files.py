@@ -151,16 +151,11 @@ def _pitch(second: bool, job: ProfileDrawing) -> Iterator[Shape]:
         yield parallel_curve(job.study, request, radius)
 
 
-def _base(job: ProfileDrawing) -> Iterator[Shape]:
-    radius = getattr(job.study.design.drive.cam, "base_radius_mm", None)  # none where a linkage determines the size
-    if radius is not None:
-        yield CircleShape(radius)
-
-
-def _bore(job: ProfileDrawing) -> Iterator[Shape]:
-    diameter = job.study.design.drive.cam.bore_mm
-    if diameter is not None:
-        yield CircleShape(0.5 * diameter)
+def _circle(field: str, radius: float, job: ProfileDrawing) -> Iterator[Shape]:
+    """Circle of a cam's dimension, a radius (1) or a diameter (½); a linkage has no base radius."""
+    size = getattr(job.study.design.drive.cam, field, None)
+    if size is not None:
+        yield CircleShape(radius * size)
 
 
 def _keyway(job: ProfileDrawing) -> Iterator[Shape]:
@@ -189,8 +184,8 @@ LAYERS: Mapping[str, DrawingLayer] = MappingProxyType(
         "CUTTER": DrawingLayer(1, "#d55e00", "CONTINUOUS", _cutter),
         "PITCH": DrawingLayer(5, "#0072b2", "CENTER", partial(_pitch, False)),
         "PITCH_SECOND": DrawingLayer(5, "#0072b2", "CENTER", partial(_pitch, True)),
-        "BASE": DrawingLayer(8, "#808080", "DASHED", _base),
-        "BORE": DrawingLayer(7, "#000000", "CONTINUOUS", _bore),
+        "BASE": DrawingLayer(8, "#808080", "DASHED", partial(_circle, "base_radius_mm", 1.0)),
+        "BORE": DrawingLayer(7, "#000000", "CONTINUOUS", partial(_circle, "bore_mm", 0.5)),
         "KEYWAY": DrawingLayer(7, "#000000", "CONTINUOUS", _keyway),
         "ZERO": DrawingLayer(3, "#009e73", "CONTINUOUS", _zero),
     }
@@ -293,34 +288,41 @@ def without_clock() -> Iterator[None]:
         ezdxf.options.write_fixed_meta_data_for_testing = saved
 
 
-def dxf_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
-    """A drawing as DXF: comments, a header with units and origin, the shapes on their layers."""
+def dxf_file(comment: Sequence[str], draw: Callable[[Any], None]) -> bytes:
+    """Content of a DXF file in millimetres, with comments; ``draw`` adds the shapes to ezdxf's drawing."""
     import ezdxf
-    from ezdxf.tools.juliandate import juliandate
 
     with without_clock():
         drawing = ezdxf.new(VERSION)
-        drawing.header["$INSUNITS"] = MILLIMETRES
-        drawing.header["$MEASUREMENT"] = METRIC
-        drawing.header["$INSBASE"] = (0.0, 0.0, 0.0)
-        for name in ("$TDCREATE", "$TDUCREATE"):
-            drawing.header[name] = juliandate(datetime(2000, 1, 1))
-        for name, (text, pattern) in LINES.items():
-            drawing.linetypes.add(name, pattern, description=text)
-        half = reach(layers)
-        drawing.set_modelspace_vport(VIEW * half)
-        space = drawing.modelspace()
-        space.reset_extents((-half, -half, 0.0), (half, half, 0.0))
-        for name, shapes in layers.items():
-            drawing.layers.add(name, color=LAYERS[name].colour, linetype=LAYERS[name].line)
-            for shape in shapes:
-                DXF_SHAPES[type(shape)](space, shape, {"layer": name})
-        for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # the order of a set varies
-            drawing.classes.add_class(kind)
+        drawing.header["$INSUNITS"], drawing.header["$MEASUREMENT"] = MILLIMETRES, METRIC
+        draw(drawing)
         stream = io.StringIO()
         drawing.write(stream)
     remarks = "".join(f"{COMMENT}\n{line}\n" for line in comment)
     return (remarks + stream.getvalue()).encode("utf-8", "replace")
+
+
+def dxf_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
+    """A drawing as DXF: comments, a header with units and origin, the shapes on their layers."""
+    from ezdxf.tools.juliandate import juliandate
+
+    def draw(drawing: Any) -> None:
+        drawing.header["$INSBASE"] = (0.0, 0.0, 0.0)
+        drawing.header["$TDCREATE"] = drawing.header["$TDUCREATE"] = juliandate(datetime(2000, 1, 1))
+        for line, (text, pattern) in LINES.items():
+            drawing.linetypes.add(line, pattern, description=text)
+        half = reach(layers)
+        drawing.set_modelspace_vport(VIEW * half)
+        space = drawing.modelspace()
+        space.reset_extents((-half, -half, 0.0), (half, half, 0.0))
+        for layer, shapes in layers.items():
+            drawing.layers.add(layer, color=LAYERS[layer].colour, linetype=LAYERS[layer].line)
+            for shape in shapes:
+                DXF_SHAPES[type(shape)](space, shape, {"layer": layer})
+        for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # the order of a set varies
+            drawing.classes.add_class(kind)
+
+    return dxf_file(comment, draw)
 
 
 def _polyline(space: Any, shape: Arcs, attributes: dict[str, Any]) -> None:

@@ -186,12 +186,8 @@ def from_data(data: Any) -> Graph:
         curve = _part(GraphCurve, row)
         if curve.key:
             curves.setdefault(curve.key, curve)
-    return Graph(title=_title(data), curves=tuple(curves.values()), **axes)
-
-
-def _title(data: Mapping[str, Any]) -> str:
     title = data.get("title", "")
-    return title if isinstance(title, str) else ""
+    return Graph(title=title if isinstance(title, str) else "", curves=tuple(curves.values()), **axes)
 
 
 def _is_finite(value: float) -> bool:

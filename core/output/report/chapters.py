@@ -388,6 +388,3 @@ TEXT: tuple[Chapter, ...] = (
     Chapter("", DESIGN, lambda subject: content.certificate(subject.study)),
 )  # fmt: skip
 """Chapters of the plain text, in their order; their sections have titles."""
-
-
-__all__ = ["ALONE", "CHAPTERS", "DRIVE", "SHAFT", "TEXT", "Chapter", "Subject", "sections_of", "subject_of"]

@@ -106,6 +106,3 @@ def equations_of(study: Study) -> tuple[Equation, ...]:
     laws = dict.fromkeys(law for law in of_curves if law is not None)
     motion = [row for row in used if row.name in _MOTION]
     return (*equations(motion), *laws, *equations(row for row in used if row not in motion))
-
-
-__all__ = ["Equation", "equations", "equations_of", "is_used"]

@@ -187,6 +187,3 @@ def mathml(line: str) -> str:
     row = _Reader(line).row()
     text = f'xmlns="http://www.w3.org/1998/Math/MathML" display="block" alttext="{escape(line)}"'
     return f"<math {text}><mrow>{row}</mrow></math>"
-
-
-__all__ = ["mathml"]
