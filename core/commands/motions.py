@@ -399,8 +399,9 @@ def run_motion_from(arguments: MotionFromArguments, painter: Painter | None) -> 
 
 @frozen(kw_only=True)
 class NewDesignArguments:
-    """Arguments of a command that begins a design with a motion: its file."""
+    """Arguments of a command that begins a design with a motion: the motion and a file."""
 
+    request: Any = None
     out: Path = text_option("design file to write", type=Path, metavar="FILE.toml")
 
 
