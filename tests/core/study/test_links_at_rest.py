@@ -120,7 +120,7 @@ def tables(design: Design, folder: Path) -> dict[str, np.ndarray]:
 MEMBERS = [(seed, kind) for seed in range(30) for kind in ("crank", "slide", "motion", "dwell", "ratio 0")]
 
 
-@pytest.mark.parametrize(("seed", "kind"), spread(MEMBERS, 5))
+@pytest.mark.parametrize(("seed", "kind"), spread(MEMBERS, 3))
 def test_links_at_rest_are_written_reported_and_explained_as_any_other(
     seed: int, kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
