@@ -103,9 +103,7 @@ class _LazyInit:
 def _compile_init(kind: Any) -> Any:
     parts: Any = sorted(fields(kind), key=lambda part: bool(part.kw_only))
     names: dict[str, Any] = {"_put": object.__setattr__}
-    # a descriptor that sets its value would do the same, but slowly
-    has_setters = any(hasattr(type(vars(kind).get(part.name)), "__set__") for part in parts)
-    parameters, lines = ["self"], ["_all = self.__dict__"] if has_setters else []
+    parameters, entries = ["self"], []
     for part in parts:
         name = value = part.name
         if part.kw_only and "*" not in parameters:
@@ -116,8 +114,9 @@ def _compile_init(kind: Any) -> Any:
         elif part.default is not MISSING:
             names[f"default_{name}"] = part.default
         parameters.append(f"{name}=default_{name}" if f"default_{name}" in names else name)
-        lines.append(f"_all[{name!r}] = {value}" if has_setters else f"_put(self, {name!r}, {value})")
-    exec(f"def __init__({', '.join(parameters)}):\n " + "\n ".join(lines or ["pass"]), names)
+        entries.append(f"{name!r}: {value}")
+    # all fields at once, past any descriptor, take half of the time of one after the other
+    exec(f"def __init__({', '.join(parameters)}):\n _put(self, '__dict__', {{{', '.join(entries)}}})", names)
     names["__init__"].__qualname__ = f"{kind.__qualname__}.__init__"
     return names["__init__"]
 

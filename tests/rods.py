@@ -3,7 +3,7 @@
 import numpy as np
 
 from core.design import Driver, Link, Linkage, LinkPoint, Side, Slider
-from core.mechanism import Mechanism, solve_mechanism
+from core.mechanism import Mechanism, Names, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
@@ -43,9 +43,8 @@ def arm_and_rod(
     y[1 : 1 + len(rates), 0] = rates
     mechanism = Mechanism(
         linkage,
-        {2: "arm", 3: "rod", 4: "slider"},
+        Names({2: "arm", 3: "rod", 4: "slider"}, coordinates={"phi": 2, "beta": 3}),
         start=slider,
-        coordinates={"phi": 2, "beta": 3},
         angles={2: phi, 3: beta},
     )
     angles = Angles(np.zeros(1), np.zeros(1, dtype=int))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -18,7 +17,7 @@ from core.design.parts import ROTARY, Follower, Motion, Output, OutputLoads, Ser
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.numerics.lazy import first_value
+from core.numerics.lazy import first_value, lazy
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
@@ -172,7 +171,7 @@ class Drive:
         face: Face = self.cam.face if self.is_linkage else face_of(self.follower, self.cam)
         return face
 
-    @cached_property
+    @lazy
     def bare_cam(self) -> Any:
         """The cam without the fields that do not affect its profile."""
         if self.cam is None:
@@ -296,7 +295,7 @@ class Design:
             return self.shaft.sense
         return 1.0 if first_value(self.drive.signed_rpm) > 0.0 else -1.0
 
-    @cached_property
+    @lazy
     def by_crank(self) -> bool:
         """Whether the only drive is moved by a crank at constant speed."""
         return not self.listed and self.drive.by_crank
@@ -306,7 +305,7 @@ class Design:
         """Name of the angle in its findings."""
         return "cam angle" if self.listed else self.drive.angle_name
 
-    @cached_property
+    @lazy
     def stages(self) -> tuple[str, ...]:
         """Stages that the design has, each after the stages on which it depends."""
         return tuple(name for name, has_stage in _STAGES.items() if has_stage(self))

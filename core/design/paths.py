@@ -379,15 +379,26 @@ def with_assumed(design: Design, path: str, on: bool) -> Design:
 # -- SI units and radians ---------------------------------------------------------------------------------------
 
 
+_NUMBERS = (float, int, Column)
+
+
+@lru_cache(maxsize=256)
+def _si_fields(kind: Any) -> tuple[tuple[str, str, float], ...]:
+    """Fields of a type of part: name, name without the suffix of the unit, and factor of the unit."""
+    split = [(field.name, *split_unit(field.name)) for field in fields(kind)]
+    return tuple((key, name, unit.factor) for key, name, unit in split)
+
+
 class SI:
     """A part in SI units and radians; its fields have no unit suffix: ``rod_mm`` becomes ``rod`` [m]."""
 
     def __init__(self, part: Any) -> None:
-        for f in fields(part):
-            value = getattr(part, f.name)
-            name, unit = split_unit(f.name)
-            is_number = isinstance(value, int | float | Column) and not isinstance(value, bool)
-            self.__dict__[name] = value * unit.factor if is_number else value
+        kind: Any = type(part)
+        values = vars(part)
+        for key, name, factor in _si_fields(kind):
+            value = values[key]
+            is_number = isinstance(value, _NUMBERS) and value is not True and value is not False
+            self.__dict__[name] = value * factor if is_number else value
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(name)

@@ -131,9 +131,9 @@ class Inertia:
 
 def combined_inertia(parts: Sequence[Inertia]) -> Inertia:
     """Inertia of several masses that are fixed to one body (parallel axes)."""
-    mass = sum(p.mass for p in parts)
-    centre = sum((p.mass * p.centre for p in parts), 0j) / (mass + (mass == 0.0))
-    about = sum(p.about_centre + p.mass * abs(p.centre - centre) ** 2 for p in parts)
+    mass = sum([p.mass for p in parts])
+    centre = sum([p.mass * p.centre for p in parts], 0j) / (mass + (mass == 0.0))
+    about = sum([p.about_centre + p.mass * abs(p.centre - centre) ** 2 for p in parts])
     return Inertia(mass, centre, about)
 
 

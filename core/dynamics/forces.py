@@ -228,8 +228,12 @@ def newton_euler(
     solution, flank_forces = _solve_flanks(solve_with, units.contacts)
     torque = _ZERO
     contacts = tuple(
-        Contact(flank.contact, direction, spread(force, n), spread(walk.effort, n))
-        for flank, direction, force, walk in zip(flanks, units.directions, flank_forces, units.contacts, strict=True)
+        [
+            Contact(flank.contact, direction, spread(force, n), spread(walk.effort, n))
+            for flank, direction, force, walk in zip(
+                flanks, units.directions, flank_forces, units.contacts, strict=True
+            )
+        ]
     )
     if shape is not None:
         moments = [
@@ -276,7 +280,7 @@ def newton_euler(
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, contacts),
         guide=solution.guide,
     )
-    if any(is_jammed(force) for force in (*solution.sizes.values(), *flank_forces)):
+    if any(map(is_jammed, (*solution.sizes.values(), *flank_forces))):
         return with_infinities(forces)
     return forces
 
@@ -407,7 +411,7 @@ def _sizes(
         return {}, lambda: np.zeros(n), lambda: np.zeros(1, dtype=int)
     if len(frictions) == 1 and not frictions[0].length and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
         (friction,) = frictions
-        (normal,), (gain,) = (_reaction_parts(friction, c) for c in (case, unit_cases[friction.pair]))
+        (normal,), (gain,) = [_reaction_parts(friction, c) for c in (case, unit_cases[friction.pair])]
         reaction = guide_reaction(normal, signs[friction.pair], -gain, friction.coefficient)
         return {friction.pair: np.abs(reaction.friction)}, lambda: reaction.jam, lambda: np.zeros(1, dtype=int)
     normals = [_reaction_parts(f, case) for f in frictions]
@@ -493,7 +497,7 @@ def undetermined_pairs(kinematics: Kinematics) -> frozenset[str]:
     is smallest (it is larger at a dead centre). The columns of A are the two components of each pair, the driver, and
     each second driver.
     """
-    if not any(dyad.is_redundant for dyad in kinematics.dyads):
+    if not kinematics.is_redundant:
         return frozenset()
     matrices = _balance(kinematics)
     _, s, vh = np.linalg.svd(matrices[np.isfinite(matrices).all(axis=(1, 2))])

@@ -70,7 +70,7 @@ def is_jammed(force: np.ndarray) -> bool:
     -------
     bool
     """
-    return bool(force.max() > _INFINITE or force.min() < -_INFINITE)
+    return bool(np.abs(force).max() > _INFINITE)
 
 
 def guide_reaction(frictionless: np.ndarray, sign: np.ndarray, slope: np.ndarray, coefficient: float) -> GuideReaction:

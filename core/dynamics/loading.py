@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
@@ -53,6 +54,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import Mechanism, body_name
 from core.numerics.derivatives import heading, vector
+from core.numerics.lazy import self_locking
 
 LOAD = "load"
 """Name of the follower's spring and external force among the elements."""
@@ -149,13 +151,16 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
 )
 
 
+_element_lists = attrgetter(*ELEMENT_LISTS)
+
+
 def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Loading:
     """Loading of a drive; ``built`` is its linkage, whose links the springs, pairs and process forces name.
 
     Raises NoSolution where the linkage does not have a pair that has friction.
     """
     follower: Loading = LOADINGS[type(loads)](mechanism, loads)
-    if built is None or not any(getattr(loads, name) for name in ELEMENT_LISTS):
+    if built is None or not any(_element_lists(loads)):
         return follower
     elements: tuple[Element, ...] = (
         *_springs(loads, built),
@@ -306,6 +311,7 @@ class Friction:
         return self.field == "loads.friction"
 
 
+@self_locking
 @frozen
 class Loading:
     """Forces on a mechanism: masses, other force elements, and friction of pairs.
@@ -354,7 +360,7 @@ class Loading:
     @property
     def elements(self) -> tuple[Element, ...]:
         """All active elements."""
-        return tuple(element for element in (*self.masses, *self.others) if element.is_active)
+        return tuple([element for element in (*self.masses, *self.others) if element.is_active])
 
     @property
     def is_empty(self) -> bool:

@@ -14,8 +14,10 @@ from core.dynamics.walk import Walk
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.derivatives import negated, replace_nan, spread
+from core.numerics.lazy import self_locking
 
 
+@self_locking
 @frozen(eq=False)
 class UnitLoads:
     """Reactions of a mechanism to unit loads at n cam angles, which change neither with the loads nor with the speed.
@@ -66,11 +68,13 @@ def unit_loads(
     UnitLoads
     """
     flanks = () if shape is None else shape.flanks
-    directions = tuple(_contact_direction(flank, shape.rotation_sign, contact_friction) for flank in flanks if shape)
+    directions = tuple([_contact_direction(flank, shape.rotation_sign, contact_friction) for flank in flanks if shape])
     points: dict[Any, Any] = {}
     contacts = tuple(
-        Walk(kinematics, [Load(flank.body, flank.contact, negated(direction))], points)
-        for flank, direction in zip(flanks, directions, strict=True)
+        [
+            Walk(kinematics, [Load(flank.body, flank.contact, negated(direction))], points)
+            for flank, direction in zip(flanks, directions, strict=True)
+        ]
     )
     n = kinematics.theta.shape[-1]
     contact_jam = np.zeros(n)

@@ -85,10 +85,10 @@ class Walk:
         for load in applied:
             self.add_load(load)
         for dyad in kinematics.dyads:
-            if any(body in self._loads for body in dyad.bodies):
+            if not self._loads.keys().isdisjoint(dyad.bodies):
                 STATICS[dyad.kind](self, dyad)
         self.effort = self._driver()
-        if applied and any(dyad.is_redundant for dyad in kinematics.dyads):  # its reactions are not unique
+        if applied and kinematics.is_redundant:  # its reactions are not unique
             self.effort = _by_virtual_power(kinematics, applied)
             for dyad in (dyad for dyad in kinematics.dyads if dyad.by_motion):
                 body, on = (kinematics.by_driver[name].turn[1] for name in (dyad.bodies[0], dyad.on))
@@ -341,7 +341,7 @@ def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -
 
 def _rrr(walk: Walk, dyad: Dyad) -> None:
     (a, b), (outer_a, inner, outer_b) = dyad.bodies, dyad.pairs
-    pin_a, joint, pin_b = (walk.at(name) for name in dyad.pairs)
+    pin_a, joint, pin_b = [walk.at(name) for name in dyad.pairs]
     cached = walk.points.get(dyad.pairs)
     if cached is None:
         arm_a, arm_b = joint - pin_a, joint - pin_b  # the columns are i times these, the second one with a minus

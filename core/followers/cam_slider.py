@@ -15,7 +15,7 @@ from core.design import FRAME_LINK, CamSlider, Design, Driver, Link, Linkage, Li
 from core.errors import NoAssembly, angle_ranges
 from core.followers.dimensions import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
-from core.mechanism.mechanism import LinkageSolution, Mechanism, ReferencePoint
+from core.mechanism.mechanism import LinkageSolution, Mechanism, Names, ReferencePoint
 from core.motion import MotionState
 from core.numerics.derivatives import heading, vector
 
@@ -24,6 +24,16 @@ from core.numerics.derivatives import heading, vector
 
 ARM, ROD, SLIDER = 2, 3, 4
 EPS_LENGTH = 1e-12  # of a length: links that miss each other by less are in line
+GUIDE = str(SLIDER)
+NAMES = Names(
+    {ARM: "arm", ROD: "rod", SLIDER: "slider"},
+    ReferencePoint(ARM, "roller"),
+    pairs={GUIDE: "guide"},
+    force_links={"arm_pin": ROD, "slider_pin": ROD},
+    points={GUIDE: "slider_pin"},
+    coordinates={"slider_position": GUIDE, "phi": ARM, "beta": ROD},
+    singular={"arm_pin": "dead-centre"},
+)
 
 
 @frozen
@@ -175,7 +185,6 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
         Driver(SLIDER, "motion"),
         (Side("arm_pin", base.sigma),),  # type: ignore[arg-type]  # a number, or one of each of many designs
     )
-    guide = str(SLIDER)
 
     def across(solution: LinkageSolution) -> dict[str, np.ndarray]:
         """|cos β|: a rod across the guide cannot move the slider."""
@@ -186,15 +195,10 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
 
     return Mechanism(
         linkage,
-        {ARM: "arm", ROD: "rod", SLIDER: "slider"},
-        ReferencePoint(ARM, "roller"),
+        NAMES,
         vector(g.pivot_x, g.pivot_y),
         g.guide_angle,
         base.slider,
-        pairs={guide: "guide"},
-        force_links={"arm_pin": ROD, "slider_pin": ROD},
-        points={guide: "slider_pin"},
-        coordinates={"slider_position": guide, "phi": ARM, "beta": ROD},
         angles={ARM: base.phi, ROD: base.beta},
         base={
             "slider": (base.slider, "mm"),
@@ -202,7 +206,6 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
             "alpha": (base.alpha, "deg"),
             "beta": (base.beta, "deg"),
         },
-        singular={"arm_pin": "dead-centre"},
         more_singular=across,
         refuse=refuse,
     )

@@ -30,7 +30,7 @@ from core.design import (
 from core.design.parts import SIDES
 from core.errors import NoAssembly, NoCam, angle_ranges
 from core.followers.dimensions import SECOND, angle_at_pivot, rounded, second_on_arm
-from core.mechanism.mechanism import Mechanism, ReferencePoint
+from core.mechanism.mechanism import Mechanism, Names, ReferencePoint
 from core.motion import TURN, MotionState
 from core.numerics.derivatives import vector
 
@@ -38,6 +38,7 @@ from core.numerics.derivatives import vector
 
 
 ARM = 2
+ARM_NAMES = Names({ARM: "arm"}, ReferencePoint(ARM, "roller"))
 
 
 def oscillating(follower: Oscillating, reach: float) -> Mechanism:
@@ -127,8 +128,7 @@ def _arm(pivot: complex, theta_z: float, start: float, sign: float, base: str, *
     )
     return Mechanism(
         linkage,
-        {ARM: "arm"},
-        ReferencePoint(ARM, "roller"),
+        ARM_NAMES,
         pivot,
         first - start,
         start,
@@ -141,6 +141,7 @@ def _arm(pivot: complex, theta_z: float, start: float, sign: float, base: str, *
 
 
 OUTPUT = 2
+OUTPUT_NAMES = Names({OUTPUT: "output"}, pairs={str(OUTPUT): "guide"})
 POINTER_MM = 50.0
 """Distance from the pivot to the point that shows the rotation in a drawing."""
 
@@ -152,13 +153,21 @@ def output(part: Output, _: Any) -> Mechanism:
     pointer = tuple(LinkPoint("pointer", POINTER_MM, 0.0) for _ in pivot)
     links = Link(FRAME_LINK, pivot), Link(OUTPUT, (*pivot, *pointer))
     linkage = Linkage(links, sliders, Driver(OUTPUT, "motion"))
-    return Mechanism(linkage, {OUTPUT: "output"}, pairs={str(OUTPUT): "guide"})
+    return Mechanism(linkage, OUTPUT_NAMES)
 
 
 # -- translating follower ---------------------------------------------------------------------------------------
 
 
 FOLLOWER = 2
+GUIDE = str(FOLLOWER)
+FOLLOWER_NAMES = Names(
+    {FOLLOWER: "follower"},
+    ReferencePoint(FOLLOWER, "roller", "follower"),
+    pairs={GUIDE: "guide"},
+    points={GUIDE: "roller"},
+    coordinates={"follower_position": GUIDE},
+)
 
 
 def translating(follower: Translating, reach: float) -> Mechanism:
@@ -182,7 +191,7 @@ def translating(follower: Translating, reach: float) -> Mechanism:
     NoAssembly
         The offset exceeds the reach.
     """
-    g, guide = si(follower), str(FOLLOWER)
+    g = si(follower)
     base = STARTS[type(follower.face)](follower, reach)
     require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, follower.face.noun)
     linkage = Linkage(
@@ -192,13 +201,9 @@ def translating(follower: Translating, reach: float) -> Mechanism:
     )
     return Mechanism(
         linkage,
-        {FOLLOWER: "follower"},
-        ReferencePoint(FOLLOWER, "roller", "follower"),
+        FOLLOWER_NAMES,
         turn=g.direction,
         start=base,
-        pairs={guide: "guide"},
-        points={guide: "roller"},
-        coordinates={"follower_position": guide},
         base={"follower": (base, "mm")},
         require=require,
     )

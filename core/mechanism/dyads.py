@@ -30,6 +30,7 @@ from core.numerics.derivatives import (
     product,
     scaled,
     sum_of,
+    sum_with_multiple,
     vector_derivative,
 )
 from core.numerics.lazy import Lazy
@@ -54,7 +55,7 @@ def line_of(bodies: Bodies, end: JointEnd) -> tuple[Derivatives, Derivatives]:
 
 def offset_left(point: Derivatives, direction: Derivatives, offset: float) -> Derivatives:
     """The point moved by the offset to the left of the direction."""
-    return sum_of(point, scaled(direction, 1j * offset)) if offset else point
+    return sum_with_multiple(point, direction, 1j * offset) if offset else point
 
 
 def angle_of(heading: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
@@ -99,7 +100,7 @@ def pose_through(at: Derivatives, local: complex, heading: Callable[[], np.ndarr
         return Pose(at, angle, unit=heading)
     along = heading()
     spin = body_vector(along, angle)
-    return Pose(difference(at, scaled(spin, local)), angle, unit=along, spin=spin)
+    return Pose(sum_with_multiple(at, spin, -local), angle, unit=along, spin=spin)
 
 
 def turned_like(pose: Pose, by: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:
@@ -316,7 +317,8 @@ def area4_of(a: Any, b: Any, c: Any) -> Any:
     ----------
     Kahan, *Miscalculating Area and Angles of a Needle-like Triangle*.
     """
-    small, mid, big = np.sort(np.broadcast_arrays(a, b, c), axis=0)
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    small, mid, big = np.minimum(low, c), np.maximum(low, np.minimum(high, c)), np.maximum(high, c)
     gap = big - mid
     product = (big + (mid + small)) * (small - gap) * (small + gap) * (big + (mid - small))
     return np.sqrt(np.where(product >= 0.0, product, np.nan))

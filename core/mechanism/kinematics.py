@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -15,14 +14,15 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import MotionState
-from core.numerics.derivatives import Derivatives, body_vector, constant, dot, scaled, sum_of, unit
-from core.numerics.lazy import Lazy
+from core.numerics.derivatives import Derivatives, body_vector, constant, dot, sum_with_multiple, unit
+from core.numerics.lazy import Lazy, lazy, self_locking
 
 FRAME, CAM = "frame", "cam"
 REVOLUTE, SLIDING = "revolute", "sliding"
 _NOTHING: Mapping[str, complex] = MappingProxyType({})
 
 
+@self_locking
 @frozen(eq=False)
 class Pose:
     """Position and angle of a body with three derivatives by cam angle, each calculated when it is first read.
@@ -38,7 +38,7 @@ class Pose:
     unit : ndarray (n,) complex, dimensionless
         Direction of the body's x axis, e^{i angle}.
     spin : Derivatives
-        `unit` with its derivatives (n,).
+        `unit` with its derivatives (n,), or (1,) where the angle is constant.
     """
 
     origin: Derivatives
@@ -96,12 +96,12 @@ class Pose:
             return self.origin
         point = self._fixed_points.get(local)
         if point is None:
-            point = sum_of(self.origin, scaled(self.spin, local))
+            point = sum_with_multiple(self.origin, self.spin, local)
             if not point.constant:  # all designs share the pose of the frame, whose cache would grow without end
                 self._fixed_points[local] = point
         return point
 
-    @cached_property
+    @lazy
     def _fixed_points(self) -> dict[complex, Derivatives]:
         return {}
 
@@ -128,6 +128,7 @@ FRAME_POSE = Pose(constant(0j), constant(0.0), unit=np.ones(1, dtype=complex))
 """Pose of the frame: the global frame."""
 
 
+@self_locking
 @frozen
 class Pair:
     """Kinematic pair of two bodies.
@@ -151,6 +152,7 @@ class Pair:
     axis: complex = 0j
 
 
+@self_locking
 @frozen
 class Dyad:
     """Bodies that are solved together: a dyad, a larger group, or a second driving body.
@@ -249,7 +251,12 @@ class Kinematics:
         sliding = [pair.body for pair in self.pairs.values() if pair.kind == SLIDING and pair.body in candidates]
         return (sliding or candidates)[0]
 
-    @cached_property
+    @lazy
+    def is_redundant(self) -> bool:
+        """Whether more pairs constrain some bodies than necessary, so that their reactions are not unique."""
+        return any(dyad.is_redundant for dyad in self.dyads)
+
+    @lazy
     def driver_name(self) -> str:
         """Name of the pair between the driven body and `driver_on`."""
         return next(name for name, pair in self.pairs.items() if {pair.on, pair.body} == {self.driver_on, self.output})

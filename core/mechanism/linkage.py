@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
 
-from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
+from core.design import FRAME_LINK, UNITS, Driver, Link, Linkage, LinkPoint, SecondDriver, Slider, si
 from core.design.topology import GROUP, INPUT, SolutionStep, driver_pair, gains, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.numerics.derivatives import heading, vector
-from core.numerics.lazy import greatest
+from core.numerics.lazy import greatest, lazy
 
 _MM = UNITS["mm"].factor
 
@@ -59,7 +57,39 @@ class LinkGroup:
     driven: Joint | None = None
 
 
-@frozen
+Ends = tuple[str, int, int]
+"""Key of a pair, and the numbers of its first and second link."""
+
+
+@frozen(eq=False)
+class PlanStructure:
+    """Part of a solution plan that no length changes.
+
+    Attributes
+    ----------
+    driver : Ends
+        The driving pair.
+    steps : tuple of (SolutionStep, tuple of Ends)
+        In the order of solution.
+    redundant : tuple of int
+        Links constrained by more pairs than necessary.
+    is_inner : bool
+        Whether the driver moves against a moving link.
+    """
+
+    driver: Ends
+    steps: tuple[tuple[SolutionStep, tuple[Ends, ...]], ...]
+    redundant: tuple[int, ...]
+    is_inner: bool
+
+    @property
+    def pairs(self) -> tuple[Ends, ...]:
+        """All pairs of the linkage, in the order of solution."""
+        rest = tuple(ends for _, pairs in self.steps for ends in pairs)
+        return rest if self.is_inner else (self.driver, *rest)
+
+
+@frozen(eq=False)
 class SolutionPlan:
     """Steps that solve a linkage.
 
@@ -75,8 +105,8 @@ class SolutionPlan:
         In the order of solution; the joints of a step are in the order of `SolutionStep.pairs`.
     sides : mapping of str to int
         Joint -> +1 or -1, where the file states one.
-    redundant : tuple of int
-        Links constrained by more pairs than necessary.
+    structure : PlanStructure
+        The same for all lengths.
     """
 
     linkage: Linkage
@@ -84,14 +114,19 @@ class SolutionPlan:
     driver: Joint
     steps: tuple[tuple[SolutionStep, tuple[Joint, ...]], ...]
     sides: Mapping[str, int]
-    redundant: tuple[int, ...] = ()
+    structure: PlanStructure
 
     @property
     def is_inner(self) -> bool:
         """Whether the driver moves against a moving link."""
-        return self.linkage.driver.on != FRAME_LINK
+        return self.structure.is_inner
 
     @property
+    def redundant(self) -> tuple[int, ...]:
+        """Links constrained by more pairs than necessary."""
+        return self.structure.redundant
+
+    @lazy
     def joints(self) -> tuple[Joint, ...]:
         """All pairs of the linkage, in the order of solution."""
         rest = tuple(joint for _, joints in self.steps for joint in joints)
@@ -108,12 +143,12 @@ class SolutionPlan:
         """Side of a joint, +1 where the file states none."""
         return self.sides.get(joint, 1) * 1.0
 
-    @cached_property
+    @lazy
     def gains(self) -> Mapping[int, float]:
         """Ratio in SI by link of a second driver; see `topology.gains`."""
         return gains(self.linkage)
 
-    @cached_property
+    @lazy
     def size(self) -> float:
         """Size of the linkage: largest extent of a link [m]."""
         return _size(self.linkage, self.points)
@@ -133,10 +168,11 @@ def new_plan(linkage: Linkage) -> SolutionPlan:
     DesignError
         The driver does not determine every link.
     """
-    links = tuple((link.number, tuple(p.name for p in link.points)) for link in linkage.links)
-    sliders = tuple((s.link, s.on) for s in linkage.sliders)
-    driven = (linkage.driver.link, linkage.driver.on, *((row.link, row.on) for row in linkage.drivers))
-    driver, steps, redundant = _solution_steps(_Topology((links, sliders, driven), linkage))
+    structure = _structure(
+        tuple([(link.number, tuple([p.name for p in link.points])) for link in linkage.links]),
+        tuple([(slider.link, slider.on) for slider in linkage.sliders]),
+        ((linkage.driver.link, linkage.driver.on), *[(row.link, row.on) for row in linkage.drivers]),
+    )
     points = MappingProxyType(
         {
             link.number: MappingProxyType({p.name: vector(p.x_mm, p.y_mm) * _MM for p in link.points})
@@ -144,45 +180,50 @@ def new_plan(linkage: Linkage) -> SolutionPlan:
         }
     )
 
-    def joint(ends: _Ends) -> Joint:
+    def joint(ends: Ends) -> Joint:
         key, first, second = ends
         if is_pin(key):
             return Joint(key, True, JointEnd(first, points[first][key]), JointEnd(second, points[second][key]))
         slider = slider_of(linkage, key)
         return Joint(key, False, _on_line(slider, first), _on_line(slider, second))
 
-    driving_joint = joint(driver)
+    driving_joint = joint(structure.driver)
     return SolutionPlan(
         linkage,
         points,
         driving_joint,
-        tuple((step, tuple(driving_joint if pair == driver else joint(pair) for pair in ends)) for step, ends in steps),
-        MappingProxyType(dict(linkage.sides)),
-        redundant,
+        tuple(
+            [
+                (step, tuple([driving_joint if ends == structure.driver else joint(ends) for ends in pairs]))
+                for step, pairs in structure.steps
+            ]
+        ),
+        linkage.sides,
+        structure,
     )
 
 
-_Ends = tuple[str, int, int]
-"""Key of a pair, and the numbers of its first and second link."""
-
-
-@frozen
-class _Topology:
-    """Connections of a linkage: numbers and point names of the links, links of each slider, drivers; and one linkage with them.
-
-    The lengths of that linkage do not matter.
-    """
-
-    key: tuple[Any, ...]
-    linkage: Linkage = field(compare=False)
-
-
 @lru_cache(maxsize=64)
-def _solution_steps(
-    topology: _Topology,
-) -> tuple[_Ends, tuple[tuple[SolutionStep, tuple[_Ends, ...]], ...], tuple[int, ...]]:
-    """The driving pair, the steps with their pairs, and the redundant links; cached, since a changed length changes none of them."""
-    linkage = topology.linkage
+def _structure(
+    links: tuple[tuple[int, tuple[str, ...]], ...],
+    sliders: tuple[tuple[int, int], ...],
+    drivers: tuple[tuple[int, int], ...],
+) -> PlanStructure:
+    """Structure of the plans of all linkages with these connections.
+
+    Parameters
+    ----------
+    links : tuple of (int, tuple of str)
+        Number of each link and the names of its points.
+    sliders, drivers : tuple of (int, int)
+        The link that slides or is driven, and the link against which it moves; the first driver first.
+    """
+    linkage = Linkage(  # without lengths
+        tuple(Link(number, tuple(LinkPoint(name, 0.0, 0.0) for name in names)) for number, names in links),
+        tuple(Slider(link=link, on=on) for link, on in sliders),
+        Driver(drivers[0][0], on=drivers[0][1]),
+        drivers=tuple(SecondDriver(link=link, on=on) for link, on in drivers[1:]),
+    )
     order = solving_order(linkage)
     pair = driver_pair(linkage)
     if pair is None or order.undetermined:
@@ -197,7 +238,7 @@ def _solution_steps(
         pairs = {GROUP: finder.group_pairs, INPUT: finder.input_pairs}.get(step.kind, finder.dyad_pairs)(step, known)
         steps.append((step, tuple(driver if set(ends) == set(driver) else ends for ends in pairs)))
         known |= set(step.links)
-    return driver, tuple(steps), order.redundant
+    return PlanStructure(driver, tuple(steps), order.redundant, linkage.driver.on != FRAME_LINK)
 
 
 class _JointFinder:
@@ -208,14 +249,14 @@ class _JointFinder:
         self._pins = {pin.name: pin for pin in pins(linkage)}
         self._driving = driver_pair(linkage)
 
-    def ends(self, key: str, known: set[int], link: int) -> _Ends:
+    def ends(self, key: str, known: set[int], link: int) -> Ends:
         """The pair `key` between a link and a known link, preferably the frame."""
         if is_pin(key):
             return key, min(n for n in self._pins[key].links if n in known and n != link), link
         slider = slider_of(self._linkage, key)
         return key, slider.on if slider.link == link else slider.link, link
 
-    def driving_pair(self, key: str) -> _Ends:
+    def driving_pair(self, key: str) -> Ends:
         """The driving pair; the sliding link of a sliding pair is the last."""
         driver = self._linkage.driver
         if driver.on == FRAME_LINK or is_pin(key):
@@ -223,17 +264,17 @@ class _JointFinder:
         slider = slider_of(self._linkage, key)
         return key, slider.on, slider.link
 
-    def dyad_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+    def dyad_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[Ends]:
         """The two outer pairs with known links, and the inner pair between them."""
         a, b = step.links
         for key, partners, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
             yield self.ends(key, partners, link)
 
-    def input_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+    def input_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[Ends]:
         """The pair between a second driving link and a known link."""
         yield self.ends(step.pairs[0], known, step.links[0])
 
-    def group_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[_Ends]:
+    def group_pairs(self, step: SolutionStep, known: set[int]) -> Iterator[Ends]:
         """All pairs of a group; a pin of n links counts as n - 1 pairs with one of the links."""
         for key in step.pairs:
             if is_pin(key):

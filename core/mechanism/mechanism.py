@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
-from functools import cached_property
+from dataclasses import field, replace
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from core.design import FRAME_LINK, Linkage
-from core.design.topology import GROUP, INPUT, SolutionStep
+from core.design.topology import GROUP, INPUT, SolutionStep, is_pin
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.branches import Branch
 from core.mechanism.dyads import DYADS, DyadSolution, pin_of, pose_through, turned_like
 from core.mechanism.groups import GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, SLIDING, Dyad, Pair, Pose
-from core.mechanism.linkage import Joint, JointEnd, SolutionPlan, new_plan, plan_of
+from core.mechanism.linkage import Ends, Joint, JointEnd, PlanStructure, SolutionPlan, new_plan, plan_of
 from core.motion import MotionState, largest_rate, motion_at, program
 from core.numerics.derivatives import Derivatives, body_vector, constant, cross, heading, product, scaled, sum_of, unit
+from core.numerics.lazy import lazy
 
 # -- solution of all links, step by step ------------------------------------------------------------------------
 
@@ -296,21 +297,15 @@ class ReferencePoint:
 
 
 @frozen(eq=False)
-class Mechanism:
-    """A linkage with the position of its frame, its driver, and the names of bodies, pairs and coordinates.
+class Names:
+    """Names of the parts of a kind of mechanism, whatever its lengths.
 
     Attributes
     ----------
-    linkage : Linkage
-        Links, pairs and driver, in the frame of the mechanism.
     bodies : mapping of int to str
         Name of the body by link.
     reference : ReferencePoint or None
         Point on which a cam acts.
-    origin, turn : complex, float
-        Origin [m] of the mechanism's frame in the global frame, and the angle of its x axis [rad].
-    start, driver_sign : float
-        The driver's coordinate is q = start + driver_sign y, with the motion y [m or rad].
     pairs : mapping of str to str
         Name of the pair by joint.
     force_links : mapping of str to int
@@ -319,12 +314,102 @@ class Mechanism:
         Name of the sliding link's point, by the joint of a sliding pair.
     coordinates : mapping of str to int or str
         By the name in tables: a link, for its angle in the mechanism's frame, or the joint of a sliding pair, for its slide.
+    singular : mapping of str to str
+        Code of the finding by joint of a dyad, where the sine of its transmission angle vanishes.
+    """
+
+    bodies: Mapping[int, str]
+    reference: ReferencePoint | None = None
+    pairs: Mapping[str, str] = field(default_factory=_empty)
+    force_links: Mapping[str, int] = field(default_factory=_empty)
+    points: Mapping[str, str] = field(default_factory=_empty)
+    coordinates: Mapping[str, int | str] = field(default_factory=_empty)
+    singular: Mapping[str, str] = field(default_factory=_empty)
+
+    def body(self, link: int) -> str:
+        """Name of the body of a link, the frame included."""
+        return self.bodies.get(link, FRAME)
+
+    def point(self, joint: str) -> str:
+        """Name of the point of a pair on its body."""
+        return self.points.get(joint, joint)
+
+
+@frozen(eq=False)
+class NamedPairs:
+    """Pairs and dyads of a kind of mechanism, by name and without any length.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Name of each joint of the plan, the driver's first; further links on one pin append the name of their body.
+    pairs : mapping of str to Pair
+        A sliding pair has the axis 1, in place of the direction of its line.
+    dyads : tuple of Dyad
+        In the reverse of the order of solution; a second driving body has the ratio 0.
+    ground : str
+        Name of the pair between the frame and the reference point's link, or the driver; empty where there is none.
+    """
+
+    names: tuple[str, ...]
+    pairs: Mapping[str, Pair]
+    dyads: tuple[Dyad, ...]
+    ground: str
+
+
+@lru_cache(maxsize=64)
+def named_pairs(structure: PlanStructure, names: Names) -> NamedPairs:
+    """Pairs and dyads of a structure by name; cached, since a changed length does not change them."""
+    by_ends: dict[Ends, str] = {}
+    for ends in structure.pairs:
+        key, _, second = ends
+        name = names.pairs.get(key, key)
+        by_ends[ends] = f"{name}_{names.bodies[second]}" if name in by_ends.values() else name
+    link = structure.driver[2] if names.reference is None else names.reference.link
+    grounds = (name for (_, *links), name in by_ends.items() if set(links) == {FRAME_LINK, link})
+    return NamedPairs(
+        tuple(by_ends[ends] for ends in structure.pairs),
+        MappingProxyType({name: _pair(names, *ends) for ends, name in by_ends.items()}),
+        tuple(_dyad(structure, names, by_ends, step, pairs) for step, pairs in reversed(structure.steps)),
+        next(grounds, ""),
+    )
+
+
+def _pair(names: Names, key: str, on: int, body: int) -> Pair:
+    if not is_pin(key):
+        return Pair(SLIDING, names.body(on), names.body(body), names.point(key), 1.0 + 0j)
+    if names.force_links.get(key) == body:
+        on, body = body, on
+    return Pair(REVOLUTE, names.body(on), names.body(body), names.point(key))
+
+
+def _dyad(
+    structure: PlanStructure, names: Names, by_ends: Mapping[Ends, str], step: SolutionStep, pairs: tuple[Ends, ...]
+) -> Dyad:
+    driven = by_ends[structure.driver] if structure.is_inner and structure.driver in pairs else ""
+    return Dyad(
+        step.kind, tuple(names.bodies[n] for n in step.links), tuple(by_ends[ends] for ends in pairs), driven=driven
+    )
+
+
+@frozen(eq=False)
+class Mechanism:
+    """A linkage with the position of its frame, its driver, and the names of its parts.
+
+    Attributes
+    ----------
+    linkage : Linkage
+        Links, pairs and driver, in the frame of the mechanism.
+    names : Names
+        Of bodies, pairs, points and coordinates.
+    origin, turn : complex, float
+        Origin [m] of the mechanism's frame in the global frame, and the angle of its x axis [rad].
+    start, driver_sign : float
+        The driver's coordinate is q = start + driver_sign y, with the motion y [m or rad].
     angles : mapping of int to float
         Angle [rad] of a link in the mechanism's frame at the base position, including whole turns.
     base : mapping of str to (float, str)
         Values of the base position in SI, with the unit in which they are displayed.
-    singular : mapping of str to str
-        Code of the finding by joint of a dyad, where the sine of its transmission angle vanishes.
     more_singular : callable, optional
         Further measures by code, from the solution in the mechanism's frame.
     ranged : bool
@@ -336,83 +421,73 @@ class Mechanism:
     """
 
     linkage: Linkage
-    bodies: Mapping[int, str]
-    reference: ReferencePoint | None = None
+    names: Names
     origin: complex = 0j
     turn: float = 0.0
     start: float = 0.0
     driver_sign: float = 1.0
-    pairs: Mapping[str, str] = field(default_factory=_empty)
-    force_links: Mapping[str, int] = field(default_factory=_empty)
-    points: Mapping[str, str] = field(default_factory=_empty)
-    coordinates: Mapping[str, int | str] = field(default_factory=_empty)
     angles: Mapping[int, float] = field(default_factory=_empty)
     base: Mapping[str, tuple[float, str]] = field(default_factory=_empty)
-    singular: Mapping[str, str] = field(default_factory=_empty)
     more_singular: Callable[[LinkageSolution], Mapping[str, np.ndarray]] | None = None
     ranged: bool = False
     refuse: Callable[[MotionState, LinkageSolution, np.ndarray], NoSolution] | None = None
     require: Callable[[float, MotionState], None] | None = None
 
-    @cached_property
+    @lazy
     def plan(self) -> SolutionPlan:
         """Solution plan of the linkage."""
         return plan_of(self.linkage) if self.ranged else new_plan(self.linkage)  # a follower has new lengths each time
 
-    @cached_property
+    @property
+    def bodies(self) -> Mapping[int, str]:
+        """Name of the body by link."""
+        return self.names.bodies
+
+    @property
+    def _named(self) -> NamedPairs:
+        return named_pairs(self.plan.structure, self.names)
+
+    @property
     def pair_names(self) -> Mapping[Joint, str]:
         """Name of every pair, the driver's first; further links on one pin append the name of their body."""
-        names: dict[Joint, str] = {}
-        for joint in self.plan.joints:
-            name = self.pairs.get(joint.name, joint.name)
-            is_taken = name in names.values()
-            names[joint] = f"{name}_{self.bodies[joint.second.link]}" if is_taken else name
-        return MappingProxyType(names)
+        return MappingProxyType(dict(zip(self.plan.joints, self._named.names, strict=True)))
 
-    @cached_property
+    @lazy
     def pairs_by_name(self) -> Mapping[str, Pair]:
         """Pairs of the Kinematics by name."""
-        return MappingProxyType({name: self._pair(joint) for joint, name in self.pair_names.items()})
+        pairs = dict(self._named.pairs)
+        for joint, name in zip(self.plan.joints, pairs, strict=True):
+            if not joint.revolute:
+                axis = joint.first.along
+                if joint.first.link == FRAME_LINK:
+                    axis = axis * heading(self.turn)
+                pair = pairs[name]
+                pairs[name] = Pair(pair.kind, pair.on, pair.body, pair.point, axis)
+        return MappingProxyType(pairs)
 
-    def _pair(self, joint: Joint) -> Pair:
-        on, body = joint.first.link, joint.second.link
-        name = self.points.get(joint.name, joint.name)
-        if not joint.revolute:
-            along = joint.first.along
-            if on == FRAME_LINK:
-                along = along * heading(self.turn)
-            return Pair(SLIDING, self._name(on), self._name(body), name, along)
-        if self.force_links.get(joint.name) == body:
-            on, body = body, on
-        return Pair(REVOLUTE, self._name(on), self._name(body), name)
-
-    def _name(self, link: int) -> str:
-        return self.bodies.get(link, FRAME)
-
-    @cached_property
+    @lazy
     def dyads(self) -> tuple[Dyad, ...]:
         """Dyads and groups, in the reverse of the order of solution."""
-        names, bodies, linkage = self.pair_names, self.bodies, self.linkage
-        on = {row.link: self._name(row.on) for row in linkage.drivers}
-        ratios, motions = (self.plan.gains, linkage.own_motions) if on else ({}, {})
+        dyads, linkage = self._named.dyads, self.linkage
+        if not linkage.drivers:
+            return dyads
+        on, gains, motions = {row.link: row.on for row in linkage.drivers}, self.plan.gains, linkage.own_motions
+        links = [step.links[0] if step.kind == INPUT else None for step, _ in reversed(self.plan.steps)]
         return tuple(
-            Dyad(
-                step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints),
-                on.get(step.links[0], "") if step.kind == INPUT else "", ratios.get(step.links[0], 0.0),
-                step.links[0] in motions and step.kind == INPUT,
-                names[self.plan.driver] if self.plan.is_inner and self.plan.driver in joints else "",
-            )
-            for step, joints in reversed(self.plan.steps)
-        )  # fmt: skip
+            dyad
+            if link is None
+            else replace(dyad, on=self.names.body(on[link]), ratio=gains.get(link, 0.0), by_motion=link in motions)
+            for link, dyad in zip(links, dyads, strict=True)
+        )
 
-    @cached_property
+    @lazy
     def link_points(self) -> Mapping[int, Mapping[str, complex]]:
         """Points in their link's frame [m] by link and name, including those of sliding pairs."""
         result = {link: dict(points) for link, points in self.plan.points.items()}
         for joint in self.plan.joints:
             if not joint.revolute:
                 for end in (joint.first, joint.second):
-                    result[end.link].setdefault(self.points.get(joint.name, joint.name), end.point)
+                    result[end.link].setdefault(self.names.point(joint.name), end.point)
         return MappingProxyType({link: MappingProxyType(points) for link, points in result.items()})
 
     def body_point(self, link: int, point: str) -> tuple[str, complex]:
@@ -428,12 +503,10 @@ class Mechanism:
             return FRAME, self.origin + at * heading(self.turn)
         return self.bodies[link], at
 
-    @cached_property
+    @property
     def ground(self) -> str:
         """Name of the pair between the frame and the reference point's link, or the driver; empty where there is none."""
-        link = self.linkage.driver.link if self.reference is None else self.reference.link
-        names = (name for j, name in self.pair_names.items() if {j.first.link, j.second.link} == {FRAME_LINK, link})
-        return next(names, "")
+        return self._named.ground
 
 
 def body_name(link: int) -> str:
@@ -448,8 +521,14 @@ def link_number(body: str) -> int:
 
 def mechanism_of(linkage: Linkage, reference: ReferencePoint | None = None) -> Mechanism:
     """Mechanism of a [linkage] of the file: its frame is the global frame, its bodies have the numbers of their links."""
-    sliding = {str(s.link): s.link for s in linkage.sliders}
-    names = MappingProxyType({n: body_name(n) for n in sorted(linkage.by_number)})
-    coordinates: dict[str, int | str] = {name: n for n, name in names.items() if n != FRAME_LINK}
-    coordinates.update({f"slide{joint}": joint for joint in sliding})
-    return Mechanism(linkage, names, reference, coordinates=MappingProxyType(coordinates), ranged=True)
+    numbers = tuple(sorted(link.number for link in linkage.links))
+    names = _link_names(numbers, tuple(slider.link for slider in linkage.sliders), reference)
+    return Mechanism(linkage, names, ranged=True)
+
+
+@lru_cache(maxsize=64)
+def _link_names(links: tuple[int, ...], sliding: tuple[int, ...], reference: ReferencePoint | None) -> Names:
+    bodies = {link: body_name(link) for link in links}
+    coordinates: dict[str, int | str] = {name: link for link, name in bodies.items() if link != FRAME_LINK}
+    coordinates.update({f"slide{link}": str(link) for link in sliding})
+    return Names(MappingProxyType(bodies), reference, coordinates=MappingProxyType(coordinates))

@@ -12,7 +12,7 @@ from core.design.topology import GROUP, SolutionStep, is_pin
 from core.errors import NoAssembly, NoPosition, angle_list, angle_ranges
 from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of, guided_ranges
 from core.mechanism.dyads import DyadSolution, line_of
-from core.mechanism.kinematics import FRAME, Kinematics, Pose
+from core.mechanism.kinematics import Kinematics, Pose
 from core.mechanism.linkage import Joint, SolutionPlan
 from core.mechanism.mechanism import (
     ROLLER,
@@ -60,7 +60,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     is_finite = _require_assembly(mechanism, driver_ranges, solution, motion)
     if mechanism.require is not None:
         mechanism.require(mechanism.start, motion)
-    points, reference, ground = mechanism.link_points, mechanism.reference, mechanism.ground
+    points, reference, ground = mechanism.link_points, mechanism.names.reference, mechanism.ground
     bodies = {
         name: _body(solution.poses[link], points[link], mechanism, n, is_finite)
         for link, name in mechanism.bodies.items()
@@ -80,7 +80,9 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         follower_body=follower,
         ground=ground,
         travel=lambda: _travel(mechanism, driver_ranges, q[0], bodies, ground),
-        coordinates=lambda: {name: _coordinate(solution, plan, key, n) for name, key in mechanism.coordinates.items()},
+        coordinates=lambda: {
+            name: _coordinate(solution, plan, key, n) for name, key in mechanism.names.coordinates.items()
+        },
         base=mechanism.base,
         residual=lambda: spread(_residual(plan, solution), n),
         condition=lambda: spread(condition(plan, solution), n),
@@ -88,7 +90,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
         transmission=lambda: {joint: spread(dyad.transmission, n) for joint, dyad in _dyads(mechanism, solution)},
         carrier=carrier,
         driver_sign=mechanism.driver_sign,
-        driver_on=mechanism.bodies.get(on, FRAME),
+        driver_on=mechanism.names.body(on),
         by_driver=lambda: _by_driver(mechanism, driver_ranges, q[0], points),
     )
 
@@ -210,7 +212,7 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
         Derivatives(angle, pose.turn.constant),
         points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
-        lambda: (scaled(pose.spin, along) if turn else pose.spin).spread(n),
+        lambda: scaled(pose.spin, along) if turn else pose.spin,
     )
     if is_finite:
         return body
@@ -252,7 +254,7 @@ def _travel(
 
     About the pivot or along the guide of its link on the frame; without such a pair by the derivative by the driver's coordinate q.
     """
-    reference, plan = mechanism.reference, mechanism.plan
+    reference, plan = mechanism.names.reference, mechanism.plan
     if reference is None:
         return np.ones(q.shape[-1], dtype=complex)
     at = plan.points[reference.link][reference.point]
@@ -303,7 +305,7 @@ def _dyads(mechanism: Mechanism, solution: LinkageSolution) -> Iterator[tuple[st
 
 def _singular(mechanism: Mechanism, solution: LinkageSolution, n: int) -> Mapping[str, np.ndarray]:
     """Measures that must not vanish: the sine of each dyad's transmission angle, and those of the mechanism."""
-    measures = {mechanism.singular.get(joint, joint): dyad.sine for joint, dyad in _dyads(mechanism, solution)}
+    measures = {mechanism.names.singular.get(joint, joint): dyad.sine for joint, dyad in _dyads(mechanism, solution)}
     if mechanism.more_singular is not None:
         measures |= mechanism.more_singular(solution)
     return {code: spread(value, n) for code, value in measures.items()}

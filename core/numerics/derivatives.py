@@ -238,7 +238,13 @@ def spread(row: np.ndarray, n: int) -> np.ndarray:
     -------
     ndarray (n,), or the row itself with many designs [the same]
     """
-    return row if row.size == n or row.ndim > 1 else np.broadcast_to(row, n)
+    if row.size == n or row.ndim > 1:
+        return row
+    if row.size != 1:
+        raise ValueError(f"{row.size} values at {n} positions")
+    repeated = np.ndarray((n,), row.dtype, row, 0, (0,))  # broadcast_to takes ten times as long
+    repeated.flags.writeable = False
+    return repeated
 
 
 def replace_nan(row: np.ndarray, nan: float) -> np.ndarray:
@@ -479,6 +485,18 @@ def sum_of(a: Derivatives, b: Derivatives) -> Derivatives:
 def difference(a: Derivatives, b: Derivatives) -> Derivatives:
     """Difference a - b."""
     return _combined(a, b, np.subtract)
+
+
+def sum_with_multiple(a: Derivatives, b: Derivatives, factor: complex) -> Derivatives:
+    """Sum a + factor b, in plain arrays."""
+
+    def row(order: int) -> np.ndarray:
+        if order and b.constant:
+            return a[order]
+        multiple = np.asarray(b[order] * factor)
+        return multiple if order and a.constant else a[order] + multiple
+
+    return Derivatives(row, a.constant and b.constant)
 
 
 def scaled(a: Derivatives, factor: complex) -> Derivatives:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -9,7 +10,7 @@ from dataclasses import fields, is_dataclass
 from functools import lru_cache, reduce
 from threading import Event
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast, overload
 
 import numpy as np
 
@@ -180,21 +181,32 @@ T = TypeVar("T")
 
 def locked(value: T) -> T:
     """Make every array in a value read-only, and return it; lazy fields are locked when they are computed."""
+    kind: Any = type(value)
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
-        return value
-    for part in _parts_of(cast(Hashable, type(value)))(value):
-        if (kind := type(part)) not in _WITHOUT_ARRAYS:
-            if kind is np.ndarray:
+    elif kind not in _WITHOUT_ARRAYS:
+        for part in _parts_of(kind)(value):
+            if type(part) is np.ndarray:
                 part.flags.writeable = False
-            else:
+            elif type(part) not in _WITHOUT_ARRAYS:
                 locked(part)
     return value
 
 
-_PLAIN = ("float", "int", "str", "bool", "complex", "tuple[str, ...]")
+def self_locking(kind: type[T]) -> type[T]:
+    """Class decorator: no array in an instance has to be locked; its lazy fields are locked when they are computed."""
+    _WITHOUT_ARRAYS.add(kind)
+    return kind
+
+
 _WITHOUT_ARRAYS: set[type] = {float, int, str, bool, complex, type(None)}
 """Types without arrays, which most values in a result have."""
+_NAMES_WITHOUT_ARRAYS = {"float", "int", "str", "bool", "complex", "None", "tuple", "Mapping", "Lazy", "Derivatives"}
+"""Names in the annotation of a field that holds no unlocked array; the rows of Derivatives are read-only from the start."""
+
+
+def _may_hold_arrays(field: Any) -> bool:
+    return not set(re.findall(r"[^\W\d]\w*", str(field.type))) <= _NAMES_WITHOUT_ARRAYS
 
 
 @lru_cache(maxsize=256)
@@ -204,8 +216,7 @@ def _parts_of(kind: Any) -> Callable[[Any], Iterable[Any]]:
         return lambda value: value.values()
     if issubclass(kind, tuple):
         return iter
-    if is_dataclass(kind) and any(field.type not in _PLAIN for field in fields(kind)):
-        names = [field.name for field in fields(kind)]
+    if is_dataclass(kind) and (names := [field.name for field in fields(kind) if _may_hold_arrays(field)]):
         return lambda value: map(vars(value).get, names)
     _WITHOUT_ARRAYS.add(kind)
     return lambda value: ()
@@ -221,6 +232,30 @@ def once(compute: Callable[[], T]) -> Callable[[], T]:
         return result[0]
 
     return value
+
+
+class lazy(Generic[T]):
+    """Property computed when it is first read, as ``functools.cached_property`` without the lock that it has in Python 3.11.
+
+    With that lock a thread waits while another one computes the same property of any other object.
+    """
+
+    def __init__(self, compute: Callable[[Any], T]) -> None:
+        self._compute = compute
+        self.__doc__ = compute.__doc__
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> lazy[T]: ...
+    @overload
+    def __get__(self, instance: object, owner: type) -> T: ...
+    def __get__(self, instance: Any, owner: type) -> Any:
+        if instance is None:
+            return self
+        value = instance.__dict__[self._name] = self._compute(instance)
+        return value
 
 
 class Lazy(Generic[T]):
@@ -240,11 +275,11 @@ class Lazy(Generic[T]):
             if self._otherwise is None:
                 raise AttributeError(self._name)  # so that a dataclass finds no default
             return cast(T, self._otherwise)
-        value = vars(instance)[self._name]
+        values = instance.__dict__
+        value = values[self._name]
         if callable(value):
-            otherwise = self._otherwise
-            computed = otherwise(instance) if otherwise is not None and value is otherwise else value()
-            value = vars(instance)[self._name] = locked(computed)
+            otherwise: Any = self._otherwise
+            value = values[self._name] = locked(value(instance) if value is otherwise else value())
         return cast(T, value)
 
     def __set__(self, instance: Any, value: T | Callable[[], T]) -> None:

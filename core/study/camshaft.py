@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
@@ -19,6 +18,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, degrees
 from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.motion.program import MachineTurn, ShaftPosition
+from core.numerics.lazy import lazy
 from core.shaft import Flywheel, LoadCurve, combined_load, has_flywheel, peaks, rms
 from core.study.drive_forces import DriveForces
 from core.study.stages import evaluations, memory
@@ -56,7 +56,7 @@ class Camshaft(Generic[D]):
         """Study of the only drive; None where the design lists its drives."""
         return None if self.design.listed else next(iter(self.drives.values()))
 
-    @cached_property
+    @lazy
     def slugs(self) -> Mapping[str, str]:
         """Name -> slug of the drive, as in columns and folders."""
         return dict(zip(self.drives, slugs(self.design), strict=True))
@@ -75,7 +75,7 @@ class Camshaft(Generic[D]):
         """Equally spaced machine angles of the tables (n,) [deg], each rounded once."""
         return degrees(self.samples)
 
-    @cached_property
+    @lazy
     def theta(self) -> np.ndarray:
         """Machine angles (n,) [rad]."""
         return np.deg2rad(self.angle_degrees) if self._given is None else self._given
@@ -98,7 +98,7 @@ class Camshaft(Generic[D]):
                 vars(camshaft)[name] = vars(self)[name]
         return camshaft
 
-    @cached_property
+    @lazy
     def positions(self) -> Mapping[str, ShaftPosition]:
         """Name -> position of the drive on the shaft."""
         rows = zip(self.drives.items(), self.design.drives, strict=True)
@@ -115,7 +115,7 @@ class Camshaft(Generic[D]):
         """Whether any drive has a direction along which it transfers a part."""
         return any(drive.carries for drive in self.design.drives)
 
-    @cached_property
+    @lazy
     def transfer_path(self) -> np.ndarray:
         """Position of the part that the drives transfer together (n, 3) [m], the sum of their motions along their directions.
 
@@ -134,12 +134,12 @@ class Camshaft(Generic[D]):
 
     # -- drives on the shaft, drives without a solution -------------------------------------------------------
 
-    @cached_property
+    @lazy
     def loading_drives(self) -> tuple[str, ...]:
         """Names of the drives that load the shaft; a motion without a cam is driven otherwise."""
         return tuple(name for name, study in self.drives.items() if study.loads_shaft)
 
-    @cached_property
+    @lazy
     def failures(self) -> Mapping[str, NoSolution]:
         """Name -> error of every drive that cannot be assembled or jams; its field is a path in the file of the design."""
         failures: dict[str, NoSolution] = {}
@@ -244,7 +244,7 @@ class Camshaft(Generic[D]):
         curve: LoadCurve = memory.get("balanced load", key, lambda: combined_load(loads))
         return curve
 
-    @cached_property
+    @lazy
     def _balance(self) -> tuple[D, ShaftPosition] | None:
         """Study of the balance cam by its own angle, and its position on the shaft."""
         part = self.design.balancer
@@ -335,7 +335,7 @@ class Camshaft(Generic[D]):
         wheel: Flywheel = memory.get("flywheel", (self._key, self.design.balancer, camshaft), compute)
         return wheel
 
-    @cached_property
+    @lazy
     def turn(self) -> MachineTurn:
         """Pieces of the machine's turn, between the joins of all drives that have a solution."""
         return MachineTurn(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -24,6 +23,7 @@ from core.motion import TURN, Angles, program
 from core.motion.extremes import Extreme, crossings, find_above, piecewise_angles
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import spread
+from core.numerics.lazy import lazy
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined_load, has_flywheel
 from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved_mass
@@ -49,7 +49,7 @@ class DriveForces(DriveStudy):
         """Whether the cam holds the follower from both sides, as a groove or a conjugate pair does."""
         return "cam" in self.stages and bool(self.design.drive.cam.form.holds)
 
-    @cached_property
+    @lazy
     def dynamics(self) -> Forces:
         """All forces at constant speed. Raises NoSolution where friction depends on reactions that statics does not determine."""
         if self.undetermined and (rubbing := [f for f in self.loading.frictions if f.pair in self.undetermined]):
@@ -92,7 +92,7 @@ class DriveForces(DriveStudy):
         )
         return units
 
-    @cached_property
+    @lazy
     def free_bodies(self) -> Mapping[str, tuple[ForceOnBody, ...]]:
         """Body -> all forces on it, in equilibrium; infinite where friction jams.
 
@@ -105,7 +105,7 @@ class DriveForces(DriveStudy):
         excluded = {body for name in self.undetermined for body in (pairs[name].on, pairs[name].body)}
         return MappingProxyType({body: rows for body, rows in bodies.items() if body not in excluded})
 
-    @cached_property
+    @lazy
     def undetermined(self) -> frozenset[str]:
         """Pairs whose reactions statics does not determine, because the linkage is overconstrained."""
         if not self.mechanism.plan.redundant:
@@ -118,7 +118,7 @@ class DriveForces(DriveStudy):
         )
         return pairs
 
-    @cached_property
+    @lazy
     def jam(self) -> Extreme | None:
         """Refined extreme of the jamming factor where friction jams, independent of the sampling; None where nothing jams.
 
@@ -158,7 +158,7 @@ class DriveForces(DriveStudy):
             raise self._jammed(self.jam)
         return self._contact_force
 
-    @cached_property
+    @lazy
     def _contact_force(self) -> ContactForce:
         def at(angles: Angles) -> tuple[Kinematics, CamShape]:
             study = self.at(angles)
@@ -334,7 +334,7 @@ class DriveForces(DriveStudy):
         study = self.at(angles)
         return study.linkage, study.dynamics
 
-    @cached_property
+    @lazy
     def stress(self) -> Mapping[str, ContactStress]:
         """Flank -> stresses of its contact; empty where a material is not known, or the face is a knife edge."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -28,7 +28,7 @@ from core.mechanism import (
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.program import SubdividedTurn
-from core.numerics.lazy import locked
+from core.numerics.lazy import lazy, locked
 from core.numerics.parts import part_of
 from core.study.stages import (
     SEARCHED,
@@ -109,7 +109,7 @@ class DriveStudy:
 
     # -- the drive ------------------------------------------------------------------------------------------
 
-    @cached_property
+    @property
     def stages(self) -> tuple[str, ...]:
         """Stages of the design, of any of its drives."""
         return self.design.stages
@@ -149,7 +149,7 @@ class DriveStudy:
         speed /= self.turns
         return self.sense * speed if self.by_crank else speed
 
-    @cached_property
+    @lazy
     def _crank(self) -> DriverRanges | None:
         """Ranges of a crank; None where no crank drives, or where it has none, which the stage ``linkage`` reports."""
         if not self.by_crank:
@@ -191,7 +191,7 @@ class DriveStudy:
         """Name of the angle: cam angle, crank angle, or cycle where the crank swings or returns after several turns."""
         return "cycle" if self.by_cycle else self.design.angle_name
 
-    @cached_property
+    @lazy
     def program(self) -> Any:
         """Pieces and joins of the driver over one turn, a CompiledMotion or a CrankMotion.
 
@@ -219,7 +219,7 @@ class DriveStudy:
         """The program of the driver in the pieces of its motion only."""
         return CrankMotion(self.driver_ranges) if self.by_crank else program(self.design.drive.motion)
 
-    @cached_property
+    @lazy
     def angles(self) -> Angles:
         """Angles of the study, (n,)."""
         if self._given is not None:
@@ -251,7 +251,7 @@ class DriveStudy:
             self._at[angles] = type(self)(self.design, self.samples, angles)
         return self._at[angles]
 
-    @cached_property
+    @lazy
     def _at(self) -> dict[Angles, Self]:
         return {}
 
@@ -343,7 +343,7 @@ class DriveStudy:
                     getattr(part, stage)
             self._at.update(zip(missing, parts, strict=True))
 
-    @cached_property
+    @lazy
     def _solved(self) -> dict[Angles, frozenset[str]]:
         """Angles -> stages that ``solve_together`` has solved or tried to solve there."""
         return {}
@@ -369,12 +369,12 @@ class DriveStudy:
                 raise
             raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 
-    @cached_property
+    @lazy
     def mechanism(self) -> Mechanism:
         """Mechanism to be solved. Raises NoAssembly where a follower does not reach its base position."""
         return followers.built(self.design.drive.posed, self.design.drive.cam)
 
-    @cached_property
+    @lazy
     def driver_ranges(self) -> DriverRanges:
         """Ranges of the driver in which the links can be assembled. Raises NoPosition where there are none."""
         result = _driver_ranges(self.mechanism, None if self.by_crank else self.design.drive.motion)
@@ -407,7 +407,7 @@ class DriveStudy:
         ranges = self.driver_ranges.ranges if self.by_crank and not self.swings else ()
         return () if len(ranges) == 1 and ranges[0].is_free else tuple((r.low, r.high) for r in ranges)
 
-    @cached_property
+    @lazy
     def drive(self) -> MotionState:
         """State of the driver: the motion, or the angle of the crank, with three derivatives (4, n) [rad or m]."""
         if isinstance(self.program, SubdividedTurn):
@@ -424,13 +424,13 @@ class DriveStudy:
         self.require_stage("motion")
         return self.drive
 
-    @cached_property
+    @lazy
     def linkage(self) -> Kinematics:
         """Kinematics of the mechanism. Raises KindynaError where it has no position."""
         with self.with_exact_angles("linkage"):
             return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.driver_ranges)
 
-    @cached_property
+    @lazy
     def centres(self) -> CentreTable:
         """All instant centres of a linkage at every angle; bodies are named as in ``linkage``.
 
@@ -446,13 +446,13 @@ class DriveStudy:
             return self._stage("centres", all_centres, self.linkage, self.driver_ranges.plan.size)
         return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.driver_ranges)
 
-    @cached_property
+    @lazy
     def cam_centres(self) -> CentreTable:
         """All instant centres at every angle, the cam included. Raises NoSuchStage where there is no cam."""
         self.require_stage("cam")
         return self._stage("cam centres", cam_centres, self.linkage, self.sense)
 
-    @cached_property
+    @lazy
     def _cam(self) -> CamShape:
         with self.with_exact_angles("cam"):
             shape: CamShape = self._stage(
@@ -473,7 +473,7 @@ class DriveStudy:
         """Shape of the cam; None where the design has no cam."""
         return self.cam if "cam" in self.stages else None
 
-    @cached_property
+    @lazy
     def loading(self) -> Loading:
         """Loads of the drive as force elements."""
         parts = (self.design.drive.mechanism, self.design.drive.loads, self.mechanism)
@@ -486,7 +486,7 @@ class DriveStudy:
         """Parts of the design on which the quantities of a stage depend; key of the cache."""
         return self._depends_on[stage]
 
-    @cached_property
+    @lazy
     def _depends_on(self) -> Mapping[str, tuple[Any, ...]]:
         design = self.design
         drive = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS)

@@ -175,7 +175,7 @@ class DesignBlock:
         names = [f.name for f in fields(mechanism) if f.name not in ("linkage", "base", "angles")]
         parts = [
             {name: getattr(mechanism, name) for name in names},
-            {name: getattr(plan, name) for name in ("points", "driver", "steps", "sides")},
+            {name: getattr(plan, name) for name in ("points", "driver", "steps", "sides", "structure")},
             (self.design, self.loading),
         ]
         return tuple((part, part_mapper(part)) for part in parts)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from core.design import drive_names, only
 from core.errors import NoStability
+from core.numerics.lazy import lazy
 from core.shaft import Flywheel
 from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_forces import DriveForces
@@ -27,7 +27,7 @@ class Study(DriveForces):
     it); ``flywheel`` belongs to the stage ``dynamics``.
     """
 
-    @cached_property
+    @lazy
     def drives(self) -> Mapping[str, Study]:
         """Name -> study of the drive, in the order of the design."""
         names = drive_names(self.design)
@@ -46,12 +46,12 @@ class Study(DriveForces):
         camshaft = self.camshaft
         return {camshaft.slugs[name]: study for name, study in self.drives.items() if name not in camshaft.failures}
 
-    @cached_property
+    @lazy
     def camshaft(self) -> Camshaft[Study]:
         """The drives together on their shaft, by machine angle."""
         return Camshaft(self.design, self.drives, self.samples)
 
-    @cached_property
+    @lazy
     def flywheel(self) -> Flywheel:
         """Size of the flywheel, speed and motor torque. Raises NoSolution where friction jams, or a crank cannot turn fully."""
         return self.camshaft.flywheel
@@ -61,7 +61,7 @@ class Study(DriveForces):
         self.require_stage("stability")
         return self._flexible_shaft
 
-    @cached_property
+    @lazy
     def _flexible_shaft(self) -> Stability:
         return self.camshaft.flexible_shaft()
 
