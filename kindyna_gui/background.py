@@ -221,7 +221,9 @@ class PendingResult(QObject):
 
 
 def tidy() -> None:
-    """Collect the oldest generation that has reached Python's threshold."""
+    """Collect the oldest generation that has reached Python's threshold, unless the mouse holds something."""
+    if QApplication.mouseButtons():
+        return
     for generation in (2, 1, 0):
         if gc.get_count()[generation] > gc.get_threshold()[generation]:
             gc.collect(generation)

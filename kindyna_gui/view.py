@@ -76,6 +76,8 @@ def scroll_to(widget: QWidget | None) -> None:
         around = around.parentWidget()
 
 
+AFTER_DRAG_MS = 50  # from the end of a drag until the views with a pause refresh
+
 # -- queue of refreshes ----------------------------------------------------------------------------------
 
 
@@ -241,7 +243,7 @@ class View(QWidget):
     - status_message (str): what has been done, for the status line
     - ``is_design_wide``: shows all drives, so it refreshes after a change of any drive
     - ``is_unavailable``: this kind of design has nothing for the view, which shows a sentence instead
-    - ``pause_ms``: refresh once editing pauses that long; 0: after each step
+    - ``pause_ms``: refresh once editing pauses that long, and soon after the mouse releases what it drags; 0: after each step
     - ``reading_ms``: shortest time between two angles shown while the cam turns; 0: every angle
     """
 
@@ -270,6 +272,7 @@ class View(QWidget):
         self._awaits = False  # a result that it reads is being calculated, or was cancelled
         connect_all(
             (session.pending.known, self._read_again),
+            (session.drag_ended, self._drag_ended),
             (session.started, self._forget_fault),
             (session.drive_chosen, self._forget_fault),
             (session.full_design_changed if self.is_design_wide else session.design_changed, self.invalidate),
@@ -373,15 +376,21 @@ class View(QWidget):
     # -- time of a refresh ----------------------------------------------------------------------------------
 
     @property
-    def _is_queued(self) -> bool:
+    def _is_drag_elsewhere(self) -> bool:
         """Whether the mouse drags something in another view."""
         source = self.session.drag_source
-        return not (
-            source is None
-            or self.pause_ms
-            or source is self
-            or (isinstance(source, QWidget) and self.isAncestorOf(source))
-        )
+        is_here = source is self or (isinstance(source, QWidget) and self.isAncestorOf(source))
+        return source is not None and not is_here
+
+    @property
+    def _is_queued(self) -> bool:
+        """Whether the view refreshes through the queue, because the mouse drags something in another view."""
+        return not self.pause_ms and self._is_drag_elsewhere
+
+    @property
+    def _waits_for_release(self) -> bool:
+        """Whether the view refreshes only after the end of a drag."""
+        return self.pause_ms > 0 and self._is_drag_elsewhere
 
     @property
     def up_to_date(self) -> bool:
@@ -399,9 +408,13 @@ class View(QWidget):
             self._queue.append(self, self._refresh_from_queue)
         elif self.on_screen():
             if self.pause_ms:
-                self._pause.start()
+                self._pause.start(self.pause_ms)
             else:
                 self.pull()
+
+    def _drag_ended(self) -> None:
+        if self.pause_ms and self._stale and self.on_screen():
+            self._pause.start(AFTER_DRAG_MS)
 
     def pull(self) -> None:
         """Refresh if the view is out of date."""
@@ -514,7 +527,7 @@ class View(QWidget):
             self.pull()
 
     def _pull_if_seen(self) -> None:
-        if not self.on_screen():
+        if self._waits_for_release or not self.on_screen():
             return
         if self._stale:
             self.pull()
@@ -527,7 +540,8 @@ class View(QWidget):
 
     def event(self, event: QEvent) -> bool:
         # coming to the front of a stack sends no showEvent, but paints
-        if event.type() == QEvent.Type.Paint and self._stale and not self._pause.isActive():
+        is_painted = event.type() == QEvent.Type.Paint
+        if is_painted and self._stale and not self._pause.isActive() and not self._waits_for_release:
             self.wake()
         return super().event(event)
 

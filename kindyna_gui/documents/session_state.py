@@ -93,6 +93,8 @@ class SessionState(QObject):
         Another segment of the motion, or another load, is selected.
     step_changed
         Another step of the circle diagram is shown.
+    drag_ended
+        The mouse has released what it dragged.
     vary_requested : str
         The user wants to vary the number at this path of the full design.
     """
@@ -110,6 +112,7 @@ class SessionState(QObject):
     segment_chosen = Signal()
     load_chosen = Signal()
     step_changed = Signal()
+    drag_ended = Signal()
     vary_requested = Signal(str)
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
@@ -452,6 +455,7 @@ class SessionState(QObject):
         if self.drag_source:
             self.drag_source = None
             self.end_gesture()
+            self.drag_ended.emit()
 
     def end_field_drag(self, path: str, back_to: object = None) -> None:
         """End a drag of the field of a path; with ``back_to``, the ``work`` at its start, cancel it."""

@@ -17,7 +17,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar, PeakDrag
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.player import Player, obey
-from kindyna_gui.view import View
+from kindyna_gui.view import AFTER_DRAG_MS, View
 
 PAUSE_MS = 250  # without a change, before extremes are computed
 NAME = "mark extremes"
@@ -50,6 +50,7 @@ class ExtremesSearch(QObject):
         self._background.result.connect(self._receive)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self._begin)
+        session.drag_ended.connect(self._drag_ended)
 
     @property
     def busy(self) -> bool:
@@ -60,12 +61,12 @@ class ExtremesSearch(QObject):
         """Compute the extremes of these channels once editing pauses, in place of those requested before."""
         self._background.stop()
         self._request, self._done = (study, tuple(rows)), not rows
-        self._pause.start() if rows else self._pause.stop()
+        self._pause.start(PAUSE_MS) if rows else self._pause.stop()
 
     def resume(self) -> None:
         """Continue a computation that was stopped."""
         if self._request is not None and not self._done and not self.busy:
-            self._pause.start()
+            self._pause.start(PAUSE_MS)
 
     def settle(self) -> None:
         """Start now what waits for a pause."""
@@ -83,9 +84,13 @@ class ExtremesSearch(QObject):
         self.stop()
         self._background.close()
 
+    def _drag_ended(self) -> None:
+        if self._pause.isActive():
+            self._pause.start(AFTER_DRAG_MS)
+
     def _begin(self) -> None:
         if self._session.drag_source is not None:  # the mouse still changes the design
-            self._pause.start()
+            self._pause.start(PAUSE_MS)
         elif self._request is not None:
             self._background.start([(self._request[0], partial(channel_extremes, *self._request))])
 

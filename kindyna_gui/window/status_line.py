@@ -24,6 +24,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import add_entry, call_soon, clear_menu, connect_all, single_shot
 from kindyna_gui.requirements import suggestions_for
+from kindyna_gui.view import AFTER_DRAG_MS
 
 PAUSE_MS = 150  # after a change, before the findings are counted
 STAY_MS = 6000  # how long a message is shown
@@ -92,7 +93,8 @@ class StatusLine(QStatusBar):
         self._long.setFrameShape(QLabel.Shape.StyledPanel)
         self._long.setAutoFillBackground(True)
         self._long.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._soon = single_shot(self, self.count_findings, PAUSE_MS)
+        self._soon = single_shot(self, self._count_unless_dragged)
+        self._is_counted = True
         connect_all(
             (self.messageChanged, self._ask_again),
             (self.messageChanged, self._offer),
@@ -103,6 +105,7 @@ class StatusLine(QStatusBar):
             (session.incomplete_changed, self._misfits_changed),
             (session.restored, self._misfits_changed),  # names of values depend on the drive
             (session.full_design_changed, self._design_changed),
+            (session.drag_ended, self._drag_ended),
             (session.file_changed, self._file_changed),
             (player.angle_changed, self._angle_changed),
         )
@@ -196,12 +199,22 @@ class StatusLine(QStatusBar):
             self.clearMessage()
 
     def recount(self) -> None:
-        """Count the findings after a pause."""
-        self._soon.start()
+        """Count the findings after a pause, once the mouse drags nothing."""
+        self._is_counted = False
+        self._soon.start(PAUSE_MS)
+
+    def _drag_ended(self) -> None:
+        if not self._is_counted:
+            self._soon.start(AFTER_DRAG_MS)
+
+    def _count_unless_dragged(self) -> None:
+        if self._session.drag_source is None:
+            self.count_findings()
 
     def count_findings(self) -> None:
         """Show how many limits are exceeded."""
         self._soon.stop()
+        self._is_counted = True
         stages = tuple(self._session.stages_on_screen())
         try:
             findings = findings_of(self._session.full_study, stages) if stages else ()

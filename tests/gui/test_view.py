@@ -204,6 +204,21 @@ def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(app: QAppli
     window.close()
 
 
+def test_a_view_that_is_read_waits_until_the_mouse_lets_go(reader: Reader) -> None:
+    """Neither the end of its pause nor a paint brings it up to date while the mouse holds something; the release does."""
+    mouse = QWidget()
+    reader.session.begin_drag(mouse)
+    for rod in (850.0, 851.0, 852.0):
+        reader.session.edit(ROD, rod, "draw")
+        reader.repaint()
+        QTest.qWait(4 * reader.pause_ms)
+    assert reader.rods == [845.0]
+    reader.session.end_drag()
+    wait_for(lambda: reader.up_to_date)
+    assert reader.rods == [845.0, 852.0]
+    mouse.deleteLater()
+
+
 def test_a_view_is_a_picture(reader: Reader) -> None:
     assert reader.picture(".png").startswith(b"\x89PNG")
     assert b"<svg" in reader.picture(".svg")

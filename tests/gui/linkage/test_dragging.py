@@ -2,22 +2,25 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
-from window_user import Open, User, pixel, settle
+from window_user import Open, User, pixel, settle, wait_for
 
 from core.design import faults
 from core.project import load
-from core.study import Study
+from core.study import Study, findings_of
 from core.study.stages import evaluations
+from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.canvas import draggable_joints
+from kindyna_gui.linkage.centres_view import PAGES, CentresView, Position
 from kindyna_gui.places import example
 from kindyna_gui.view import View
-from kindyna_gui.window import gallery
+from kindyna_gui.window import gallery, status_line
 
 WAYS = {"pivot": 20 + 15j, "arm_pin": -30 + 20j, "slider_pin": 25 - 20j, "roller": 15 + 20j}
 
@@ -180,6 +183,33 @@ def hand(six_bar: User) -> Callable[[int], None]:
             QCoreApplication.sendPostedEvents()  # paints, while the next move is waiting already
 
     return draw
+
+
+def test_the_table_of_centres_and_the_count_of_findings_follow_once_the_mouse_lets_go(
+    six_bar: User, hand: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are then those of the same values typed in."""
+    centres, status = six_bar.see("centres"), six_bar.window.status
+    assert isinstance(centres, CentresView)
+    settle()
+    counts: list[object] = []
+    monkeypatch.setattr(status_line, "findings_of", lambda *parts: counts.append(parts) or findings_of(*parts))
+    before = centres.now
+    for _ in range(3):
+        hand(1)
+        QTest.qWait(2 * centres.pause_ms)
+        QTest.qWait(2 * status_line.PAUSE_MS)
+    assert centres.now is before
+    assert not counts
+    QTest.mouseRelease(six_bar.drawing().canvas.viewport(), Qt.MouseButton.LeftButton)
+    wait_for(lambda: centres.up_to_date and bool(counts))
+    typed = Study(six_bar.design, SAMPLES)
+    assert status.findings.text() == status_line.counted(findings_of(typed, six_bar.window.stages_on_screen()))[0]
+    table = centres.page("links")
+    now = Position(typed.at_theta(np.array([six_bar.window.player.theta])))
+    assert [table.model().index(row, 0).data() for row in range(table.model().rowCount())] == [
+        row.cells[0] for row in PAGES["links"].rows(now)
+    ]
 
 
 def test_a_drawn_joint_is_followed_by_the_drawing_first_and_by_plots_once_no_move_waits(
