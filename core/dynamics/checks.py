@@ -411,14 +411,16 @@ def sign_changes(force_at: Callable[[Angles], np.ndarray], program: CompiledMoti
     value = np.where(np.abs(forces) > least, forces, 0.0)
     roots = crossings(significant, angles, value)
     inner = list(zip(roots.theta.tolist(), roots.piece.tolist(), strict=True))
-    changes = [(theta, _sign_after(significant, theta, piece, program)) for theta, piece in inner]
+    changes = list(zip(roots.theta.tolist(), _signs_after(significant, roots, program), strict=True)) if inner else []
     return changes + _jumps(angles, value, inner)
 
 
-def _sign_after(force_at: Callable[[Angles], np.ndarray], theta: float, piece: int, program: CompiledMotion) -> float:
-    theta_after = np.minimum(theta + 10.0 ** np.arange(-9.0, -2.0), float(program.ends[piece]))
-    signs = np.sign(force_at(Angles(theta_after, np.full(theta_after.size, piece))))
-    return next((float(sign) for sign in signs if sign), 0.0)
+def _signs_after(force_at: Callable[[Angles], np.ndarray], roots: Angles, program: CompiledMotion) -> list[float]:
+    """Sign of a force after each root, at the nearest of a few angles where it has one; else 0."""
+    theta = np.minimum(roots.theta[:, None] + 10.0 ** np.arange(-9.0, -2.0), program.ends[roots.piece, None])
+    forces = force_at(Angles(theta.ravel(), np.repeat(roots.piece, theta.shape[1])))
+    signs = np.sign(forces).reshape(theta.shape)
+    return [next((sign for sign in row if sign), 0.0) for row in signs.tolist()]
 
 
 def _jumps(angles: Angles, value: np.ndarray, inner: list[tuple[float, int]]) -> list[tuple[float, float]]:

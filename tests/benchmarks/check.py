@@ -16,7 +16,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from benchmarks import designs
+from benchmarks import designs, forces, plain
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
 from linkages import chain
@@ -25,7 +25,8 @@ from core.design import Design, put
 from core.mechanism.drivers import with_drawn_pose
 from core.mechanism.unfinished import mobility
 from core.process import keep_freed_memory
-from core.study import Study
+from core.project import load
+from core.study import Study, findings_of
 
 FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times what it takes today: of a row that does not keep its limit yet, too much
@@ -34,6 +35,8 @@ SECONDS = 0.6  # for one row
 ROUNDS = 7  # of the window
 
 RANK = "rank of a drawing: twelve links"
+FINDINGS = "findings: a new lift"
+EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
 
 Limits = Mapping[str, Mapping[str, Any]]
 """Row -> its limit; of one that does not keep it yet also what it takes today, and why."""
@@ -47,6 +50,7 @@ def keys() -> dict[str, Callable[[], float]]:
         **{f"many: {row.name}": partial(look_at_many, row) for row in designs.ROWS},
         **{f"many, by one force: {row.name}": partial(look_at_totals, row) for row in designs.TOTALS},
         RANK: look_at_rank,
+        FINDINGS: look_at_findings,
         **windows(),
     }
 
@@ -89,6 +93,14 @@ def look_at_rank(seconds: float = SECONDS) -> float:
     ours = Fresh(lambda: partial(mobility, another().drive.linkage))
     theirs = Fresh(lambda: partial(getattr, Study(another(), 3600), "linkage"))
     told = measure({"ours": ours, "rival": theirs}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_findings(seconds: float = 2.0 * SECONDS) -> float:
+    """All findings of the lift with a flywheel, with other lengths and another motion each time, by its forces by hand."""
+    design, theta = load(EXAMPLE), plain.turn(3600)
+    ours = Fresh(lambda: partial(findings_of, Study(forces.anew(design))))
+    told = measure({"ours": ours, "rival": partial(forces.at_knots, theta)}, seconds).seconds
     return told["ours"] / told["rival"]
 
 

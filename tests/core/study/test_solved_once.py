@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from core.design import edited, get
+from core.output.channels import channels, existing
 from core.project import load
 from core.study import Study, certificate_of, clear_caches, evaluations, extremes_of, findings_of, quantities_of
 
@@ -48,6 +49,21 @@ def test_other_loads_solve_the_linkage_at_the_tops_of_the_forces_alone() -> None
     study = Study(edited(design, "loads.arm_mass_kg", 1.01 * get(design, "loads.arm_mass_kg")))
     _ = findings_of(study), certificate_of(study)
     assert solutions() == solved + 1
+
+
+@pytest.mark.parametrize(("name", "most"), [("tappet_flat", 1), ("rocker_cam", 2)])
+def test_which_channels_exist_is_asked_once_for_a_design(name: str, most: int) -> None:
+    design = load(EXAMPLES / f"{name}.toml")
+    study = Study(design)
+    clear_caches()
+    _ = study.dynamics
+    assert solutions() == 1
+    rows = existing(study, channels(design))
+    assert solutions() - 1 <= most, "the nodes of the turn; where the contact presses, tops of the curvature too"
+    before = dict(evaluations)
+    assert existing(study, channels(design)) == existing(Study(design), channels(design)) == rows
+    findings_of(study)
+    assert dict(evaluations)["linkage"] <= before["linkage"] + 1, "the tops of what the findings read besides"
 
 
 @pytest.mark.parametrize("name", MIXED)
