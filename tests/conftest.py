@@ -71,7 +71,7 @@ def pytest_runtest_teardown() -> None:
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """pyqtgraph drops mouse moves less than 10 ms apart, and a test moves faster than that."""
     if item.path.is_relative_to(GUI_TESTS):
-        import pyqtgraph
+        from kindyna_gui.pictures.plots.library import pg as pyqtgraph
     else:
         pyqtgraph = sys.modules.get("pyqtgraph")
     if pyqtgraph is not None:

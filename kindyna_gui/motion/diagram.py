@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import hypot
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QAccessible, QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QWidget
@@ -25,6 +24,7 @@ from core.study import Quantity, Study
 from kindyna_gui.labels import sentence, value_text
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import Z_CURVE, Z_REFERENCE
 from kindyna_gui.pictures.plots.plot import Span, peak, shown_range, spans
 from kindyna_gui.pictures.plots.quantities import Curve

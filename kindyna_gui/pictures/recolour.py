@@ -11,7 +11,6 @@ from dataclasses import fields
 from functools import partial
 from typing import Any
 
-import pyqtgraph as pg
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QBrush, QColor, QIcon, QPalette, QPen
 from PySide6.QtWidgets import (
@@ -31,6 +30,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.plot import Axis
 from kindyna_gui.pictures.style import BALANCE, DRIVES, FAMILIES, Theme, icon_maker, shade
 

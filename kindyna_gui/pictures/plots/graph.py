@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QAccessible, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
@@ -29,6 +28,7 @@ from kindyna_gui.pictures.plots.graph_ranges import (
     scaled,
     ticks_of,
 )
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, add_item, band_entry, band_items
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot, with_one_scale
 from kindyna_gui.pictures.style import (

@@ -7,13 +7,13 @@ from html import escape
 from itertools import product
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsTextItem, QGraphicsWidget, QStyleOptionGraphicsItem, QWidget
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.shapes import segments
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font
 from kindyna_gui.pictures.units import needed

@@ -12,12 +12,12 @@ from itertools import product
 from math import floor, isfinite, log10
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPolygonF
 
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag, text_size
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import Z_CURSOR, Z_CURVE, CurveLine, Frame, PlotMark, cut
 from kindyna_gui.pictures.plots.quantities import Curve
 from kindyna_gui.pictures.style import SMALL, TEXT, THIN, Theme, brush, font

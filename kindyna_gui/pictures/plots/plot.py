@@ -13,7 +13,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QPainter, QPainterPath, QPen, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
@@ -22,6 +21,7 @@ from core.design import Motion
 from core.frozen import frozen
 from core.laws import named_law
 from kindyna_gui.pictures.items import Outline, Tag, text_size, wrapped
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import (
     BOTTOM_HEIGHT,
     LEFT_WIDTH,

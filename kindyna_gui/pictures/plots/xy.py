@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QAccessible, QBrush, QMouseEvent, QPen
 from PySide6.QtWidgets import QGraphicsItem, QWidget
@@ -19,6 +18,7 @@ from PySide6.QtWidgets import QGraphicsItem, QWidget
 from core.dynamics import ContactMap
 from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag
+from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import (
     MACHINES,
     Z_CURSOR,
