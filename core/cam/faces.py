@@ -1,4 +1,7 @@
-"""Faces of followers, one row each: envelope, limits, proof of tangency, outline, and whether the face rolls."""
+"""Faces of followers, one row each: envelope, limits, proof of tangency, outline, and whether the face rolls.
+
+The cam under a straight face is computed here, under a round one in ``core.cam.shape``.
+"""
 
 from __future__ import annotations
 
@@ -41,17 +44,20 @@ def face_normal(face: Flat) -> complex:
 
 
 def envelope(kinematics: Kinematics, face: Flat, cam: object, rotation_sign: float) -> CamShape:
-    """Profile of a disk cam under a straight face of normal m through the reference point R, by its support function.
+    """Cam under a straight face of normal m through the reference point R, by its support function; ψ the angle from m to the travel.
 
     In the cam's frame the face's line has the normal angle ν = arg m - dθ and the distance h = Re(m̄R) from the cam
     centre, so with derivatives by ν: contact C = m(h + i h_ν), h_ν = h'/(φ' - d); radius of curvature ρ = h + h_νν,
-    h_νν = (h''(φ' - d) - h'φ'')/(φ' - d)³. The contact has the distance x = h_ν - Im(m̄R) from R along the face.
+    h_νν = (h''(φ' - d) - h'φ'')/(φ' - d)³. φ is the rotation of the follower, ′ the derivative by cam angle θ. The contact has
+    the distance x = h_ν - Im(m̄R) from R along the face. The pressure angle ψ is the angle between the line of m and the
+    velocity of the follower's point at the contact.
 
     Parameters
     ----------
     kinematics : Kinematics
     face : Flat
-    cam : the design's table
+    cam : DiskCam or LinkageCam
+        The design's table ``cam``, which names the field in a fault.
     rotation_sign : float
         d = +1 where the cam turns counter-clockwise, -1 clockwise.
 

@@ -1,4 +1,4 @@
-"""Shape of the cam: its flanks, and the relative motion of cam and follower that they follow from."""
+"""Shape of the cam: profile, normal, pressure angle and curvature of each flank, from the motion of the follower relative to the cam."""
 
 from __future__ import annotations
 
@@ -42,12 +42,15 @@ def _empty(flank: Flank) -> np.ndarray:
 
 @frozen(eq=False, kw_only=True)
 class Flank:
-    """One side of the cam that the follower touches, at n cam angles; results may be given as functions.
+    """One side of the cam that the follower touches, at n cam angles.
+
+    A result that is given as a function is computed when it is first read. "By cam angle" means the derivative by the cam angle θ;
+    d = ±1 is the sense of rotation, t the relative velocity, m the normal of a straight face, n that of the flank.
 
     Attributes
     ----------
     straight : bool
-        Under a straight face; otherwise under a roller, shoe or edge, which has a pitch curve, the path of its centre.
+        Whether the face is straight. A roller, shoe or edge is round: it has a pitch curve, the path of its centre.
     name : str
         ``inner`` of the first cam, ``outer`` of a groove, ``second`` of the second cam of a conjugate pair.
     body : str
@@ -59,35 +62,36 @@ class Flank:
     centre : Centres
         Instant centre Q of the face and the cam.
     profile : ndarray (n,) complex [m]
-        In the cam's frame, which is the global frame at cam angle 0.
+        Point of contact in the cam's frame, which is the global frame at cam angle 0.
     contact : ndarray (n,) complex [m]
         Point of contact in the global frame.
     normal : ndarray (n,) complex, dimensionless
         Unit vector in the global frame, from the follower into the cam.
     pressure_angle : ndarray (n,) [rad]
-        Angle ψ between the normal and the travel of the follower's centre or contact point: unsigned, 0 ... π/2.
+        Angle ψ between the normal and the direction in which the follower moves, at the centre of a round face or at the
+        contact of a straight one: unsigned, 0 ... π/2.
     profile_curvature : ndarray (n,) [1/m]
         Positive where the cam is convex.
     profile_velocity : ndarray (n,) complex [m/rad]
         Derivative of the profile by cam angle, in the cam's frame.
     sliding : ndarray (n,) [m/rad]
-        Speed of the follower's contact point relative to the cam, by cam angle, along i d n.
+        Velocity of the follower's point at the contact, relative to the cam, by cam angle; positive along i d n.
     radius : float [m]
         Radius of a round face.
     offset : float [m]
-        From the pitch curve to the profile along -i d t: radius and play; negative for an outer flank.
+        Distance from the pitch curve to the profile along -i d t: the radius, or for an outer flank -(radius + play).
     pitch : ndarray (n,) complex [m]
         Pitch curve in the cam's frame; empty under a straight face.
     pitch_curvature, pitch_curvature_slope : ndarray (n,) [1/m], [1/(m rad)]
         Positive where the cam is convex, and its derivative by cam angle; empty under a straight face.
     support : ndarray (n,) [m]
-        Distance of a straight face from the cam centre; empty under a round.
+        Distance of a straight face from the cam centre; empty under a round face.
     support_angle : ndarray (n,) complex, dimensionless
-        Unit vector of its normal in the cam's frame, from the cam to the face; empty under a round.
+        Normal m of a straight face in the cam's frame, from the cam to the face; empty under a round face.
     profile_radius : ndarray (n,) [m]
-        Radius of curvature, positive where the cam is convex, 0 at a cusp; empty under a round.
+        Radius of curvature, positive where the cam is convex, 0 at a cusp; empty under a round face.
     on_face : ndarray (n,) [m]
-        Position of the contact on the straight face, along i m from the reference point; empty under a round.
+        Position of the contact on a straight face, along i m from the reference point; empty under a round face.
     """
 
     straight: bool = False
@@ -131,9 +135,9 @@ class FaceOutline(NamedTuple):
 
 @frozen(eq=False)
 class CamShape:
-    """The flanks of the cam at n cam angles, the first one (the only one of an open cam) first.
+    """Flanks of the cam at n cam angles; an open cam has one.
 
-    ``rotation_sign`` is d = +1 where the cam turns counter-clockwise, -1 clockwise.
+    ``rotation_sign`` is d = +1 where the cam turns counter-clockwise, -1 where it turns clockwise.
     """
 
     flanks: tuple[Flank, ...]
@@ -165,15 +169,15 @@ class CamShape:
         return max(float(np.abs(p).max()) for flank in self.flanks for p in (flank.reference, flank.contact))
 
     def only(self, name: str) -> CamShape:
-        """The cam with one of its flanks alone."""
+        """The cam with the flank of this name only."""
         return CamShape(tuple(flank for flank in self.flanks if flank.name == name), self.rotation_sign)
 
 
 def relative_motion(kinematics: Kinematics, rotation_sign: float) -> Derivatives:
-    """Derivatives of the pitch curve by cam angle, turned into the global frame.
+    """Derivatives by cam angle θ of the pitch curve R e^{-idθ}, turned into the global frame.
 
-    The reference point R, its velocity t = R' - idR relative to the cam, w = R'' - 2idR' - R and
-    x = R''' - 3idR'' - 3R' + idR, by Leibniz of R e^{-idθ}.
+    Of orders 0 to 3, by Leibniz's rule: the reference point R, its velocity t = R' - idR relative to the cam,
+    w = R'' - 2idR' - R and x = R''' - 3idR'' - 3R' + idR.
     """
     r = kinematics.follower.origin
 
@@ -185,7 +189,7 @@ def relative_motion(kinematics: Kinematics, rotation_sign: float) -> Derivatives
 
 
 def cam_frame_rotation(kinematics: Kinematics, rotation_sign: float) -> Callable[[], np.ndarray]:
-    """Function that returns the rotation e^{-idθ} from the global frame into the cam's; it computes once.
+    """Function that returns the rotation e^{-idθ} from the global frame into the cam's; the value is computed once.
 
     Parameters
     ----------
@@ -209,9 +213,9 @@ def cam_frame_rotation(kinematics: Kinematics, rotation_sign: float) -> Callable
 def sliding(
     kinematics: Kinematics, motion: Derivatives, contact: np.ndarray, normal: np.ndarray, rotation_sign: float
 ) -> np.ndarray:
-    """Sliding speed of the follower on the cam at the contact C, by cam angle, along i d n.
+    """Velocity of the follower relative to the cam at the contact C, by cam angle: v = t + i(φ' - d)(C - R), along i d n.
 
-    The velocity t + i(φ' - d)(C - R) of the follower's point at C has no component along the normal n.
+    t is the relative velocity of the reference point R, φ' the rotation of the follower; v has no component along the normal n.
 
     Parameters
     ----------
@@ -354,7 +358,7 @@ def face_table(cam: object, face: Face) -> str:
     return "cam" if isinstance(face, Roller) else ENTRIES[type(cam)].faces
 
 
-# -- envelope of a round: roller, shoe, or an edge of radius 0 --------------------------------------------------
+# -- envelope of a round face: roller, shoe, or an edge of radius 0 ---------------------------------------------
 
 
 POINTS = 181  # of a drawn outline
@@ -369,13 +373,16 @@ WEDGE = 0.12  # length of a drawn edge, relative to the cam's size
 
 
 def envelope(kinematics: Kinematics, face: RoundFace, cam: object, rotation_sign: float) -> CamShape:
-    """Profile of a disk cam under a round of radius Rr: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}.
+    """Cam under a round face of radius Rr: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}, ψ the angle from n to the travel.
+
+    R is the face's reference point in the global frame, t its velocity relative to the cam, by cam angle.
 
     Parameters
     ----------
     kinematics : Kinematics
     face : RoundFace
-    cam : the design's table
+    cam : RollerCam, DiskCam or LinkageCam
+        The design's table ``cam``, which names the field in a fault.
     rotation_sign : float
         d = +1 where the cam turns counter-clockwise, -1 clockwise.
 
@@ -386,7 +393,7 @@ def envelope(kinematics: Kinematics, face: RoundFace, cam: object, rotation_sign
     Raises
     ------
     NoCam
-        Where the round covers the cam centre, or stands still on the cam (a cusp).
+        Where the face covers the cam centre, or stands still on the cam (a cusp).
 
     References
     ----------
@@ -398,19 +405,23 @@ def envelope(kinematics: Kinematics, face: RoundFace, cam: object, rotation_sign
 def round_envelope(
     kinematics: Kinematics, face: RoundFace, cam: object, rotation_sign: float, offset: float, name: str = INNER
 ) -> Flank:
-    """The flank parallel to the pitch curve of the reference point, (R + offset n) e^{-idθ}, κ = κ_p/(1 - offset κ_p).
+    """Flank parallel to the pitch curve: n = -i d t/|t|, profile (R + offset n) e^{-idθ}, κ = κ_p/(1 - offset κ_p).
+
+    R is the face's reference point in the global frame, t its velocity relative to the cam, by cam angle. The pressure angle
+    ψ is the angle between the lines of n and of the follower's travel (the direction of R').
 
     Parameters
     ----------
     kinematics : Kinematics
     face : RoundFace
-    cam : the design's table
+    cam : RollerCam, DiskCam or LinkageCam
+        The design's table ``cam``, which names the field in a fault.
     rotation_sign : float
         d = ±1.
     offset : float
-        Rr [m]; for the outer flank of a groove -(Rr + play), where the follower pushes along -n.
+        Radius Rr [m]; for the outer flank of a groove -(Rr + play), where the follower pushes along -n.
     name : str
-        Of the flank.
+        ``inner``, ``outer`` or ``second``.
 
     Returns
     -------
@@ -419,11 +430,11 @@ def round_envelope(
     Raises
     ------
     NoCam
-        As `envelope` does.
+        Where the face covers the cam centre, or stands still on the cam (a cusp).
 
     References
     ----------
-    Shin1995 §3, (19), (20), for any pose; parallel curve; for a groove the second envelope of the roller.
+    Shin, Kim and Ha 1995, §3, (19), (20), for any pose; parallel curve; for a groove the second envelope of the roller.
     """
     motion, side = relative_motion(kinematics, rotation_sign), 1.0 if name != OUTER else -1.0
     reference, t = motion[0], motion[1]
@@ -465,7 +476,7 @@ def _offset_curvature(pitch_curvature: np.ndarray, offset: float) -> np.ndarray:
 def _require_cam(
     kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, name: str, field: str, hint: str
 ) -> None:
-    """Raise NoCam; name: of the round, field, hint: which entry makes the cam larger, and how."""
+    """Raise NoCam; name: the round face in words; field, hint: the entry that makes the cam larger, and how to change it."""
     distance = np.abs(reference)
     covered = distance <= radius
     NoCam.raise_where(
@@ -491,12 +502,12 @@ def _require_cam(
 
 
 def is_undercut(extremes: Mapping[str, Extremes], face: RoundFace) -> bool:
-    """Whether the profile has a cusp, or crosses itself: the round is not smaller than the pitch curve's radius."""
+    """Whether the profile has a cusp, or crosses itself: the face's radius is not smaller than the pitch curve's."""
     return 1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0
 
 
 def contact_distance(shape: CamShape, face: RoundFace) -> np.ndarray:
-    """Distance of the profile's points from the round at the cam angle at which they are in contact.
+    """Distance of the profile's points from the round face, each at the cam angle at which it is in contact.
 
     Parameters
     ----------
@@ -512,7 +523,7 @@ def contact_distance(shape: CamShape, face: RoundFace) -> np.ndarray:
 
 
 def gaps(shape: CamShape, face: RoundFace, positions: int) -> np.ndarray:
-    """Least distance of all profile points from the round, by brute force; negative where the profile enters it.
+    """Least distance of all profile points from the round face, by brute force; negative where the profile enters it.
 
     Parameters
     ----------
@@ -549,7 +560,7 @@ def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> FaceOut
 
 
 def findings(extremes: Mapping[str, Extremes], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
-    """Finding where the pitch curve's smallest radius is not larger than the round's."""
+    """Finding where the pitch curve's smallest radius is not larger than the face's."""
     if not is_undercut(extremes, face):
         return []
     sharpest = extremes["pitch_curvature"].high

@@ -1,8 +1,9 @@
 """Inverse dynamics: reactions, contact force, and the torque on the cam or on the driver.
 
-Every force follows from three kinds of solutions (walks) through the mechanism: with the applied loads, with one newton of
-contact force, and with one newton of friction in each pair that has friction. The contact force balances the driver; friction
-follows from the reactions, which are affine in it.
+A walk (``core.dynamics.walk``) solves the forces of the mechanism, body by body, for one set of loads: the applied and inertia
+forces, one newton of contact force, one newton of friction in a pair. The contact force is F_c = Q/l: Q is the torque or force of the
+loads on the driver, l the driver effort that balances one newton of contact. Friction follows from the reactions, which are affine
+functions of it.
 
 Source: Shin, Kim and Ha 1995, section 4.
 """
@@ -72,12 +73,12 @@ class Forces:
     Attributes
     ----------
     contact : ndarray (n,) [N]
-        F_c, positive where the follower presses on the cam; negative where the outer flank of a groove is in contact; 0
+        Contact force F_c, positive where the follower presses on the cam; negative where the outer flank of a groove is in contact; 0
         without a cam.
     contacts : tuple of Contact
         One per flank; empty without a cam.
     torque : ndarray (n,) [N m]
-        T_c (27), positive where it drives the cam; 0 without a cam.
+        Torque T_c (27) that the shaft must supply, positive where it drives the cam; 0 without a cam.
     driver : ndarray (n,) [N m or N]
         On a driver without a cam: torque counter-clockwise where it is pinned to the frame, force along its line where
         it slides; otherwise 0.
@@ -98,7 +99,7 @@ class Forces:
     most_jamming : ndarray (n,) int, dimensionless
         Index of the friction with the largest part in the jam factor.
     follower_torque : ndarray (n,) [N m or N]
-        T_L (24) of the contact on the follower about its pivot; on a guide the force along it.
+        Torque T_L (24) of the contact on the follower about its pivot; if the follower slides, the force along its guide.
     guide : GuideReaction or None
         Reaction of the guide; None without a guide.
     """
@@ -126,7 +127,7 @@ class Forces:
 
 
 class _Case:
-    """Contact force (n,) without driver effort for one set of loads; driver effort of a mechanism without a cam."""
+    """One set of loads: the contact force (n,) that balances it if a cam drives, else the effort (n,) of the driver."""
 
     def __init__(self, walk: Walk, unit_contact: Walk | None) -> None:
         self.walk, self.unit_contact = walk, unit_contact
@@ -134,11 +135,11 @@ class _Case:
         self.driver = walk.effort if unit_contact is None else np.zeros(1)
 
     def reaction(self, name: str) -> np.ndarray:
-        """Force of a pin, or normal force of a slide (n,), with the share of the contact force."""
+        """Force of a pin, or normal force of a slide (n,), from the loads and their contact force."""
         return self._with_contact(Walk.reaction, name)
 
     def couple(self, name: str) -> np.ndarray:
-        """Couple of a sliding pair (n,), with the share of the contact force."""
+        """Couple of a sliding pair (n,), from the loads and their contact force."""
         return self._with_contact(Walk.couple, name)
 
     def _with_contact(self, part: Callable[[Walk, str], np.ndarray | None], name: str) -> np.ndarray:
@@ -159,8 +160,9 @@ class _Reactions(NamedTuple):
 class _Solution(NamedTuple):
     """Contact force and driver effort, (n,) or (1,), with the friction that belongs to them.
 
-    sizes: friction of each pair. The functions return, evaluated when called: the work of friction per radian of the
-    shaft [N m], the reactions, the reaction of the guide, the jam factor, and the index of the pair that jams most.
+    sizes: magnitude of the friction in each pair [N; N m in pins]. The other attributes are functions that compute when called:
+    the work of friction per radian of the shaft [N m], the reactions, the reaction of the guide, the jam factor, and the index of
+    the pair that jams most.
     """
 
     contact: np.ndarray
@@ -182,12 +184,13 @@ def newton_euler(
     acceleration: float = 0.0,
     units: UnitLoads | None = None,
 ) -> Forces:
-    """Forces at camshaft speed omega and acceleration of the coordinate by which the poses are differentiated.
+    """Contact force F_c = Q/l, torque T_c = -d C × F_c (n + μ v̂) and reactions at a speed and acceleration of camshaft or crank.
 
-    T_c = -d (C × F_c (n + μ v̂)) (27) at the contact C, where a sliding face exerts the friction μ F_c v̂ on the cam,
-    v̂ the direction of the follower relative to it. F_c follows from the equilibrium of the driven bodies, not from
-    T_c, which is 0/0 in a dwell (25), (26). In a groove or a conjugate pair the second flank is in contact where the
-    first one would have to pull. Where friction jams the forces are infinite.
+    Q = Σ (F·∂r/∂q + M ∂α/∂q) is the torque or force of the loads on the driver, whose coordinate is q; l is the driver effort
+    that balances one newton of contact; C is the point of contact, n the unit normal into the cam, d the sense of rotation. A
+    sliding face exerts the friction μ F_c v̂ on the cam, v̂ the direction in which it slides. F_c does not follow from T_c (25),
+    (26), which is 0/0 in a dwell. In a groove or a conjugate pair the second flank is in contact where the first one would have
+    to pull. Where friction jams, the forces are infinite.
 
     Parameters
     ----------
@@ -197,11 +200,11 @@ def newton_euler(
         The cam; None without one.
     loading : Loading
     omega : float
-        Speed [rad/s], positive.
+        Speed of camshaft or crank [rad/s], positive.
     acceleration : float
-        Acceleration [rad/s²].
+        Acceleration of camshaft or crank [rad/s²].
     units : UnitLoads, optional
-        Reactions to unit loads at these positions, where they are known from another load or speed.
+        Reactions to unit loads at these cam angles, if they are already known; they do not depend on loads and speed.
 
     Returns
     -------
@@ -333,7 +336,7 @@ def _with_friction(
     unit_cases: Mapping[str, _Case],
     signs: Mapping[str, np.ndarray],
 ) -> _Solution:
-    """Solution for the loads, with the friction that belongs to the reactions."""
+    """Solution for the loads and the friction that their reactions cause."""
     sizes, jam, most_jamming = _sizes(kinematics, loading, case, unit_cases, signs)
     signed = {name: signs[name] * size for name, size in sizes.items()}
     contact, driver = case.contact, case.driver

@@ -1,4 +1,4 @@
-"""Unit loads: reactions to one newton of contact force or friction, which neither the loads nor the speed change."""
+"""Reactions to unit loads, one newton of contact force or of friction: they depend on neither the loads nor the speed."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from core.numerics.lazy import self_locking
 @self_locking
 @frozen(eq=False)
 class UnitLoads:
-    """Reactions of a mechanism to unit loads at n cam angles, which change neither with the loads nor with the speed.
+    """Reactions of a mechanism to unit loads at n cam angles; they depend on neither the loads nor the speed.
 
     Attributes
     ----------
     contacts : tuple of Walk
-        By flank: reactions to one newton of contact force.
+        For each flank: reactions to one newton of contact force.
     directions : tuple of ndarray (n,) complex, dimensionless
-        By flank: force on the cam per newton of contact, n + μ v̂.
+        For each flank: force on the cam per newton of contact, n + μ v̂ (normal and friction of a sliding face).
     contact_jam : ndarray (n,), dimensionless
         Share of the lever of the contact's normal force that its friction cancels.
     frictions : mapping of str to Walk

@@ -1,8 +1,9 @@
-"""One walk of forces through a mechanism: from its outermost dyad or group to the driver, with every reaction.
+"""One walk of forces: the reactions of all pairs and the driver effort, from the outermost dyad or group to the driver.
 
 A dyad is cut open at the joint that closes its loop: the force F there balances the loads in the dyad's two
-coordinates, dot(c1, F) = -Q1, dot(c2, F) = -Q2, with the columns c1, c2 of the kinematic loop; all other reactions
-follow by balance. Each kind of dyad is one row. A body without loads is skipped.
+coordinates, dot(c1, F) = -Q1, dot(c2, F) = -Q2: Q1, Q2 are the generalised forces of the loads, c1, c2 the derivatives of the
+loop by the coordinates. All other reactions follow by balance. Each kind of dyad is one row of ``STATICS``. A body without
+loads is skipped.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def input_loads(kinematics: Kinematics, dyad: Dyad, effort: np.ndarray) -> Itera
 
 
 class Walk:
-    """Loads on each body, with the reactions of the solved parts.
+    """Reactions and driver effort of a mechanism under one set of loads.
 
     Attributes
     ----------
@@ -74,7 +75,7 @@ class Walk:
     """
 
     def __init__(self, kinematics: Kinematics, loads: Iterable[Load], points: dict[Any, Any] | None = None) -> None:
-        """Solve the walk; points: cache of the pairs' points and dyads' constants, shared by walks of one mechanism."""
+        """Solve all dyads and the driver; points: cache of the pairs' points and dyads' constants, shared by walks of one mechanism."""
         self.kinematics = kinematics
         self.points = {} if points is None else points
         self._loads: dict[str, list[Load]] = {}
@@ -106,7 +107,7 @@ class Walk:
         Parameters
         ----------
         name : str
-            Of the pair.
+            Name of the pair.
 
         Returns
         -------
@@ -121,7 +122,7 @@ class Walk:
         Parameters
         ----------
         name : str
-            Of the pair or effort.
+            Name of the pair, or of the effort.
 
         Returns
         -------
@@ -173,7 +174,7 @@ class Walk:
         Parameters
         ----------
         name : str
-            Of the pair.
+            Name of the pair.
 
         Returns
         -------
@@ -191,7 +192,7 @@ class Walk:
         Parameters
         ----------
         name : str
-            Of the pair.
+            Name of the pair.
 
         Returns
         -------
@@ -200,7 +201,7 @@ class Walk:
         return self.kinematics.line(self.kinematics.pairs[name])
 
     def moment(self, body: str, at: np.ndarray) -> np.ndarray:
-        """Moment of a body's loads about a point, from the arms to that point: a far origin would cost digits.
+        """Moment of a body's loads about a point, by their lever arms about that point: a far origin would cost digits.
 
         Parameters
         ----------
@@ -219,7 +220,7 @@ class Walk:
         Parameters
         ----------
         name : str
-            Of the pin.
+            Name of the pin.
         body : str
         force : ndarray (n,) complex [N]
         """
@@ -228,7 +229,7 @@ class Walk:
         self.transmit(name, body, at, force)
 
     def balance(self, name: str, body: str) -> None:
-        """Balance the loads of ``body`` by the reaction of its last pair, whose opposite loads the second body."""
+        """Balance the loads of ``body`` by the reaction of its last pair; the opposite reaction loads the second body."""
         pair, loads = self.kinematics.pairs[name], self._loads.get(body, [])
         partner = pair.on if body == pair.body else pair.body
         if pair.kind == REVOLUTE:
@@ -246,12 +247,12 @@ class Walk:
             self.transmit(name, body, at, -dot(across, _total(loads)), -_moment(loads, at))
 
     def transmit(self, name: str, body: str, at: np.ndarray, reaction: np.ndarray, couple: Number = 0.0) -> None:
-        """Record the reaction of a pair on ``body`` and its couple; their opposites load the pair's second body.
+        """Record the reaction and couple of a pair on ``body``, and load the pair's second body with their opposites.
 
         Parameters
         ----------
         name : str
-            Of the pair.
+            Name of the pair.
         body : str
         at : ndarray (n,) complex [m]
             Point of the pair.
