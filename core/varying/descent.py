@@ -19,6 +19,7 @@ from core.study import many
 from core.study.batch import design_block, is_batchable
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.quantity_requests import QuantityRequest, quantity_request
+from core.study.stages_of_many import DesignBlock
 from core.varying.request import Goal, StudyOfMany, StudyQuantity
 from core.varying.space import Axis, constant_column
 from core.varying.tolerances import bounds_of
@@ -108,7 +109,8 @@ TOLERANCE = 1e-9  # of the bounds: a round that moves less is the last
 SLIGHT_EXCESS = 1e-5  # of a limit: a smaller excess is removed by a larger inset
 INSET = 1e-9  # of a limit: solutions keep it by this margin
 NEAR_TOP = 0.3  # of the range of a quantity: lower peaks are left out
-MAX_PEAKS = 8
+MAX_PEAKS, PEAK_PASSES = 8, 5
+SAME_PLACE = 1e-3  # of the bounds: nearer to a solution of another start a search ends there
 
 ProgressCallback = Callable[[Mapping[str, Any], float, int], None]
 """Called with the fields of an intermediate design, its goal, and the number of its start; an exception stops the search."""
@@ -149,6 +151,33 @@ class Term:
 
 Peaks = dict[int, list[tuple[float, int, float]]]
 """Number of a term with peaks -> its peaks: cam angle [rad], piece, sign."""
+
+
+class _PeakSearch:
+    """Brackets (b,) of the peaks of a term with one sign: cam angles from ``low`` to ``high`` [rad] in a piece.
+
+    Every pass narrows them to a quarter; a kink, where friction reverses, has a peak on both sides.
+    """
+
+    def __init__(self, term: int, sign: float, low: np.ndarray, high: np.ndarray, piece: np.ndarray) -> None:
+        self.term, self.sign, self.low, self.high, self.piece = term, sign, low, high, piece
+        self._height, self._theta = np.empty(0), np.empty(0)
+
+    def samples(self) -> np.ndarray:
+        """Cam angles (b, 9) [rad] at which the term is evaluated."""
+        return np.asarray(self.low[:, None] + (self.high - self.low)[:, None] * np.linspace(0.0, 1.0, 9))
+
+    def narrow(self, samples: np.ndarray, values: np.ndarray) -> None:
+        """Narrow the brackets to the neighbours of the peaks among the values (b, 9) at the samples."""
+        g = np.pad(self.sign * values, ((0, 0), (1, 1)), constant_values=-np.inf)
+        rows, top = np.nonzero((g[:, 1:-1] > g[:, :-2]) & (g[:, 1:-1] >= g[:, 2:]))
+        self.low, self.high = samples[rows, np.maximum(top - 1, 0)], samples[rows, np.minimum(top + 1, 8)]
+        self._height, self._theta, self.piece = g[rows, top + 1], samples[rows, top], self.piece[rows]
+
+    def peaks(self) -> list[tuple[float, float, int, float]]:
+        """Height, cam angle [rad], piece and sign of every peak."""
+        rows = zip(self._height.tolist(), self._theta.tolist(), self.piece.tolist(), strict=True)
+        return [(height, theta, piece, self.sign) for height, theta, piece in rows]
 
 
 class Descent:
@@ -247,11 +276,14 @@ class Descent:
     def _scale(self, term: Term) -> float:
         return abs(self._smoothed_bound(term)) or 1.0
 
+    def _block(self, u: np.ndarray) -> DesignBlock:
+        """Block of the designs u (k, m)."""
+        return design_block(self.design, self.paths, self._numbers(u))
+
     def _at(
-        self, u: np.ndarray, angles: Sequence[tuple[np.ndarray, np.ndarray]], terms: Sequence[Term]
+        self, block: DesignBlock, angles: Sequence[tuple[np.ndarray, np.ndarray]], terms: Sequence[Term]
     ) -> list[np.ndarray]:
-        """Quantities of terms (m, n), each at its angles (theta, piece), of designs u (k, m); NaN where a design fails."""
-        block = design_block(self.design, self.paths, self._numbers(u))
+        """Quantities of terms (m, n), each at its angles (theta, piece), of m designs; NaN where a design fails."""
         theta, piece = (np.concatenate([at[i] for at in angles]) for i in (0, 1))
         n, m = theta.size, block.count
         owner = np.repeat(np.arange(m), n)
@@ -280,43 +312,40 @@ class Descent:
         list of list of (float, int, float)
             Of every term: cam angle [rad], piece and sign of its peaks.
         """
-        block = design_block(self.design, self.paths, self._numbers(u[:, None]))
+        block = self._block(u[:, None])
         nodes, _ = clenshaw_curtis_nodes(block.program)
         theta, piece = nodes.theta, nodes.piece
-        every = self._at(u[:, None], [(theta, piece)] * len(terms), terms)
+        every = self._at(block, [(theta, piece)] * len(terms), terms)
         first = np.append(True, np.diff(piece) != 0)
         last = np.append(np.diff(piece) != 0, True)
-        result = []
-        for term, row in zip(terms, every, strict=True):
-            peaks: list[tuple[float, float, int, float]] = []
+        searches: list[_PeakSearch] = []
+        for number, (term, row) in enumerate(zip(terms, every, strict=True)):
             values = term.smoothed(row[0])
             spread = float(np.ptp(values)) if np.isfinite(values).all() else np.inf
             for sign in term.peaks:
                 f = sign * values
                 left, right = np.where(first, -np.inf, np.roll(f, 1)), np.where(last, -np.inf, np.roll(f, -1))
                 local = np.flatnonzero((f >= left) & (f >= right) & (f >= f.max() - NEAR_TOP * spread))
-                if not local.size:
-                    continue
                 lo, hi = theta[np.where(first[local], local, local - 1)], theta[np.where(last[local], local, local + 1)]
-                at = piece[local]
-                # every step narrows to a quarter; a kink, where friction reverses, has a peak on both sides
-                for _ in range(5):
-                    samples = lo[:, None] + (hi - lo)[:, None] * np.linspace(0.0, 1.0, 9)
-                    (sampled,) = self._at(u[:, None], [(samples.ravel(), np.repeat(at, 9))], [term])
-                    g = np.pad(
-                        sign * term.smoothed(sampled[0]).reshape(-1, 9), ((0, 0), (1, 1)), constant_values=-np.inf
-                    )
-                    rows, top = np.nonzero((g[:, 1:-1] > g[:, :-2]) & (g[:, 1:-1] >= g[:, 2:]))
-                    lo, hi = samples[rows, np.maximum(top - 1, 0)], samples[rows, np.minimum(top + 1, 8)]
-                    height, angle, at = g[rows, top + 1], samples[rows, top], at[rows]
-                peaks += [(float(h), float(a), int(p), sign) for h, a, p in zip(height, angle, at, strict=True)]
-            peaks.sort(reverse=True)
-            result.append([(a, p, sign) for _, a, p, sign in peaks[:MAX_PEAKS]])
+                searches.append(_PeakSearch(number, sign, lo, hi, piece[local]))
+        searches = [search for search in searches if search.low.size]
+        for _ in range(PEAK_PASSES if searches else 0):
+            samples = [search.samples() for search in searches]
+            angles = [(at.ravel(), np.repeat(s.piece, at.shape[1])) for s, at in zip(searches, samples, strict=True)]
+            rows = self._at(block, angles, [terms[search.term] for search in searches])
+            for search, at, row in zip(searches, samples, rows, strict=True):
+                search.narrow(at, terms[search.term].smoothed(row[0]).reshape(at.shape))
+        result: list[list[tuple[float, int, float]]] = []
+        for number in range(len(terms)):
+            peaks = [peak for search in searches if search.term == number for peak in search.peaks()]
+            result.append([(theta, piece, sign) for _, theta, piece, sign in sorted(peaks, reverse=True)[:MAX_PEAKS]])
         return result
 
     # -- rounds -------------------------------------------------------------------------------------------
 
-    def solve(self, start: np.ndarray, goal: Term, extra: Sequence[Term] = ()) -> np.ndarray:
+    def solve(
+        self, start: np.ndarray, goal: Term, extra: Sequence[Term] = (), known: Sequence[np.ndarray] = ()
+    ) -> np.ndarray:
         """Local solution by rounds of SLSQP, each with the peaks of all solutions so far.
 
         Parameters
@@ -326,6 +355,8 @@ class Descent:
         goal : Term
         extra : sequence of Term
             Further limits.
+        known : sequence of ndarray (k,), dimensionless
+            Solutions of other starts; a search that comes near one of them ends there.
 
         Returns
         -------
@@ -344,6 +375,9 @@ class Descent:
             solution = self._round(u, terms, peaked, peaks, goal, inset, trust)
             step = float(np.abs(solution - u).max())
             u = solution
+            for place in known:
+                if np.abs(u - place).max() < SAME_PLACE:
+                    return place
             if step < TOLERANCE and is_far and trust > MIN_TRUST:
                 trust *= TRUST_FACTOR
             elif step >= TOLERANCE:
@@ -399,7 +433,7 @@ class Descent:
                 (np.array([peak[0] for peak in peaks[p]]), np.array([peak[1] for peak in peaks[p]]))
                 for p in range(len(peaked))
             ]
-            every = self._at(_neighbours(u, STEP), angles, peaked)
+            every = self._at(self._block(_neighbours(u, STEP)), angles, peaked)
             for p, (term, values) in enumerate(zip(peaked, every, strict=True)):
                 f = np.array([sign for _, _, sign in peaks[p]]) * term.smoothed(values)
                 result.append((term, f[0], (f[1 : k + 1] - f[k + 1 :]).T / (2.0 * STEP)))

@@ -202,7 +202,10 @@ class _Search(Descent):
         goal, starts = self.goals[0], self.starts() if self.paths else [np.zeros(0)]
         if not self.paths:
             return self._chosen(starts, goal)
-        return self._chosen([self.solve(start, goal) for start in starts], goal)
+        points: list[np.ndarray] = []
+        for start in starts:
+            points.append(self.solve(start, goal, known=points))
+        return self._chosen(points, goal)
 
     def _none_built(self, u: np.ndarray) -> str:
         """Message that no design u (k, m) can be built, with the most frequent reason."""
