@@ -28,11 +28,12 @@ from core.varying.tolerances import bounds_of
 
 
 MAX_STEPS = 30  # of SLSQP in a round
+FINE, COARSE = 1e-13, 1e-4  # accuracy of SLSQP: of rounds that end the search, and of rounds far from the solution
 
 
 def epigraph(
     rows: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], bound: np.ndarray, scale: np.ndarray, start: np.ndarray,
-    low: np.ndarray, high: np.ndarray, inset: float = 0.0,
+    low: np.ndarray, high: np.ndarray, inset: float = 0.0, accuracy: float = FINE,
 ) -> np.ndarray:  # fmt: skip
     """Minimax with bounds by SLSQP: minimise t subject to t - f_j(x) >= 0 and b_j - f_j(x) >= 0.
 
@@ -48,6 +49,8 @@ def epigraph(
         Start, and bounds of x.
     inset : float
         Distance below its bound, by its scale, that every bounded function must keep.
+    accuracy : float
+        Change of t, by its size, at which SLSQP ends.
 
     Returns
     -------
@@ -88,7 +91,7 @@ def epigraph(
     result = minimize(
         lambda z: float(z[k]), np.append(start, t), jac=lambda z: gradient, method="SLSQP",
         bounds=[*zip(low, high, strict=True), (None, None)],
-        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MAX_STEPS, "ftol": 1e-13},
+        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MAX_STEPS, "ftol": accuracy},
     )  # fmt: skip
     solution = np.clip(result.x[:k], low, high)
     return solution if np.isfinite(solution).all() and np.isfinite(cached_rows(solution)[0]).all() else start
@@ -110,6 +113,7 @@ SLIGHT_EXCESS = 1e-5  # of a limit: a smaller excess is removed by a larger inse
 INSET = 1e-9  # of a limit: solutions keep it by this margin
 NEAR_TOP = 0.3  # of the range of a quantity: lower peaks are left out
 MAX_PEAKS, PEAK_PASSES = 8, 5
+NEAR_SOLUTION = 0.9  # of the longest step: a shorter one ends near the solution, so that the next rounds are accurate
 SAME_PLACE = 1e-3  # of the bounds: nearer to a solution of another start a search ends there
 
 ProgressCallback = Callable[[Mapping[str, Any], float, int], None]
@@ -366,19 +370,21 @@ class Descent:
         peaked = [term for term in terms if term.peaks]
         u = np.clip(start, 0.0, 1.0)
         peaks: Peaks = {}
-        inset, trust, is_far = INSET, TRUST, True
+        inset, trust, is_far, accuracy = INSET, TRUST, True, COARSE
         self._start_count += 1
         for _ in range(ROUNDS):
             self._report(u, goal)
             if not self._add_peaks(peaks, peaked, u):
                 return u
-            solution = self._round(u, terms, peaked, peaks, goal, inset, trust)
+            solution = self._round(u, terms, peaked, peaks, goal, inset, trust, accuracy)
             step = float(np.abs(solution - u).max())
             u = solution
             for place in known:
                 if np.abs(u - place).max() < SAME_PLACE:
                     return place
-            if step < TOLERANCE and is_far and trust > MIN_TRUST:
+            if accuracy > FINE and step < NEAR_SOLUTION * trust:
+                accuracy = FINE
+            elif step < TOLERANCE and is_far and trust > MIN_TRUST:
                 trust *= TRUST_FACTOR
             elif step >= TOLERANCE:
                 is_far = step > 0.5 * trust
@@ -411,7 +417,7 @@ class Descent:
 
     def _round(
         self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], peaks: Peaks,
-        goal: Term, inset: float, trust: float,
+        goal: Term, inset: float, trust: float, accuracy: float,
     ) -> np.ndarray:  # fmt: skip
         """SLSQP at fixed angles: minimise t subject to t - f_goal(θ_j) >= 0 and bound - f(θ_j) >= 0."""
 
@@ -422,7 +428,7 @@ class Descent:
         owners = [term for term, values, _ in self._linear(u, terms, peaks) for _ in values]
         bound = np.array([np.nan if term is goal else self._smoothed_bound(term) for term in owners])
         scale = np.array([1.0 if term is goal else self._scale(term) for term in owners])
-        return epigraph(rows, bound, scale, u, np.maximum(u - trust, 0.0), np.minimum(u + trust, 1.0), inset)
+        return epigraph(rows, bound, scale, u, np.maximum(u - trust, 0.0), np.minimum(u + trust, 1.0), inset, accuracy)
 
     def _linear(self, u: np.ndarray, terms: Sequence[Term], peaks: Peaks) -> list[tuple[Term, np.ndarray, np.ndarray]]:
         """Every term with its values (n,) at its peaks, or its single value, and their slopes (n, k)."""
