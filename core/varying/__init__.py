@@ -1,5 +1,6 @@
 """Studies of many designs: STUDY.toml, surveys, tolerances, the best design, and tables of results."""
 
+from core.numerics.sobol import sobol
 from core.varying.bands import READY, drive_bands, motor_bands, ready_study, shaft_bands, valid_words
 from core.varying.optimum import Binding, Optimum, optimise, remarks
 from core.varying.request import (
@@ -22,7 +23,6 @@ from core.varying.space import (
     cache_folder,
     duration,
     none_built_text,
-    sobol,
     study_values,
     with_words,
     workers,
