@@ -1,6 +1,5 @@
 """Studies of many designs: STUDY.toml, surveys, tolerances, the best design, and tables of results."""
 
-from core.numerics.sobol import sobol
 from core.varying.bands import READY, drive_bands, motor_bands, ready_study, shaft_bands, valid_words
 from core.varying.optimum import Binding, Optimum, optimise, remarks
 from core.varying.request import (
@@ -57,7 +56,7 @@ __all__ = [
     "ToleranceResult", "VariedField", "cache_folder", "can_be_varied", "current_figures", "default_span",
     "default_tolerance", "drive_bands", "duration", "field_info", "file_of", "file_of_question", "load_study",
     "motor_bands", "none_built_text", "optimise", "question_of_file", "ready_study", "refined_survey", "remarks",
-    "request_keys", "save_study", "shaft_bands", "sobol", "study_of", "study_values", "suggested_figures", "survey",
+    "request_keys", "save_study", "shaft_bands", "study_of", "study_values", "suggested_figures", "survey",
     "tolerance_result", "tolerance_study", "valid_words", "waves_of", "whole_numbers", "with_values", "with_words",
     "workers", "write_table",
 ]  # fmt: skip
