@@ -178,6 +178,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         self._shows_spikes = self._has_spikes = False
         self._extremes: list[Extreme] = []
         self._extreme_marks: list[ExtremeMark] = []
+        self._spare_marks: list[ExtremeMark] = []  # hidden until extremes are known again, after each edit
         self._boxes: list[QRectF] = []
         self._background_state: tuple[object, ...] = ()
         self.show_message("")
@@ -480,9 +481,11 @@ class CurvePlot(TurnCurves, FixedPlot):
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
 
     def _lay_extremes(self, frame: Frame) -> None:
-        self._extreme_marks = self._resized(
-            self._extreme_marks, len(self._extremes), lambda: ExtremeMark(self._view, self._theme)
-        )
+        marks, count = self._extreme_marks + self._spare_marks, len(self._extremes)
+        marks += [ExtremeMark(self._view, self._theme) for _ in range(count - len(marks))]
+        self._extreme_marks, self._spare_marks = marks[:count], marks[count:]
+        for mark in self._spare_marks:
+            mark.hide()
         for mark, extreme in zip(self._extreme_marks, self._extremes, strict=True):
             mark.show(extreme, frame)
         occupied = self._covered(frame) + [limit.box(frame) for limit in self._limits]

@@ -26,6 +26,7 @@ MIN_LINES = 2  # lines that a legend may always have
 ELLIPSIS = "…"
 NAME_GAP = "\u00a0\u00a0 "  # between names
 TEXT_POSITIONS = (1.0, 0.0, 0.75, 0.5, 0.25)  # along a limit's line, for its text
+TEXT_SHIFT = 4.0  # of that text inwards from the ends of the line, pixels
 BAND_OPACITY = (0.16, 0.3)  # of the outer band, of the inner one above it
 MACHINES = "90 and 99.73 % of machines"
 
@@ -230,10 +231,12 @@ class CurveLine(Outline):
         view.addItem(self, ignoreBounds=True)
 
     def show_points(self, x: np.ndarray, y: np.ndarray, pen: QPen, z: float) -> None:
-        """Set the points (n,); there is a gap where y is NaN. ``lay`` draws them."""
-        self.x, self.y, self._is_finite = x, y, bool(np.isfinite(y).all())
-        self._layout = ()
-        self.setPen(pen)
+        """Set the points (n,); there is a gap where y is NaN. ``lay`` draws them, unless they are the same as before."""
+        if not (np.array_equal(x, self.x) and np.array_equal(y, self.y, equal_nan=True)):
+            self.x, self.y, self._is_finite = x, y, bool(np.isfinite(y).all())
+            self._layout = ()
+        if pen != self.pen():
+            self.setPen(pen)
         self.setZValue(z)
 
     def remove(self, view: pg.ViewBox) -> None:
@@ -287,13 +290,14 @@ class LimitLine(PlotMark):
         """Put the text where it covers no curve and no occupied box: further left, below the line, or shortened."""
         above = (frame.high - self.value) / (frame.high - frame.low) * frame.height > self._tag.size[1] + 2.0
         room = QRectF(-1.0, 0.0, frame.width + 2.0, frame.height)
-        for text, over, part in product((self.text, self._short), (above, not above), TEXT_POSITIONS):
+        for text in filter(None, (self.text, self._short)):
             self._tag.set_text(text)
-            self._put_text(part, over)
-            box = self.box(frame).adjusted(0.0, -2.0, 0.0, 2.0)
-            covers = any(curve.enters(box, frame) for curve in curves) or any(map(box.intersects, occupied))
-            if text and room.contains(box) and not covers:
-                return
+            for over, part in product((above, not above), TEXT_POSITIONS):
+                box = self._box_at(frame, part, over).adjusted(0.0, -2.0, 0.0, 2.0)
+                is_free = room.contains(box) and not any(map(box.intersects, occupied))
+                if is_free and not any(curve.enters(box, frame) for curve in curves):
+                    self._put_text(part, over)
+                    return
         self._tag.set_text(self.text)
         if self._short and self._tag.size[0] + 8.0 > frame.width:
             self._tag.set_text(self._short)
@@ -303,7 +307,13 @@ class LimitLine(PlotMark):
         """Put the text at a fraction of the line's length, above or below it."""
         self._tag.setPos(360.0 * part, self.value)
         self._tag.set_lean(part, 1.0 if above else 0.0)
-        self._tag.shift(4.0 - 8.0 * part, 0.0)
+        self._tag.shift(TEXT_SHIFT * (1.0 - 2.0 * part), 0.0)
+
+    def _box_at(self, frame: Frame, part: float, above: bool) -> QRectF:
+        """Box that the text would have at a fraction of the line's length, as ``box``."""
+        width, height = self._tag.size
+        left = TEXT_SHIFT * (1.0 - 2.0 * part) - part * width
+        return frame.box(360.0 * part, self.value, QRectF(left, -height if above else 0.0, width, height))
 
     def box(self, frame: Frame) -> QRectF:
         """Box of the text in the frame [pixels from its lower left corner, y upwards]."""

@@ -108,6 +108,7 @@ class ExtremeMark(PlotMark):
         self.extreme = Extreme(0.0, 0.0, True, theme.quiet)
         self.above = self.outside = False  # whether the value is above the axis; above or below it
         self._text_box: QRectF | None = None  # box of the text in the frame, None where it has no room
+        self._form: tuple[bool, bool] | None = None  # above and outside, of the sign that is drawn
         self._sign = Outline(QPainterPath())
         self._sign.setFlag(self._sign.GraphicsItemFlag.ItemIgnoresTransformations)
         self.tag = MarkText("", theme.quiet, theme, SMALL, backing=True)
@@ -120,18 +121,18 @@ class ExtremeMark(PlotMark):
         at = min(max(extreme.value, frame.low), frame.high)
         for item in (self._sign, self.tag):
             item.setPos(extreme.angle, at)
-        path = QPainterPath()
-        if self.outside:
-            inwards = 1.0 if self.above else -1.0  # in pixels of the screen, y downwards
-            corners = ((0.0, 1.0), (ARROW, 1.0 + 2.0 * ARROW), (-ARROW, 1.0 + 2.0 * ARROW))
-            path.addPolygon(QPolygonF([QPointF(x, inwards * y) for x, y in corners]))
-            path.closeSubpath()
-        else:
-            path.addEllipse(QPointF(0.0, 0.0), DOT, DOT)
-        self._sign.redraw(path)
+        self._sign.setVisible(True)
+        if self._form != (self.above, self.outside):
+            self._form = self.above, self.outside
+            self._sign.redraw(_arrow(self.above) if self.outside else _dot())
         self._sign.setBrush(brush(extreme.colour if self.outside else self._theme.paper))
         self._sign.setPen(self._theme.pen(extreme.colour))
         self.tag.set_text(extreme.text(frame.low, frame.high))
+
+    def hide(self) -> None:
+        """Hide the mark until ``show``."""
+        self._sign.setVisible(False)
+        self.show_text(None)
 
     def lay(self, frame: Frame, occupied: Sequence[QRectF], curves: Sequence[CurveLine]) -> QRectF:
         """Put the text where it covers no curve and no occupied box, or leave it out.
@@ -184,6 +185,22 @@ class ExtremeMark(PlotMark):
     def sign_box(self, frame: Frame) -> QRectF:
         """Box of the dot or arrow in the frame [pixels from its lower left corner, y upwards]."""
         return frame.box(self.tag.pos().x(), self.tag.pos().y(), self._sign.boundingRect())
+
+
+def _dot() -> QPainterPath:
+    path = QPainterPath()
+    path.addEllipse(QPointF(0.0, 0.0), DOT, DOT)
+    return path
+
+
+def _arrow(upwards: bool) -> QPainterPath:
+    """Arrow with its tip at the upper or lower edge of the frame."""
+    inwards = 1.0 if upwards else -1.0  # in pixels of the screen, y downwards
+    corners = ((0.0, 1.0), (ARROW, 1.0 + 2.0 * ARROW), (-ARROW, 1.0 + 2.0 * ARROW))
+    path = QPainterPath()
+    path.addPolygon(QPolygonF([QPointF(x, inwards * y) for x, y in corners]))
+    path.closeSubpath()
+    return path
 
 
 def lay_marks(

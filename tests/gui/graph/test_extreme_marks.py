@@ -67,6 +67,22 @@ def densely(study: Study, view: PlotView, sign: float) -> float:
     return float(values[top])
 
 
+def test_an_edit_keeps_the_items_of_a_plot(open_user: Open) -> None:
+    """Its marks are hidden until the new extremes are known, and are then the same items at other places."""
+    user = open_user(LIFT, size=(1440, 900), whole=True)
+    user.choose("View", "Dyna")
+    view = plot_view(user, "acceleration")
+    drawn, marked = view.plot.scene().items(), view.plot.marked()
+    assert marked
+    user.session.edit("shaft.speed_rpm", 1.25 * user.design.shaft.speed_rpm, "Change")
+    assert not view.plot.marked()
+    assert not marks(view.plot)
+    assert view.plot.scene().items() == drawn
+    wait_for(lambda: bool(view.plot.marked()))
+    assert view.plot.marked() != marked
+    assert view.plot.scene().items() == drawn
+
+
 def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
     user = open_user(LIFT, size=(1440, 900), whole=True)
     user.choose("View", "Dyna")  # where plots are high enough for their marks

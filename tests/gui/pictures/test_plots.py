@@ -11,7 +11,7 @@ from mechanisms import LIFT, PUSHER, with_drive, with_follower, with_loads, with
 from PIL import Image
 from plot_reading import box_of, cursor, curves, limits, readouts
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QFontMetricsF
+from PySide6.QtGui import QFontMetricsF, QPainterPath
 from PySide6.QtSvg import QSvgRenderer
 from sampled import spread
 
@@ -192,6 +192,25 @@ def test_the_reference_is_dashed_and_in_the_same_unit() -> None:
     assert reference.y[:-1] * plot.display_unit.size == pytest.approx(row.values(other))
     low, high = plot.getViewBox().viewRange()[1]
     assert low < reference.y.min() < reference.y.max() < high
+
+
+def test_a_curve_whose_values_and_axis_stay_is_not_drawn_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A smaller variant comes and goes next to it."""
+    redraw, drawn = CurveLine.redraw, []
+
+    def count(line: CurveLine, path: QPainterPath) -> None:
+        drawn.append(line)
+        redraw(line, path)
+
+    slow, slower = (Study(edited(LIFT, "shaft.speed_rpm", part * LIFT.shaft.speed_rpm), SAMPLES) for part in (0.5, 0.4))
+    plot, study, rows = plot_of(LIFT, "acceleration_mm_s2"), Study(LIFT, SAMPLES), [channel(LIFT, "acceleration_mm_s2")]
+    (line,) = curves(plot)
+    plot.set_curves(study, rows, slow)  # the legend takes some height
+    monkeypatch.setattr(CurveLine, "redraw", count)
+    plot.set_curves(study, rows, slower)
+    assert line in curves(plot)
+    assert len(drawn) == 1
+    assert line not in drawn
 
 
 def test_a_jump_is_a_jump() -> None:
