@@ -193,8 +193,11 @@ def keep_freed_memory() -> None:
     0.80 ms, with this setting none and 0.69 ms (medians, 2 cores, glibc 2.36); a block of many designs, about 100 MB, costs
     25,000 page faults and twice the time. By default each thread also has a heap, which fragments, so that the window's
     memory grows without limit. Other C libraries have no such setting; there the function has no effect.
+
+    The first study of a process calls it. Where the environment variable KINDYNA_KEEP_MEMORY is 0, as a program that only
+    uses ``core`` may set it, the settings of the process remain as they are.
     """
-    if not sys.platform.startswith("linux"):
+    if not sys.platform.startswith("linux") or os.environ.get("KINDYNA_KEEP_MEMORY") == "0":
         return
     import ctypes
 

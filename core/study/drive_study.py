@@ -30,6 +30,7 @@ from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.program import SubdividedTurn
 from core.numerics.lazy import lazy, locked
 from core.numerics.parts import part_of
+from core.process import keep_freed_memory
 from core.study.stages import (
     SEARCHED,
     crank_grid,
@@ -103,6 +104,7 @@ class DriveStudy:
     """Whether errors name the exact ranges of angles."""
 
     def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
+        keep_freed_memory()
         self.design = design
         self.samples = samples
         self._given = angles

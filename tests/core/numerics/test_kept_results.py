@@ -2,10 +2,13 @@
 
 import ctypes
 import gc
+import os
 import resource
+import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from core.numerics.lazy import Lazy, locked
 from core.process import keep_freed_memory
 from core.study import Study, quantity
 
+ROOT = Path(__file__).parents[3]
 CASES = [case((kind,), 0) for kind in KINDS]
 
 
@@ -189,3 +193,49 @@ def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewh
         monkeypatch.setattr(sys, "platform", platform)
         keep_freed_memory.__wrapped__()
         assert len(told) == calls, platform
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(ctypes, "CDLL", lambda name: Library())
+    monkeypatch.setenv("KINDYNA_KEEP_MEMORY", "0")
+    told.clear()
+    keep_freed_memory.__wrapped__()
+    assert told == []
+
+
+SCRIPT = """
+import ctypes, os, resource, sys
+from core.design import get, put
+from core.project import load
+from core.study import Study
+
+design, path = load(sys.argv[1]), "follower.rod_mm"
+length, calls, library = get(design, path), [], ctypes.CDLL
+
+class Library:
+    def mallopt(self, what, value):
+        calls.append(what)
+        return library(None).mallopt(what, value)
+
+ctypes.CDLL = lambda name: Library() if name is None else library(name)
+for i in range(60):
+    if i == 40:
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    study = Study(put(design, path, length + 1e-3 * i), 3600)
+    _ = study.dynamics.contact, study.dynamics.torque, study.cam.flank.profile
+print(len(calls), (resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / 20)
+"""
+
+
+@pytest.mark.parametrize(("switch", "settings"), [(None, 3), ("0", 0)])
+def test_the_first_study_of_a_script_sets_the_memory_unless_the_environment_forbids(
+    switch: str | None, settings: int
+) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "KINDYNA_KEEP_MEMORY"}
+    environment |= {} if switch is None else {"KINDYNA_KEEP_MEMORY": switch}
+    lift = ROOT / "resources" / "examples" / "transfer_lift.toml"
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(lift)], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
+    )
+    calls, pages = run.stdout.split()
+    assert int(calls) == settings
+    if settings:
+        assert float(pages) <= 60.0, "pages taken anew per chain"
