@@ -245,8 +245,10 @@ class OutputForce(Element):
 
         Returns
         -------
-        ndarray (n,) [N or N m]
+        ndarray (n,), or (1,) without a spring [N or N m]
         """
+        if not self.rate:
+            return np.atleast_1d(np.asarray(self.force))
         return np.asarray(self.force - self.rate * kinematics.motion.displacement[0])
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:

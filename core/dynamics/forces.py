@@ -341,7 +341,10 @@ def _with_friction(
     signed = {name: signs[name] * size for name, size in sizes.items()}
     contact, driver = case.contact, case.driver
     for name, size in signed.items():
-        contact, driver = contact + size * unit_cases[name].contact, driver + size * unit_cases[name].driver
+        if case.unit_contact is None:
+            driver = driver + size * unit_cases[name].driver
+        else:
+            contact = contact + size * unit_cases[name].contact
 
     def friction_work() -> dict[str, np.ndarray]:
         speed = kinematics.driver_sign * kinematics.motion.displacement[1]

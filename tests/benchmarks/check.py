@@ -49,6 +49,11 @@ def keys() -> dict[str, Callable[[], float]]:
         **made,
         **{f"many: {row.name}": partial(look_at_many, row) for row in designs.ROWS},
         **{f"many, by one force: {row.name}": partial(look_at_totals, row) for row in designs.TOTALS},
+        **{
+            f"chain after a new {what}, {angles} angles": partial(look_at_edit, path, angles)
+            for what, path in forces.EDITS.items()
+            for angles in (36, 3600)
+        },
         RANK: look_at_rank,
         FINDINGS: look_at_findings,
         **windows(),
@@ -101,6 +106,13 @@ def look_at_findings(seconds: float = 2.0 * SECONDS) -> float:
     design, theta = load(EXAMPLE), plain.turn(3600)
     ours = Fresh(lambda: partial(findings_of, Study(forces.anew(design))))
     told = measure({"ours": ours, "rival": partial(forces.at_knots, theta)}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_edit(path: str, angles: int, seconds: float = SECONDS) -> float:
+    """Time of the chain after one number of the lift has been changed, by that of the lift by hand at 3,600 angles."""
+    ours = Fresh(lambda: forces.after_edit(path, angles))
+    told = measure({"ours": ours, "rival": forces.lift_by_hand}, seconds).seconds
     return told["ours"] / told["rival"]
 
 

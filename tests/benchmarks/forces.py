@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import count
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +14,7 @@ from benchmarks.plain import (
     ALSO,
     HAND,
     POINTS,
+    ROLLER_RADIUS,
     SENSE,
     again,
     by_table,
@@ -137,6 +139,29 @@ def anew(of: Design) -> Design:
 def our_chain(there: Any, setting: None) -> Channels:
     told = Study(there.design, angles=there.angles).dynamics
     return told.contact, told.torque
+
+
+EDITS = {"length": "follower.rod_mm", "base radius": "cam.base_radius_mm", "speed": "shaft.speed_rpm"}
+"""Number of the lift that an edit changes -> its path."""
+
+
+def after_edit(path: str, angles: int) -> Callable[[], Channels]:
+    """Contact force, torque and profile of the lift after one of its numbers has been changed; the edit itself is made beforehand."""
+    design = put(LIFT, path, get(LIFT, path) * (1.0 + 1e-7 * next(_OTHER)))
+
+    def run() -> Channels:
+        study = Study(design, angles)
+        told = study.dynamics
+        return told.contact, told.torque, study.cam.flank.profile
+
+    return run
+
+
+def lift_by_hand() -> Channels:
+    """The same of all of the lift at 3,600 angles."""
+    there = motion_at(turn(3600))
+    roller, normal, (contact, torque) = of_motion(there, LOADING, OMEGA, np.sign(there.motion.y[1]))
+    return contact, torque, (roller + ROLLER_RADIUS * normal) * np.exp(-1j * SENSE * there.theta)
 
 
 CHAIN = Kernel(
