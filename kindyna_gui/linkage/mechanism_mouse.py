@@ -62,7 +62,6 @@ class MechanismMouseView(View):
 
     load_opened  (path): a row of the loads was clicked; empty for a load without a row
     is_stale     the drawing shows the last valid design, not the typed one
-    shows_layout the linkage is shown as drawn: while drawing, and if it is incomplete
     """
 
     load_opened = Signal(str)
@@ -71,7 +70,7 @@ class MechanismMouseView(View):
         self.scene = MechanismScene()
         self.canvas = Canvas(self.scene)
         super().__init__(session, player)
-        self.is_stale = self.shows_layout = False
+        self.is_stale = self._layout_shown = False
         self.drag: JointDrag | None = None
         self.picker = Picker(self.canvas, self.scene)
         self._drives: DrivesMouse | None = None  # created when all drives are first drawn
@@ -100,6 +99,14 @@ class MechanismMouseView(View):
         self.load_opened.connect(window.open_load)
         self.picker.prompted.connect(window.ask)
         self.picker.ended.connect(window.answered)
+
+    @property
+    def shows_layout(self) -> bool:
+        """Whether the linkage is shown as drawn: while drawing, and if it is incomplete.
+
+        A follower has no layout, even before the view follows a design that was opened in place of a linkage.
+        """
+        return self._layout_shown and bool(self.session.typed.drive.links)
 
     @property
     def _shows_solution(self) -> bool:

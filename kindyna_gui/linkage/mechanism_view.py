@@ -257,7 +257,7 @@ class MechanismView(MechanismMouseView):
         self.is_stale = session.incomplete is not None and (self.draws_all or session.typed != session.design)
         if self.draws:
             self.drawing.refresh()
-        self.shows_layout = self._has_to_show_layout()
+        self._layout_shown = self._has_to_show_layout()
         if self.draws_all:
             self._show_all()
             return

@@ -901,3 +901,18 @@ def test_a_drawing_that_cannot_be_put_together_is_not_copied_and_says_why(open_u
     pen = start(open_user)
     pen.choose("Edit", "Copy picture")
     assert pen.user.window.status.currentMessage().startswith("Nothing was copied.")
+
+
+def test_a_drawing_behind_a_tab_is_not_painted_after_a_follower_is_opened(open_user: Open) -> None:
+    """It comes to the front, and is painted, before it has followed the new design."""
+    pen = start(open_user)
+    view = pen.user.drawing()
+    view.draw(False)
+    assert view.shows_layout
+    view.hide()
+    pen.user.window.documents.open_example(example("tappet_flat"))
+    view.show()
+    pen.user.window.grab()
+    pen.user.window.grab()
+    settle()
+    assert view.up_to_date and not view.shows_layout
