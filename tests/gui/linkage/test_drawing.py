@@ -915,4 +915,5 @@ def test_a_drawing_behind_a_tab_is_not_painted_after_a_follower_is_opened(open_u
     pen.user.window.grab()
     pen.user.window.grab()
     settle()
-    assert view.up_to_date and not view.shows_layout
+    assert view.up_to_date
+    assert not view.shows_layout
