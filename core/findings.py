@@ -144,7 +144,7 @@ USER_LIMIT = FindingRow(
 """Row of every limit of quantities that a user states; their codes have no row in ``ROWS``."""
 ROWS: Mapping[str, FindingRow] = MappingProxyType(
     {
-        "jump-displacement": FindingRow("displacement jumps by {jump:.6g} {unit_name} at a join: no cam can do that"),
+        "jump-displacement": FindingRow("displacement jumps by {jump:.6g} {unit_name} at a join: no follower can do this"),
         "jump-velocity": FindingRow("velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration"),
         "jump-acceleration": FindingRow("acceleration jumps by {jump:.6g} {unit_name}/rad² at a join: infinite jerk"),
         "uneven-advance": FindingRow(
@@ -163,11 +163,11 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             _compared(4, "value", "limit"),
         ),
         "undercut": FindingRow(
-            "undercut: the pitch curve's smallest radius {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: enlarge the base "
+            "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: enlarge the base "
             "radius, or use a smaller roller", _compared(5, "pitch_radius_mm", "roller_radius_mm"), _BASE_RADIUS,
         ),
         "undercut.shoe": FindingRow(
-            "undercut: the pitch curve's smallest radius {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: enlarge the base "
+            "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: enlarge the base "
             "radius, or use a shoe of smaller radius", _compared(5, "pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS,
         ),
         "undercut.flat": FindingRow(
@@ -175,7 +175,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "{remedy}", remedy=_BASE_RADIUS,
         ),
         "outer-undercut": FindingRow(
-            "undercut of the groove's outer flank: the pitch curve's smallest hollow radius {pitch_radius_mm} mm{at}, roller and play "
+            "undercut of the groove's outer flank: the pitch curve's smallest concave radius is {pitch_radius_mm} mm{at}, roller and play "
             "{roller_radius_mm} mm: use a smaller roller, or enlarge the base radius",
             _compared(5, "pitch_radius_mm", "roller_radius_mm"), _LARGER,
         ),
@@ -184,7 +184,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "roller, or enlarge the base radius"
         ),
         "second-undercut": FindingRow(
-            "undercut of the second cam: its pitch curve's smallest radius {pitch_radius_mm} mm{at}, the second roller's "
+            "undercut of the second cam: its pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the second roller's "
             "{roller_radius_mm} mm: move the second roller outwards, or use a smaller one",
             _compared(5, "pitch_radius_mm", "roller_radius_mm"),
         ),
@@ -331,9 +331,10 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "sliding friction of the contact jams the follower: the cam's force has no lever arm{at}, so that any friction locks it: "
             "enlarge the base radius"
         ),
-        "dead-centre": FindingRow("rod and arm come close to one line (dead centre): sine of the angle between them {value:.3g}"),
+        "dead-centre": FindingRow("rod and arm come close to one line (dead centre): the sine of the angle between them is {value:.3g}"),
         "rod-across-guide": FindingRow(
-            "the rod comes close to a right angle with the guide, where the arm cannot drive the slider: cosine of its angle {value:.3g}"
+            "the rod comes close to a right angle with the guide, where the arm cannot drive the slider: the cosine of "
+            "that angle is {value:.3g}"
         ),
         "crank-cannot-turn": FindingRow(
             "the crank cannot turn fully: the linkage can be assembled only for crank angles within {ranges}, and locks at {joints}"
@@ -351,8 +352,8 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "left out; the driver's torque and the balance of power are valid"
         ),
         "no-common-period": FindingRow(
-            "the linkage does not return to its first position within {most} turns of the driver: the first {shown} shown, and the next "
-            "differs from it"
+            "the linkage does not return to its first position within {most} turns of the driver: the first {shown} shown, the "
+            "following turns differ"
         ),
         "wheels-apart": FindingRow(
             "the wheels of link {link} (pitch circles of {first:.6g} and {second:.6g} mm) do not touch: their centres are {distance:.6g} "
@@ -381,8 +382,8 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "above-all-speeds": FindingRow(
             "{rpm} rpm is above {top_rpm} rpm, and at every speed above that the shaft is unstable", _compared(6, "rpm", "top_rpm"),
         ),
-        "no-stability": FindingRow("the stability of the shaft is not known: {why}; {hint}"),
-        "no-elastic-follower": FindingRow("the vibration of the follower is not known: {why}; {hint}"),
+        "no-stability": FindingRow("the stability of the shaft cannot be computed: {why}; {hint}"),
+        "no-elastic-follower": FindingRow("the vibration of the follower cannot be computed: {why}; {hint}"),
         "motor-stalls": FindingRow(
             "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg·m² does not carry the load over its peak{at}, at least "
             "{least_kg_m2:.3g} kg·m² are needed; a steeper motor slope needs less", remedy=_FLYWHEEL,

@@ -236,7 +236,7 @@ class Surfaces:
     )
     roller_poisson_ratio: float | None = _ratio("Roller's Poisson's ratio")
     roller_load_rating_n: float | None = _known(
-        "Roller's load rating C", "dynamic, of its bearing (ISO 281); its life is computed from it", LARGEST
+        "Roller's load rating C", "dynamic rating of its bearing (ISO 281), for the rolling life", LARGEST
     )
 
 

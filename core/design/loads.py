@@ -38,7 +38,7 @@ class Attachment:
     link: int = whole("Link", 1, 999, help="1 = frame")
     point: str | None = placed(FileLayout(), None)
     x_mm: float | None = coordinate(
-        "Point x", pair="at", default=None, help="in the link's frame, of the frame the global one"
+        "Point x", pair="at", default=None, help="in the link's frame; on the frame in the global one"
     )
     y_mm: float | None = coordinate("Point y", pair="at", default=None)
 
@@ -71,7 +71,7 @@ class TorsionSpring:
         -3600.0,
         3600.0,
         default=0.0,
-        help="without moment: angle of link less that of on, in the global frame",
+        help="angle of link minus angle of on without torque, in the global frame",
     )
     damping_nm_s_per_rad: float = number("Damping", 0.0, default=0.0)
 
@@ -108,7 +108,7 @@ class Process:
 
     cam_from_deg: float | None = number("From cam angle", 0.0, 360.0, default=None, step=1.0, help="of the drive")
     cam_to_deg: float | None = number(
-        "To cam angle", 0.0, 360.0, default=None, step=1.0, help="less than from: past 360°"
+        "To cam angle", 0.0, 360.0, default=None, step=1.0, help="if less than the start, the range passes 360°"
     )
     position_from_mm: float | None = coordinate("From position", default=None, help="of the motion")
     position_to_mm: float | None = coordinate("To position", default=None, help="of the motion")
@@ -116,7 +116,7 @@ class Process:
     position_to_deg: float | None = number("To position", -3600.0, 3600.0, default=None, help="of the motion")
     force_n: float = number("Force", default=0.0, help="along +guide or direction")
     torque_nm: float = number("Torque", default=0.0, help="along the motion; on a link counter-clockwise")
-    link: int | None = whole("Link", 2, 999, default=None, help="on which it acts; none: the output")
+    link: int | None = whole("Link", 2, 999, default=None, help="on which it acts; empty = the output")
     point: str | None = placed(FileLayout(), None)
     direction_deg: float | None = number(
         "Direction", -360.0, 360.0, default=None, help="of the force, in the global frame"

@@ -82,7 +82,7 @@ class SccaCurve:
     law: ClassVar[str] = "scca"
     cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
     ramp_fraction: float = number(
-        "Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the span without its constant velocity"
+        "Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the span outside constant velocity"
     )
     flat_fraction: float = number(
         "Constant acceleration",
@@ -90,7 +90,7 @@ class SccaCurve:
         1.0,
         default=0.0,
         step=0.05,
-        help="fraction of the span without its constant velocity",
+        help="fraction of the span outside constant velocity",
     )
 
 
@@ -364,7 +364,7 @@ class Oscillating:
     arm_mm: float = length("Arm", help="pivot to roller centre")
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
-    side: str = choice("Side", tuple(SIDES), help="of the line from the pivot to the cam centre on which the roller is")
+    side: str = choice("Side", tuple(SIDES), help="of the roller, seen from the pivot towards the cam centre")
     second: SecondArm | None = _second(SecondArm)
 
 
@@ -375,9 +375,7 @@ class OscillatingFlat:
     face: OffsetFlat = faces_of(OffsetFlat, default=OffsetFlat())
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
-    side: str = choice(
-        "Side", tuple(SIDES), help="of the line from the pivot to the cam centre on which the contact is"
-    )
+    side: str = choice("Side", tuple(SIDES), help="of the contact, seen from the pivot towards the cam centre")
 
 
 Follower = CamSlider | Translating | Oscillating | OscillatingFlat
@@ -503,9 +501,9 @@ class Servo:
 
     kind: str = choice("Motor", (ROTARY, LINEAR))
     inertia_kg_m2: float | None = number(
-        "Inertia moved", 0.0, default=None, help="at the output shaft, added to the loads"
+        "Driven inertia", 0.0, default=None, help="at the output shaft, added to the loads"
     )
-    mass_kg: float | None = number("Mass moved", 0.0, default=None, help="added to the loads")
+    mass_kg: float | None = number("Driven mass", 0.0, default=None, help="added to the loads")
     friction_nm: float | None = number(
         "Friction torque", 0.0, default=None, help="at the output shaft, against its rotation"
     )
@@ -539,7 +537,7 @@ def _mass(label: str, help: str = "") -> float:
 
 def _friction() -> float:
     field: float = number(
-        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
+        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient of friction in the guide"
     )
     return field
 
@@ -572,7 +570,14 @@ class CamSliderLoads(Loads):
     rod_mass_kg: float = _mass("Rod mass")
     rod_inertia_kg_m2: float = _mass("Rod inertia", "about its centre of mass")
     rod_centre: float = seldom(
-        number("Rod centre", 0.0, 1.0, default=0.5, step=0.05, help="fraction of the rod from the arm's pin")
+        number(
+            "Rod centre",
+            0.0,
+            1.0,
+            default=0.5,
+            step=0.05,
+            help="centre of mass: fraction of the rod from the arm's pin",
+        )
     )
     arm_mass_kg: float = _mass("Arm mass")
     arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
@@ -649,7 +654,7 @@ class OutputLoads(ForceElements):
 class SlideLoads(OutputLoads):
     """Mass and forces of the output of a motion in mm."""
 
-    mass_kg: float = _mass("Mass moved")
+    mass_kg: float = _mass("Driven mass")
     force_n: float = number("Force", default=0.0, help="on the output, along the positive motion")
     friction_n: float = number("Friction force", 0.0, default=0.0, help="against the motion, in both directions")
 
@@ -658,7 +663,7 @@ class SlideLoads(OutputLoads):
 class TurnLoads(OutputLoads):
     """Inertia and torques of the output of a motion in deg."""
 
-    inertia_kg_m2: float = _mass("Inertia turned")
+    inertia_kg_m2: float = _mass("Driven inertia")
     torque_nm: float = number("Torque", default=0.0, help="on the output, along the positive motion")
     friction_nm: float = number("Friction torque", 0.0, default=0.0, help="against the motion, in both directions")
 
