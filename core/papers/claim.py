@@ -313,8 +313,8 @@ def _lines(name: str, value: Any) -> Iterator[tuple[str, str]]:
 AGREES, DIFFERS, MISPRINT, METHOD, CONVENTION = "agrees", "differs", "misprint", "method", "convention"
 LIMIT, ROUNDED, CONTRADICTION, AS_SCANNED = "limit", "rounded", "contradiction", "as-scanned"
 VERDICTS: Mapping[str, str] = MappingProxyType({
-    AGREES: "the result here is that of the paper",
-    DIFFERS: "the result here is different",
+    AGREES: "KINDYNA's result is that of the paper",
+    DIFFERS: "KINDYNA's result is different",
     MISPRINT: "the printed text is wrong",
     METHOD: "an error of the authors' reasoning",
     CONVENTION: "right in its own convention of signs",

@@ -287,7 +287,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             help="controllers#The motor"),
         "findings": ViewRow("Findings", lazily("findings", "FindingsView"), BOTTOM, help="tour#also behind their number"),
         "certificate": ViewRow("Certificate", lazily("findings", "CertificateView"), BOTTOM,
-            help="tour#what proves the figures"),
+            help="tour#the residuals that prove the results"),
         "timing": ViewRow("Timing", lazily("timing_view", "TimingView"), BOTTOM,
             "T&iming chart", "Show the motions of all drives over the machine angle, with sequence conditions", picture=True,
             help="timing#By mouse"),
