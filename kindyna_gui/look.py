@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -28,9 +29,12 @@ from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QApplication,
     QComboBox,
+    QDockWidget,
     QHBoxLayout,
+    QHeaderView,
     QLabel,
     QLineEdit,
+    QMainWindow,
     QMenu,
     QMenuBar,
     QPushButton,
@@ -54,7 +58,9 @@ from kindyna_gui.settings import DISPLAY, choose_font_scale, in_file_units
 Described = TypeVar("Described", bound=QWidget)
 ICON_SCALES = (1, 2, 3)  # dots per pixel that icons are made for
 DEFAULT_FONT = "default font"  # property of the application: its font at 100 % font size
-FOCUS_FRAMES = "focus frames"  # property of the application: whether its focus frames are connected
+STYLED = "styled"  # property of the application: whether it has its style and its focus frames
+PALETTE_PASSES_SHEET = Qt.ApplicationAttribute.AA_UseStyleSheetPropagationInWidgetStyles
+"""Without it widgets under a style sheet would keep the palette that they were created with."""
 _SCHEMES = {"light": Qt.ColorScheme.Light, "dark": Qt.ColorScheme.Dark, "system": Qt.ColorScheme.Unknown}
 _ROLES = {
     QPalette.ColorRole.Window: "desk",
@@ -65,13 +71,13 @@ _ROLES = {
     QPalette.ColorRole.PlaceholderText: "quiet",
     QPalette.ColorRole.Button: "button",
     QPalette.ColorRole.ButtonText: "ink",
-    QPalette.ColorRole.BrightText: "paper",
+    QPalette.ColorRole.BrightText: "line",  # only the style sheet paints with it
     QPalette.ColorRole.ToolTipBase: "tip",
     QPalette.ColorRole.ToolTipText: "ink",
     QPalette.ColorRole.Highlight: "chosen",
     QPalette.ColorRole.HighlightedText: "paper",
     QPalette.ColorRole.Link: "chosen",
-    QPalette.ColorRole.LinkVisited: "chosen",
+    QPalette.ColorRole.LinkVisited: "title",  # only the style sheet: links have one colour
     QPalette.ColorRole.Light: "light",
     QPalette.ColorRole.Midlight: "midlight",
     QPalette.ColorRole.Mid: "mid",
@@ -96,20 +102,36 @@ _ICON_COLOURS = (
 # -- theme and font size ---------------------------------------------------------------------------------
 
 
-def _style_sheet() -> str:
-    """Style sheet of the window, without animated docks: Qt crashes where a dock is deleted while it moves."""
-    theme = SCREEN
+_SHEET_ROLES = {
+    "ink": "window-text",
+    "tip": "tooltip-base",
+    "line": "bright-text",
+    "desk": "window",
+    "title": "link-visited",
+    "quiet": "placeholder-text",
+}
+"""Tone of the theme -> role of the palette in a style sheet."""
+_WITH_SHEET = (QMainWindow, QDockWidget, QTabBar, QHeaderView)
+"""Widgets that the style sheet colours; Qt keeps their colours until they are polished again."""
+
+
+def _style_sheet(tone: Callable[[str], str] = lambda tone: f"palette({_SHEET_ROLES[tone]})") -> str:
+    """Style sheet of the window, without animated docks: Qt crashes where a dock is deleted while it moves.
+
+    Its colours are roles of the palette, because Qt takes long to replace a style sheet; ``tone`` returns others.
+    """
+    ink, tip, line, desk, title, quiet = map(tone, _SHEET_ROLES)
     return f"""
-QToolTip {{ color: {theme.ink}; background: {theme.tip}; border: 1px solid {theme.line}; padding: 3px; }}
-QMainWindow::separator {{ background: {theme.desk}; width: 5px; height: 5px; }}
-QMainWindow::separator:hover {{ background: {theme.line}; }}
+QToolTip {{ color: {ink}; background: {tip}; border: 1px solid {line}; padding: 3px; }}
+QMainWindow::separator {{ background: {desk}; width: 5px; height: 5px; }}
+QMainWindow::separator:hover {{ background: {line}; }}
 QDockWidget, QToolBar, QTabBar, QDockWidgetGroupWindow, CentralPages {{ widget-animation-duration: 0; }}
 QDockWidget {{ titlebar-close-icon: url({icon_file("close")}); titlebar-normal-icon: url({icon_file("float")}); }}
-QDockWidget::title {{ background: {theme.title}; padding: 4px 6px; text-align: left; }}
+QDockWidget::title {{ background: {title}; padding: 4px 6px; text-align: left; }}
 QTabBar::close-button {{ image: url({icon_file("close")}); }}
-QTabBar::close-button:hover {{ background: {theme.line}; border-radius: 2px; }}
+QTabBar::close-button:hover {{ background: {line}; border-radius: 2px; }}
 QStatusBar::item {{ border: none; }}
-QHeaderView::section {{ background: {theme.desk}; color: {theme.quiet}; border: none; border-bottom: 1px solid {theme.line};
+QHeaderView::section {{ background: {desk}; color: {quiet}; border: none; border-bottom: 1px solid {line};
                         padding: 3px 4px; }}
 """
 
@@ -130,14 +152,22 @@ def palette() -> QPalette:
 def apply_style(app: QApplication) -> None:
     """Apply palette, style sheet and icon to the application, unless it has them: that would lay out every window again."""
     colours, sheet, window_role = palette(), _style_sheet(), QPalette.ColorRole.Window
-    if app.styleSheet() == sheet and app.palette().color(window_role) == colours.color(window_role):
+    has_colours = app.palette().color(window_role) == colours.color(window_role)
+    if app.styleSheet() == sheet and has_colours:
         return
-    app.setStyle("Fusion")
-    if app.property(FOCUS_FRAMES) is None:
-        app.setProperty(FOCUS_FRAMES, True)
+    if app.property(STYLED) is None:
+        app.setProperty(STYLED, True)
+        app.setStyle("Fusion")
+        app.setAttribute(PALETTE_PASSES_SHEET)
         app.focusChanged.connect(FocusRing.move_on)
-    app.setPalette(colours)
-    app.setStyleSheet(sheet)
+    if not has_colours:
+        app.setPalette(colours)
+    if app.styleSheet() != sheet:
+        app.setStyleSheet(sheet)
+    else:
+        for widget in app.allWidgets():
+            if isinstance(widget, _WITH_SHEET):
+                app.style().polish(widget)
     app.setWindowIcon(icon("kindyna"))
 
 
@@ -184,7 +214,7 @@ def on_paper(widget: QWidget) -> Iterator[None]:
     with in_file_units():
         draw_in(LIGHT)
         _update_widgets(parts, screen, LIGHT)
-        widget.setStyleSheet(_style_sheet())
+        widget.setStyleSheet(_style_sheet(partial(getattr, SCREEN)))
         for part in plain:  # with a style sheet they do not inherit the palette
             part.setPalette(palette())
         try:

@@ -93,8 +93,8 @@ class Swap:
         """Replace a widget's colours: palette, style sheet, rich text, icons, cells of a list, items of a scene."""
         if widget.testAttribute(Qt.WidgetAttribute.WA_SetPalette):
             widget.setPalette(self._palette(widget.palette()))
-        if sheet := widget.styleSheet():
-            widget.setStyleSheet(self.text(sheet))
+        if (sheet := widget.styleSheet()) != (after := self.text(sheet)):
+            widget.setStyleSheet(after)
         for action in widget.actions():
             self._icon(action.icon(), action.setIcon)
         if isinstance(widget, QLabel) and "#" in widget.text():

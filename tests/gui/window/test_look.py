@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -103,6 +103,29 @@ def test_the_theme_changes_where_the_window_stands(open_user: Open) -> None:
     prefer(user, "light")
     assert differing(tasks(user.window), light) == {}
     assert user.steps == []
+
+
+class StyleChanges(QObject):
+    """Counts the widgets that are styled again, each with its rules of the style sheet."""
+
+    count = 0
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() == QEvent.Type.StyleChange
+        return False
+
+
+def test_a_change_of_theme_styles_no_widget_again(app: QApplication, user: User) -> None:
+    styled = StyleChanges(app)
+    app.installEventFilter(styled)
+    try:
+        for theme in ("dark", "light", "dark"):
+            apply_preferences(settings.Preferences(theme=theme), app)
+            settle()
+    finally:
+        app.removeEventFilter(styled)
+    assert styled.count == 0
+    assert bright(user.window.grab().toImage()) < 0.1
 
 
 @pytest.mark.stress
