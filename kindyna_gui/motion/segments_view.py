@@ -148,7 +148,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
         "duplicate": SegmentAction(
             "Duplicate",
             "Duplicate segment",
-            "Insert a copy after the selected segment; both get half of its span and rise, so that no other join moves",
+            "Insert a copy after the selected segment; both have half of its span and rise, so that no other join moves",
             "duplicate",
             "Duplicate segment {n}",
             lambda design, index, _: copy_segment(design, index),
@@ -160,7 +160,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "Mirror",
             "Mirror stroke",
             "Make the next stroke in the opposite direction the mirror image of this one: curves in reverse order, the "
-            "same spans, opposite rises. The dwells take the difference",
+            "same spans, opposite rises. The dwells compensate for the difference",
             "mirror",
             "Mirror the stroke of segment {n}",
             lambda design, index, _: mirror_stroke(design, index),

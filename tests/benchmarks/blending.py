@@ -86,9 +86,9 @@ KERNEL = Kernel(
         Method("numpy by hand", newton, (6, 2, 3, 4, 5), "Newton steps"),
         Method("solved on paper", on_paper, special=True),
     ),
-    handed="type, stroke, span and two heights of a request that was never asked before; Newton's method also the"
+    handed="type, stroke, span and two heights of a new request; for Newton's method also the"
     " sequence of curves, its equations with their derivatives and a start near the solution",
-    warm="what KINDYNA knows of the sequences of a type",
+    warm="KINDYNA's data on the sequences of a type",
     usual=1,
     between=1,
     rival=("numpy by hand", 6),

@@ -74,7 +74,7 @@ def at_knots(theta: np.ndarray) -> Channels:
 
 
 HANDED = (
-    "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}"
+    "the roller's centre of the solved linkage with velocity and acceleration, its direction of travel, and e^{iθ}"
     + ALSO
 )
 KEPT = "tables"

@@ -105,6 +105,6 @@ KERNEL = Kernel(
         Method("quintic table", lambda there, table: table.at(there.theta, 0, 1, 2), FEW, "points", keeps=quintic),
         Method("harmonics (FFT)", by_transform, (64, 32, 40, 48, 56), "points", keeps=fourier, on_grid=True),
     ),
-    handed="crank angles, lengths, and on which side the joint lies",
-    warm="tables and harmonics; what KINDYNA knows of the linkage and its order of solution",
+    handed="crank angles, lengths, and the side on which the joint is",
+    warm="tables and harmonics; KINDYNA's data on the linkage and its order of solution",
 )

@@ -118,7 +118,7 @@ KERNEL = Kernel(
         *by_table(at_knots),
         Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),
-    handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads"
+    handed="the solved linkage: positions, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads"
     + ALSO,
     warm="tables and splines",
 )
@@ -182,7 +182,7 @@ CHAIN = Kernel(
             needs=("numba",),
         ),
     ),
-    handed="the design as it is read from its file",
-    warm="what KINDYNA knows of the plan by which a linkage is solved",
+    handed="the design as read from its file",
+    warm="KINDYNA's plan for solving the linkage",
     values="torque",
 )

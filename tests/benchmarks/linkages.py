@@ -89,5 +89,5 @@ KERNEL = Kernel(
         ),
     ),
     handed="displacement, velocity and acceleration of the slider; lengths and the base position" + ALSO,
-    warm="tables; what KINDYNA knows of the plan by which a linkage is solved",
+    warm="tables; KINDYNA's plan for solving the linkage",
 )

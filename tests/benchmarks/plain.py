@@ -120,7 +120,7 @@ def motion_at(theta: np.ndarray) -> SimpleNamespace:
 
 # -- tables, which are kept ---------------------------------------------------------------------------------
 
-ALSO = "; tables also the cam angles"
+ALSO = "; for tables also the cam angles"
 """What these are handed besides: they know the motion by hand."""
 
 Columns = Callable[[np.ndarray], Sequence[np.ndarray]]

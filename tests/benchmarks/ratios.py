@@ -182,7 +182,7 @@ def noise(rows: Sequence[Row]) -> str:
         return ""
     half, most = (100.0 * v for v in (statistics.median(told), told[int(0.95 * (len(told) - 1))]))
     with_what = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy"))
-    text = f"Noise of the run: of half its times at most {half:.1f} %, of 95 in 100 at most {most:.0f} %"
+    text = f"Noise of the run: at most {half:.1f} % for half of its times, at most {most:.0f} % for 95 in 100"
     return f"{text}; one thread, Python {platform.python_version()}, {with_what}.\n"
 
 
@@ -191,7 +191,12 @@ def _whole(told: Told) -> str:
     if not told.of_method(name, WARM):
         return ""
     count = "" if kernel.unit == "cam angles" else f", {kernel.usual} {kernel.unit}"
-    lines = [f"### {kernel.title}", "", f"Handed to all: {kernel.handed}. Kept when warm: {kernel.warm}.", ""]
+    lines = [
+        f"### {kernel.title}",
+        "",
+        f"Input of every method: {kernel.handed}. Computed beforehand when warm: {kernel.warm}.",
+        "",
+    ]
     lines += _head([f"method{count}", "", "least error", *(power(e) for e in ERRORS)])
     lines.append(_line([name, "", size(told.least(name)), *_own(told)]))
     for method in kernel.methods[1:]:
@@ -241,12 +246,12 @@ def _window(rows: Sequence[Row]) -> str:
     if not told:
         return ""
     text = (
-        "Processor time of the window's thread by that of a bare repaint of the same widgets; of the start, that of the whole process"
-        " by an empty window's. What other threads compute beside it is not in it, nor what waits until editing pauses, which is a row"
-        " of its own. Milliseconds stand under *Targets*."
+        "Processor time of the window's thread, divided by that of a bare repaint of the same widgets; for the start, that of the"
+        " whole process, divided by that of an empty window. Work of other threads is not included, nor work that waits until"
+        " editing pauses, which has its own row. *Targets* gives milliseconds."
     )
     lines = ["### In the window", "", text, ""]
-    lines += _head(["what", "plots beside the drawing", "time"])
+    lines += _head(["what", "plots next to the drawing", "time"])
     for row in told:
         ratio = Ratio(row.times_bare, max(NOISE, row.noise))
         lines.append(_line([f"{row.kernel}: {row.method}", str(row.n or ""), ratio.digits]))

@@ -140,7 +140,7 @@ def _in_the_window(rows: Sequence[Row]) -> list[Target]:
         row = max((row for row in rows if (row.kernel, row.n) == (kernel, n)), key=lambda row: row.seconds)
         ms = 1e3 * row.seconds
         bare = "an empty window" if kernel == window.START_KERNEL else "a bare repaint of the same widgets"
-        why = f"{ms / row.times_bare:.2g} ms of it are {bare}, the rest is computed and drawn anew"
+        why = f"{ms / row.times_bare:.2g} ms of that are {bare}, the rest is calculation and drawing"
         return Target(what, allowed, ms, why=why)
 
     return [
@@ -182,9 +182,9 @@ def as_csv(targets: Sequence[Target]) -> str:
 HEAD = (
     "### Targets",
     "",
-    "What the design of KINDYNA asks, and what this run measured on its machine: processor time, the least of several runs, in the"
-    " window the median; errors relative to the largest value. The next run may differ by the noise above; on another machine"
-    " the times are others.",
+    "Targets of KINDYNA's design, and the values of this run on its machine: processor time, the least of several runs, in the"
+    " window the median; errors relative to the largest value. The next run can differ by the noise above; another machine has"
+    " other times.",
     "",
     "| what | target | measured | |",
     "|---|---|---|---|",
