@@ -45,7 +45,7 @@ def test_a_reason_holds_for_its_value_alone() -> None:
 
 def test_the_report_says_why() -> None:
     text = report(Study(EXAMPLES["lecture_six_bar"], 8))
-    assert "asks for 6.897436 cm" in text
+    assert "requires 6.897436 cm" in text
     text = report(Study(EXAMPLES["card_picker"], 8))
     assert text.count("Yang has no forces.") == 1, "one line for all values with one reason"
     assert "Span of segment 2, span of segment 3" in text
