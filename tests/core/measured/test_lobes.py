@@ -226,6 +226,7 @@ def test_a_named_law_is_no_scca_that_equals_it(tmp_path: Path, capsys: pytest.Ca
     assert [s.curve.law for s in made.segments] == ["dwell", "modified-sine", "dwell", "modified-sine"]
 
 
+@pytest.mark.stress
 def test_of_a_long_exact_table_laws_are_tried_on_few_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sizes, solve = [], scipy.optimize.least_squares
 

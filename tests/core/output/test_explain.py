@@ -65,7 +65,7 @@ def test_every_equation_shown_gives_the_largest_value_shown(name: str) -> None:
         check(explained(study, figure), 0.0)
 
 
-@pytest.mark.parametrize("seed", [seed if seed in (1, 4, 5, 6) else stressed(seed) for seed in range(55)])
+@pytest.mark.parametrize("seed", [seed if seed in (1, 5) else stressed(seed) for seed in range(55)])
 def test_every_number_of_a_random_linkage_is_explained(seed: int) -> None:
     """Cranks that turn, swing and stop; second inputs by ratios, on arms, racks and motors; slides, pins and cylinders that drive."""
     study = Study(random_linkage(seed, DRIVES[seed % len(DRIVES)]), 36)

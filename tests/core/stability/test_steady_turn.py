@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sampled import spread
+from sampled import spread, stressed
 from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of, with_elastic
 
@@ -74,7 +74,7 @@ def test_its_figures_are_those_of_dense_samples() -> None:
     assert np.abs(turn().harmonics(30) - dense).max() < 1e-12
 
 
-@pytest.mark.parametrize(("eta", "q"), [(ETA, Q), (0.85, 0.1)])
+@pytest.mark.parametrize(("eta", "q"), [stressed(ETA, Q), (0.85, 0.1)])
 def test_where_the_cam_stands_the_wind_up_is_that_of_the_input_ahead_of_it(eta: float, q: float) -> None:
     """Wind-up of one degree, and of seventeen."""
     found = steady_turn(coefficients(KIM), eta, q)
@@ -99,7 +99,7 @@ def linear_rates(equation: str, damping: float, y: float, state: np.ndarray, loa
     return [state[1], right / (1.0 + Q * d)]
 
 
-@pytest.mark.parametrize(("equation", "damping"), [(EXACT, 0.0), (APPROXIMATE, 0.0), (EXACT, DAMPING)])
+@pytest.mark.parametrize(("equation", "damping"), [stressed(EXACT, 0.0), (APPROXIMATE, 0.0), (EXACT, DAMPING)])
 def test_the_linear_harmonics_are_those_of_the_periodic_solution(equation: str, damping: float) -> None:
     """Kim1990 (27), γ = 0, against the equation itself: three solutions of it make the one that comes back to its start."""
 

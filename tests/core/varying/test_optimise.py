@@ -43,8 +43,8 @@ def cycloid():
 
 
 def best(design, vary, limits, goal, **more):
-    """From two starts."""
-    return optimise(study_of(StudyFile(design="", vary=vary, limits=limits, goals=(goal,), **more), design), starts=2)
+    """From one start."""
+    return optimise(study_of(StudyFile(design="", vary=vary, limits=limits, goals=(goal,), **more), design), starts=1)
 
 
 def smallest_cam(design):
@@ -249,7 +249,7 @@ def front_and_grid(count):
         design="", goals=(Goal("radius_mm", "max"), Goal("pressure_angle_deg", "max")),
         vary=(VariedField("cam.base_radius_mm", 20.0, 100.0), VariedField("follower.offset_mm", -10.0, 10.0)),
     )  # fmt: skip
-    front = optimise(study_of(file, design), starts=2).front
+    front = optimise(study_of(file, design), starts=1).front
     radius, offset = (
         each.ravel() for each in np.meshgrid(np.linspace(20.0, 100.0, count), np.linspace(-10.0, 10.0, count))
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from controller_reader import CUBIC, LAWS, LINES, QUINTIC, brute, exact_motion, path, rows_of
 from feeds import FEED
-from sampled import spread
+from sampled import spread, stressed
 
 from core.__main__ import main
 from core.output.controllers.rows import settings_folder
@@ -185,8 +185,8 @@ def test_the_least_error_of_equal_steps_is_the_least_of_all_their_numbers(tmp_pa
     ("options", "unit"),
     [
         (("--velocity-error", "0.01"), "mm/deg"),
-        (("--error", "1e-6", "--velocity-error", "10"), "mm"),
-        (("--acceleration-error", "1"), "mm/deg²"),
+        stressed(("--error", "1e-6", "--velocity-error", "10"), "mm"),
+        stressed(("--acceleration-error", "1"), "mm/deg²"),
     ],
 )
 def test_what_a_jump_holds_is_said_with_the_least_and_its_unit(tmp_path, capsys, options, unit):

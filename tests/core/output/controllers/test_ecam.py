@@ -6,7 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 from controller_reader import CUBIC, LAWS, LINES, QUINTIC, brute, exact_motion, example, path, rows_of
-from sampled import spread
+from sampled import spread, stressed
 
 from core.__main__ import main
 from core.output.controllers.placing import RowPlacer
@@ -113,7 +113,7 @@ def test_the_rounding_of_integers_belongs_to_the_error(tmp_path, capsys):
     assert not (tmp_path / "no").exists()
 
 
-@pytest.mark.parametrize("wanted", ["1e-15", "2e-13"])
+@pytest.mark.parametrize("wanted", [stressed("1e-15"), "2e-13"])
 def test_the_search_ends_where_errors_are_noise(tmp_path, capsys, monkeypatch, wanted):
     """Below the rounding of doubles no number of rows is better than another: few are tried."""
     design, tried, steps_root = tmp_path / "there_and_back.toml", [], RowPlacer.steps_root
