@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -131,6 +131,12 @@ class Background(QObject):
         self._running = [worker for worker in self._running if worker.is_alive()]
         if not self._running and not self._open:
             self._poll.stop()
+
+
+def attempt(compute: Callable[[], Any]) -> None:
+    """Compute what fills the caches; who reads the result later meets its exception."""
+    with suppress(Exception):
+        compute()
 
 
 # -- a result that is not known yet ----------------------------------------------------------------------

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from math import pi
 from types import MappingProxyType
+from typing import Any
 
 from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
@@ -123,6 +125,9 @@ class CertificateView(View):
         name = number_of_residual(self.session.study, self._names[row]) if 0 <= row < len(self._names) else ""
         return ExplainableNumber(name) if name else None
 
+    def preparation(self) -> Callable[[], Any]:
+        return partial(certificate_of, self.session.full_study)
+
     def refresh(self, study: Study) -> None:
         proof = certificate_of(self.session.full_study)
         self._names = tuple(proof)
@@ -177,6 +182,9 @@ class FindingsView(View):
         row = self.table.currentIndex().row()
         name = number_of_finding(self.session.study, self.findings[row]) if 0 <= row < len(self.findings) else ""
         return ExplainableNumber(name) if name else None
+
+    def preparation(self) -> Callable[[], Any]:
+        return partial(findings_of, self.session.full_study)
 
     def refresh(self, study: Study) -> None:
         study = self.session.full_study

@@ -32,7 +32,7 @@ from core.findings import Remedy
 from core.frozen import frozen
 from core.numerics.lazy import postponing
 from core.study import Study
-from kindyna_gui.background import Background
+from kindyna_gui.background import Background, attempt
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
@@ -266,6 +266,8 @@ class View(QWidget):
         self._pause = single_shot(self, self._pull_if_seen, self.pause_ms)
         self._soon = single_shot(self, self._pull_if_seen)
         self._queue = RefreshQueue.of(session)
+        self._preparing = Background(self)
+        self._preparing.result.connect(self._prepared)
         self._reading = single_shot(self, self._catch_up, self.reading_ms)
         self._followed = player.theta
         self._host: ViewHost | None = None
@@ -302,6 +304,13 @@ class View(QWidget):
 
     def follow(self, theta: float) -> None:
         """Show this cam angle [rad]."""
+
+    def preparation(self) -> Callable[[], Any] | None:
+        """Return a slow calculation whose results ``refresh`` reads from the caches; None: ``refresh`` is fast.
+
+        It runs in a worker thread before ``refresh``, must not use a Qt object, and is dropped for a newer design.
+        """
+        return None
 
     def fit(self) -> None:
         """Zoom to show all of the drawing."""
@@ -404,6 +413,7 @@ class View(QWidget):
     def invalidate(self) -> None:
         """Refresh now, or once editing pauses, if the view is on screen; else when it is shown."""
         self._stale = True
+        self._preparing.stop()
         if self._is_queued:
             self._queue.append(self, self._refresh_from_queue)
         elif self.on_screen():
@@ -422,6 +432,7 @@ class View(QWidget):
             return
         self._stale, self.is_unavailable = False, False
         self._soon.stop()
+        self._preparing.stop()
         self._shown = self.session.study
         try:
             with postponing(self._later):
@@ -481,11 +492,12 @@ class View(QWidget):
 
     def leave(self) -> None:
         """Stop all calculations in the background, because the window closes."""
+        self._preparing.close()
 
     @property
     def busy(self) -> bool:
         """Whether something shown is being calculated in the background, or waits for the cam to stop."""
-        return self._reading.isActive() and self._followed != self.player.theta
+        return self._preparing.busy or (self._reading.isActive() and self._followed != self.player.theta)
 
     @property
     def in_trouble(self) -> bool:
@@ -530,9 +542,25 @@ class View(QWidget):
         if self._waits_for_release or not self.on_screen():
             return
         if self._stale:
-            self.pull()
+            self._pull_prepared()
         elif not self.in_trouble:
             self._follow()
+
+    def _pull_prepared(self) -> None:
+        """Refresh once the slow part is calculated."""
+        compute = self.preparation()
+        if compute is None:
+            self.pull()
+        elif not self._preparing.busy:
+            self._preparing.start([(self.session.full_study, partial(attempt, compute))])
+
+    def _prepared(self, study: Study, _: object) -> None:
+        if study is self.session.full_study and self.on_screen() and not self._waits_for_release:
+            self.pull()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self._preparing.stop()
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)

@@ -634,6 +634,7 @@ class MainWindow(Window):
         self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
+        self.status.leave()
         self.session.pending.close()
         if self._papers is not None:
             self._papers.leave()

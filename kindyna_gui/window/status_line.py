@@ -15,7 +15,8 @@ from core.design import row_at
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.project.reading_faults import reason as why
-from core.study import findings_of
+from core.study import Study, findings_of
+from kindyna_gui.background import Background, attempt
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misfit_sentences, waiting_text
 from kindyna_gui.labels import named_value, reason
@@ -93,7 +94,9 @@ class StatusLine(QStatusBar):
         self._long.setFrameShape(QLabel.Shape.StyledPanel)
         self._long.setAutoFillBackground(True)
         self._long.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._soon = single_shot(self, self._count_unless_dragged)
+        self._soon = single_shot(self, self._begin_count)
+        self._search = Background(self)
+        self._search.result.connect(self._count_found)
         self._is_counted = True
         connect_all(
             (self.messageChanged, self._ask_again),
@@ -201,19 +204,36 @@ class StatusLine(QStatusBar):
     def recount(self) -> None:
         """Count the findings after a pause, once the mouse drags nothing."""
         self._is_counted = False
+        self._search.stop()
         self._soon.start(PAUSE_MS)
 
     def _drag_ended(self) -> None:
         if not self._is_counted:
             self._soon.start(AFTER_DRAG_MS)
 
-    def _count_unless_dragged(self) -> None:
-        if self._session.drag_source is None:
+    def _begin_count(self) -> None:
+        """Search the findings of the stages on screen in the background, unless the mouse drags something."""
+        if self._session.drag_source is not None:
+            return
+        study, stages = self._session.full_study, tuple(self._session.stages_on_screen())
+        if stages:
+            self._search.start([(study, partial(attempt, partial(findings_of, study, stages)))])
+        else:
             self.count_findings()
+
+    def _count_found(self, study: Study, _: object) -> None:
+        if study is self._session.full_study:
+            self.count_findings()
+
+    def leave(self) -> None:
+        """Stop the search, because the window closes."""
+        self._soon.stop()
+        self._search.close()
 
     def count_findings(self) -> None:
         """Show how many limits are exceeded."""
         self._soon.stop()
+        self._search.stop()
         self._is_counted = True
         stages = tuple(self._session.stages_on_screen())
         try:

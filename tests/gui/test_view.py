@@ -1,6 +1,7 @@
 """kindyna_gui.view, docks: a view computes when, and only when, it can be seen."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from threading import Event, Thread, current_thread, main_thread
 
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
@@ -40,6 +41,25 @@ class Recorder(View):
 
 class Reader(Recorder):
     pause_ms = 30
+
+
+class Prepared(Reader):
+    """Its calculation takes until ``gate`` is set, for the rod that it was begun with."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.gates: dict[float, Event] = {}
+        self.threads: list[Thread] = []
+
+    def preparation(self) -> Callable[[], object]:
+        rod = self.session.design.drive.mechanism.rod_mm
+        gate, threads = self.gates.setdefault(rod, Event()), self.threads
+
+        def compute() -> None:
+            threads.append(current_thread())
+            gate.wait(20.0)
+
+        return compute
 
 
 class Place:
@@ -202,6 +222,35 @@ def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(app: QAppli
     settle()
     assert all(view.rods[-1] == 860.0 for view in views)
     window.close()
+
+
+def test_what_was_calculated_for_an_older_design_is_never_shown(app: QApplication) -> None:
+    """A slow view calculates in another thread; where that is late, only the newest design is shown, and once."""
+    view = Prepared(Session(load(example("transfer_lift"))), Player())
+    view.show()
+    wait_for(lambda: bool(view.threads))
+    assert view.rods == []
+    for rod in (850.0, 851.0):
+        view.session.edit(ROD, rod, "change")
+        wait_for(lambda rod=rod: rod in view.gates)
+    first, second, third = view.gates.values()
+    second.set()
+    first.set()
+    for _ in range(20):
+        QTest.qWait(5)
+    assert view.rods == []
+    third.set()
+    wait_for(lambda: view.up_to_date)
+    settle()
+    assert view.rods == [851.0]
+    assert main_thread() not in view.threads
+    view.session.edit(ROD, 852.0, "change")
+    view.pull()  # who needs it at once does not wait for the other thread
+    assert view.rods == [851.0, 852.0]
+    view.leave()
+    view.close()
+    view.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
 
 
 def test_a_view_that_is_read_waits_until_the_mouse_lets_go(reader: Reader) -> None:
