@@ -373,8 +373,8 @@ class TimingView(View):
         numbers = ", ".join(str(i + 1) for i in sorted(rows))
         more = short(excess(self._design, rows), 4)
         return (
-            f"No phases satisfy conditions {numbers} together in this order of events: they need {more}° too much. "
-            "Reduce one, or lengthen a dwell."
+            f"No phases satisfy conditions {numbers} together in this order of events: they require {more}° more than "
+            "a turn has. Reduce one of their distances, or lengthen a dwell."
         )
 
     def _show_pair(self) -> None:

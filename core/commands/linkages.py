@@ -238,7 +238,7 @@ class LinkageFromArguments:
         default_text="by its beginning",
     )
     units: str = option(choice("Units", tuple(UNITS), default="", help="of lengths"), default_text="as stated, else mm")
-    mirror: bool = option(flag("Mirror", help="mirror at the x axis, for programs whose y axis points down"))
+    mirror: bool = option(flag("Mirror", help="mirror about the x axis, for programs whose y axis points down"))
     inputs: tuple[str, ...] = text_option(
         "a driven joint; repeat it", "--input", default=(), action="append", metavar="JOINT"
     )

@@ -441,9 +441,7 @@ class MotionArguments:
     design: Path = text_option("design, or file of a motion (.toml)", "DESIGN", type=Path)
     drive: str = drive_name()
     shift_deg: float = option(
-        number(
-            "Shift", -360.0, 360.0, default=0.0, help="delay of the motion: its value at DEG is the value at 0 before"
-        )
+        number("Shift", -360.0, 360.0, default=0.0, help="delay of the motion: at DEG it has the value it had at 0")
     )
     out: Path | None = text_option("file of the motion alone to write", default=None, type=Path, metavar="FILE.toml")
     into: Path | None = text_option("design file to write the motion into", default=None, type=Path, metavar="DESIGN")

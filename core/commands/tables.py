@@ -170,7 +170,7 @@ class MeasuredArguments:
         type=LIFT,
         metavar="S",
     )
-    no_laws: bool = flag("No laws", help="tables between the dwells, no laws of the table of laws")
+    no_laws: bool = flag("No laws", help="fit tables between the dwells, no motion laws")
     no_dwells: bool = flag("No dwells", help="no exact dwells; with --no-laws: one spline")
     switch: Switches = text_option(
         "kind of the segment at a cam angle, instead of the recognised one: table, dwell or a law",

@@ -179,7 +179,7 @@ class LinkageDialog(QDialog):
         self.units.addItem("as in the text, else mm", "")
         for unit in UNITS:
             self.units.addItem(unit, unit)
-        self.mirror.setText("Mirror about the x axis, where y points down in the program")
+        self.mirror.setText("Mirror about the x axis, for programs whose y axis points down")
         self.text.setAccessibleName("Text of the linkage")
         self.inputs.setAccessibleName("Inputs")
         self.inputs.setFixedHeight(86)

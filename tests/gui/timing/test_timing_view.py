@@ -169,7 +169,7 @@ def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: O
     settle()
     text = view.rows.message.text()
     assert "conditions 6, 7" in text
-    assert "5° too much" in text
+    assert "5° more than a turn has" in text
     user.window.status.count_findings()
     assert user.window.status.findings.text() == "2 errors", (
         "the row that is broken, and those that contradict each other"
