@@ -21,7 +21,6 @@ from core.find.shaft import with_least_flywheel
 from core.find.trial import FindingsCheck, has_uneven_speed
 from core.frozen import frozen
 from core.laws import LAWS
-from core.numerics.sobol import sobol
 from core.study import Study, many
 from core.study.batch import FAULTY
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
@@ -30,7 +29,7 @@ from core.study.quantity_requests import quantity_request
 from core.units import split_unit
 from core.varying.descent import Descent, Peaks, ProgressCallback, Term, goal_sign
 from core.varying.request import Goal, StudyFile, StudyOfMany
-from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, with_words
+from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, sobol, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
 # -- the best design of a study ---------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import io
 import os
 import re
 import time
+import warnings
 import zipfile
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +24,6 @@ from core import __version__
 from core.design import Design, Info, edited, faults
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
-from core.numerics.sobol import sobol
 from core.process import resources, user_cache
 from core.project import dumps, dumps_table
 from core.project.files import OwnFolder, is_folder, write_all
@@ -136,6 +136,37 @@ class Space:
             points.append(sobol(len(self.sobol), self.study.file.seed, start, count))
             number = number[count:]
         return np.concatenate(points)
+
+
+def sobol(dimensions: int, seed: int, start: int, count: int) -> np.ndarray:
+    """Points of a scrambled Sobol sequence.
+
+    Parameters
+    ----------
+    dimensions : int
+        Number d of dimensions.
+    seed : int
+        Seed of the scrambling.
+    start, count : int
+        Number of the first point, and how many follow.
+
+    Returns
+    -------
+    ndarray (count, d), dimensionless
+        From 0 to 1.
+
+    References
+    ----------
+    Joe and Kuo (2008), Constructing Sobol sequences with better two-dimensional projections; directions as in scipy.
+    """
+    from scipy.stats import qmc
+
+    sequence = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # that it is balanced only at powers of 2
+        if start:
+            sequence.fast_forward(start)
+        return np.asarray(sequence.random(count))
 
 
 def none_built_text(count: int, code: str, often: int) -> str:

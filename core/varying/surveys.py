@@ -11,7 +11,6 @@ import numpy as np
 
 from core.design import Design, Info, drive_at, edited, entries, get, names_a_link, only, path_of, row_at
 from core.frozen import frozen
-from core.numerics.sobol import sobol
 from core.study.limits import LIMITS
 from core.study.quantity_requests import TORQUE, TOTALS, quantity_request, request_columns
 from core.study.study import Study
@@ -26,7 +25,7 @@ from core.varying.request import (
     field_info,
     study_of,
 )
-from core.varying.space import study_values
+from core.varying.space import sobol, study_values
 from core.varying.tolerances import MACHINES, SHARE, Corner, Scatter, Share, TightenedTolerances
 
 PART = 0.2  # of a number: default bounds on both sides of it
