@@ -72,7 +72,7 @@ def _read(examples: Examples) -> Numbers:
     rpm = study.design.speed_rpm
     sheet = read_sheet(lines.encode(), "lift.csv")
     columns_of_file = layout(sheet, ColumnChoice(), "mm", rpm)
-    fitted = fit(read_table(sheet, columns_of_file, rpm), 0.0)
+    fitted = fit(read_table(sheet, columns_of_file, rpm), 0.0, laws=False)
     compiled = program(fitted.motion)
     y = compiled.state(compiled.angles(np.deg2rad(columns[0]))).displacement
     off = [float(np.abs(y[k] * study.omega**k * 1e3 - columns[1 + k]).max()) for k in range(3)]

@@ -16,7 +16,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from benchmarks import designs, forces, plain
+from benchmarks import designs, forces, plain, processes
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
 from linkages import chain
@@ -56,6 +56,7 @@ def keys() -> dict[str, Callable[[], float]]:
         },
         RANK: look_at_rank,
         FINDINGS: look_at_findings,
+        **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         **windows(),
     }
 

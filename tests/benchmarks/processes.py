@@ -14,6 +14,13 @@ ROOT = Path(__file__).parents[2]
 LIFT = str(ROOT / "resources" / "examples" / "transfer_lift.toml")
 NUMPY = ("-c", "import numpy")
 CHECK = ("-m", "core", "check", LIFT)
+HEADLESS = ("-m", "kindyna_gui", "--headless")
+DOCUMENTS = {
+    "report as HTML": (*HEADLESS, "report", LIFT, "--out", "report.html"),
+    "report as PDF": (*HEADLESS, "report", LIFT, "--out", "report.pdf"),
+    "hand-over": (*HEADLESS, "handover", LIFT, "--out", "lift.zip"),
+}
+"""Document of the lift -> the command that writes it; the last word is its file."""
 # what a process holds at most includes what its parent held when it was made: so that has a small one of its own
 BESIDE = """
 import os, subprocess, sys
@@ -64,3 +71,16 @@ def export(angles: int) -> Used:
     """All tables of the lift at so many cam angles."""
     with TemporaryDirectory() as folder:
         return used(("-m", "core", "export", LIFT, "--out", folder, "--samples", str(angles)))
+
+
+def document(name: str, times: int) -> float:
+    """Seconds of the command that writes a document, by those of Python with numpy alone: least of several, in turn.
+
+    The first run, which typesets the equations, is not counted.
+    """
+    with TemporaryDirectory() as folder:
+        *words, file = DOCUMENTS[name]
+        command = (*words, str(Path(folder, file)))
+        rows = [tuple(used(run).seconds for run in (command, NUMPY)) for _ in range(times + 1)]
+    ours, bare = map(min, zip(*rows[1:], strict=True))
+    return ours / bare
