@@ -187,15 +187,59 @@ def apply_preferences(
     apply_style(app)
     if not (has_new_theme or has_new_font) or not app.topLevelWidgets():
         return
-    _update_widgets(app.allWidgets(), before, theme)
+    _update_parts(app.topLevelWidgets(), before, theme, has_new_font)
     DISPLAY.changed.emit()
+
+
+class ThemedPart(QWidget):
+    """A part of the window that changes to another theme when it comes into sight."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._theme = replace(SCREEN)  # of its colours
+
+    def on_screen(self) -> bool:
+        """Whether something of the part can be seen."""
+        return self.isVisible()
+
+    def show_theme(self) -> None:
+        """Change to the theme of the window, unless the part has it."""
+        if self._theme != SCREEN:
+            self.update_theme()
+
+    def update_theme(self, with_hidden: bool = False) -> None:
+        """Change to the theme and font size of the window; ``with_hidden``: the parts in it that cannot be seen, too."""
+        before, self._theme = self._theme, replace(SCREEN)
+        _update_widgets([self], before, self._theme)
+        _update_parts(_children(self), before, self._theme, with_hidden)
+
+
+def _children(widget: QWidget) -> list[QWidget]:
+    return widget.findChildren(QWidget, options=Qt.FindChildOption.FindDirectChildrenOnly)
+
+
+def _parts(widgets: Iterable[QWidget]) -> Iterator[QWidget]:
+    """Widgets with all that is in them, without the content of themed parts."""
+    for widget in widgets:
+        yield widget
+        if not isinstance(widget, ThemedPart):
+            yield from _parts(_children(widget))
+
+
+def _update_parts(widgets: Iterable[QWidget], before: Theme, theme: Theme, with_hidden: bool) -> None:
+    """Update widgets and all that is in them; themed parts that cannot be seen are updated when they are shown."""
+    parts = list(_parts(widgets))  # first: an update may delete widgets
+    _update_widgets((part for part in parts if not isinstance(part, ThemedPart)), before, theme)
+    for part in parts:
+        if isinstance(part, ThemedPart) and isValid(part) and (with_hidden or part.on_screen()):
+            part.update_theme(with_hidden)
 
 
 def _update_widgets(widgets: Iterable[QWidget], before: Theme, theme: Theme) -> None:
     """Replace the colours of one theme by those of another, and update what depends on the font size."""
-    from kindyna_gui.pictures.recolour import Swap  # not needed at the start: a window opens in its theme
+    from kindyna_gui.pictures.recolour import swap_between  # not needed at the start: a window opens in its theme
 
-    swap = Swap(before, theme) if theme != before else None
+    swap = swap_between(before, theme) if theme != before else None
     for widget in widgets:
         if not isValid(widget):  # deleted by the update of another widget
             continue

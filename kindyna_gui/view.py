@@ -36,7 +36,7 @@ from kindyna_gui.background import Background, attempt
 from kindyna_gui.documents.session import Session
 from kindyna_gui.fault_log import short
 from kindyna_gui.labels import reason
-from kindyna_gui.look import on_paper
+from kindyna_gui.look import ThemedPart, on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot, widget_with
@@ -228,7 +228,7 @@ class ViewHost(Protocol):
 # -- view ------------------------------------------------------------------------------------------------
 
 
-class View(QWidget):
+class View(ThemedPart):
     """A widget that shows results of the session's study.
 
     Subclasses name in ``stages`` the stages they read, and implement ``refresh`` (the design changed) and ``follow``
@@ -358,6 +358,7 @@ class View(QWidget):
 
     def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
         """Paint a part of the view in the colours and units of files; the view itself does not change."""
+        self.show_theme()
         if is_default() and not SCREEN.is_dark:
             return paint(part)
         with on_paper(part):
@@ -509,6 +510,8 @@ class View(QWidget):
 
         Views with a ``pause_ms`` refresh after all others are painted.
         """
+        if self.on_screen():
+            self.show_theme()
         if self._stale and self._is_queued:
             self._queue.append(self, self._refresh_from_queue)
         elif self.pause_ms and self._stale:

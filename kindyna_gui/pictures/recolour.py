@@ -8,7 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import fields
-from functools import partial
+from functools import cache, partial
+from itertools import product
 from typing import Any
 
 from PySide6.QtCore import Qt
@@ -36,6 +37,13 @@ from kindyna_gui.pictures.style import BALANCE, DRIVES, FAMILIES, Theme, icon_ma
 
 _HEX = re.compile(r"#[0-9A-Fa-f]{6}\b")
 _SHADES = 4  # of a colour of curves
+_BRUSHES = tuple(
+    product(
+        (QPalette.ColorGroup.Active, QPalette.ColorGroup.Inactive, QPalette.ColorGroup.Disabled),
+        [role for role in QPalette.ColorRole if role != QPalette.ColorRole.NColorRoles],
+    )
+)
+"""Group and role of every brush of a palette."""
 
 
 def _tones(theme: Theme) -> Iterator[str]:
@@ -55,8 +63,14 @@ def _descendants(item: QTreeWidgetItem) -> Iterator[QTreeWidgetItem]:
         yield from _descendants(child)
 
 
-class Swap:
+@cache
+def swap_between(before: Theme, after: Theme) -> Swap:
     """Replacement of the colours of one theme by those of another."""
+    return Swap(before, after)
+
+
+class Swap:
+    """Replacement of the colours of one theme by those of another, of which one is enough for each pair."""
 
     def __init__(self, before: Theme, after: Theme) -> None:
         self._after: dict[str, str] = {}
@@ -130,10 +144,9 @@ class Swap:
 
     def _palette(self, palette: QPalette) -> QPalette:
         result = QPalette(palette)
-        for group in (QPalette.ColorGroup.Active, QPalette.ColorGroup.Inactive, QPalette.ColorGroup.Disabled):
-            for role in (role for role in QPalette.ColorRole if role != QPalette.ColorRole.NColorRoles):
-                if palette.isBrushSet(group, role):
-                    result.setBrush(group, role, self.brush(palette.brush(group, role)))
+        for group, role in _BRUSHES:
+            if palette.isBrushSet(group, role):
+                result.setBrush(group, role, self.brush(palette.brush(group, role)))
         return result
 
     @staticmethod
@@ -171,4 +184,4 @@ class Swap:
             item.setPen(self.pen(item.opts["pen"]))
 
 
-__all__ = ["Swap"]
+__all__ = ["Swap", "swap_between"]

@@ -128,6 +128,34 @@ def test_a_change_of_theme_styles_no_widget_again(app: QApplication, user: User)
     assert bright(user.window.grab().toImage()) < 0.1
 
 
+def test_a_plot_behind_a_tab_changes_its_theme_when_it_is_shown(
+    app: QApplication, user: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("velocity", "acceleration", "jerk"):
+        user.window.show_view(name)
+        settle()
+    hidden, shown = (user.window.view(name) for name in ("velocity", "jerk"))
+    assert shown.on_screen()
+    assert not hidden.on_screen()
+    styled = []
+    update_style = FixedPlot.update_style
+
+    def counted(plot: FixedPlot) -> None:
+        styled.append(plot)
+        update_style(plot)
+
+    monkeypatch.setattr(FixedPlot, "update_style", counted)
+    for theme in ("light", "dark", "light", "dark"):
+        apply_preferences(settings.Preferences(theme=theme), app)
+        settle()
+    plots = [plot for view in (shown, hidden) for plot in view.findChildren(FixedPlot)]
+    assert [styled.count(plot) for plot in plots] == [3, 0]
+    user.window.show_view("velocity")
+    settle()
+    assert [styled.count(plot) for plot in plots] == [3, 1]
+    assert bright(hidden.grab().toImage()) < 0.1
+
+
 @pytest.mark.stress
 def test_what_is_zoomed_and_half_typed_outlives_a_change_of_theme(app: QApplication, user: User) -> None:
     canvas = user.drawing().canvas
