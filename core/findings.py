@@ -107,8 +107,8 @@ class Remedy(NamedTuple):
     Attributes
     ----------
     label : text of its button; {name} is replaced by the name of the field
-    find : search that computes the remedy, where the design has it and ``of`` is empty or the finding's field
-    of : see ``find``
+    find : search that computes the remedy, if the design has it
+    of : field of the findings that have this search; empty: any field
     field : field to which the button leads; empty: the finding's field
     masses : whether the button gives the links masses
     """

@@ -1,4 +1,4 @@
-"""Findings of a study: the limits that each stage exceeds, by its refined extremes."""
+"""Findings of a study: the limits that the refined extremes of each stage exceed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ROUNDING = 1e-9  # of a limit: a smaller excess is rounding
 
 
 def _largest(study: Study, *names: str) -> Extreme:
-    """Extreme that is greatest in size, of those named quantities that the servo has [SI units]."""
+    """Extreme of largest magnitude [SI units] among the named quantities that the design has."""
     present = names_of(study.design)
     extremes = extremes_of(study, "dynamics", tuple(name for name in names if name in present))
     return max((side for e in extremes.values() for side in (e.low, e.high)), key=lambda side: abs(side.value))
@@ -66,7 +66,7 @@ LIMITS: tuple[tuple[str, str, str, str, Callable[[Study], tuple[float, float | N
 
 
 def servo_findings(study: Study) -> Iterator[Finding]:
-    """Limits of the motor that a design exceeds. Raises NoSolution as the stage ``dynamics``."""
+    """Limits of the motor that a design exceeds. Raises NoSolution where the stage ``dynamics`` has none."""
     if not has_servo(study.design) or study.jam is not None:
         return
     servo = servo_part(study)
@@ -87,10 +87,11 @@ _CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
 def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
-    """Findings of the named stages, of all where none is named, the gravest first. Raises NoSolution as the stages do.
+    """Findings of the named stages, or of all stages, errors first. Raises NoSolution where a stage has none.
 
-    Of a design that lists its drives: the findings of every drive, with its name among the values and a field in the file of
-    the design, as far as its stages have a solution; why a drive has none; and the findings of the shaft.
+    A design that lists its drives has the findings of every drive and of the shaft. The finding of a drive has the drive's name
+    among its values, and its field is a path in the file of the design. A drive without a solution has the findings of the
+    stages before, and one that says why.
     """
     findings = list(
         _camshaft_findings(study.camshaft, stages) if study.design.listed else _stage_findings(study, stages)
@@ -118,8 +119,8 @@ def _motion_findings(study: Study) -> list[Finding]:
 def _search_together(study: Study, stages: Sequence[str], has_load: bool) -> None:
     """Search the extremes of all quantities that these findings need in one pass.
 
-    Before, all angles at which findings and certificate read the study are solved at once; ``has_load``: those of the load on the
-    shaft too.
+    The linkage is first solved at all cam angles at which findings and certificate read the study, in one call; with
+    ``has_load`` also at those of the load on the shaft.
     """
 
     def solve() -> None:
@@ -131,7 +132,7 @@ def _search_together(study: Study, stages: Sequence[str], has_load: bool) -> Non
 
 
 def _requested(study: Study, stages: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
-    """Stage -> quantities of which the findings of the stages need extremes."""
+    """Stage -> quantities whose extremes the findings of these stages need."""
     drive, names = study.design.drive, {}
     if "linkage" in stages:
         names["linkage"] = _singular(study)
@@ -178,7 +179,7 @@ def _cam_findings(study: Study) -> list[Finding]:
 
 
 def _thinnest_wall(study: Study) -> Wall | None:
-    """Wall between the flanks of a groove where it has no thickness left; None where it has."""
+    """Thinnest wall between two parts of a groove, if its thickness is negative; else None."""
 
     def compute() -> Wall | None:
         return cam.thinnest_wall(lambda theta: study.at_theta(theta).cam, study.cam, study.angles)

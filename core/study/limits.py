@@ -52,7 +52,7 @@ def bounded_stage(key: str) -> str:
 
 
 def bounded_quantities(design: Design, key: str) -> tuple[str, ...]:
-    """Quantities of a design that a limit bounds: those it has, in the unit of the limit (a jerk is of a length or an angle)."""
+    """Quantities bounded by a limit that the design has in the unit of the limit (a jerk is of a length or an angle)."""
     kind = quantity_kind(split_unit(key)[1].symbol)
     names = (name for name in USER_BOUNDS[key][1].quantities if name in names_of(design))
     slugs = {name: quantity(name).slug.format(m=design.drive.motion_unit) for name in names}
@@ -62,7 +62,7 @@ def bounded_quantities(design: Design, key: str) -> tuple[str, ...]:
 def worst_values(study: Study, stage: str) -> Iterator[tuple[str, float, Extreme]]:
     """Key, limit and worst extreme in the unit of the limit, of every limit of the user that bounds quantities of a stage.
 
-    Limits with a check of their own are left out, limits of forces where there are no forces. Raises NoSolution as the stage.
+    Leaves out limits with a separate check, and limits of forces where there are no forces. Raises NoSolution where the stage has none.
     """
     for key, (_, bounds) in USER_BOUNDS.items():
         limit = getattr(study.design.drive.limits, key)
@@ -142,7 +142,7 @@ class LimitValue:
 
 
 class Curve(NamedTuple):
-    """A figure of one flank over the turn; a greater value is worse.
+    """A figure of one flank over the turn, which is worse the greater it is.
 
     Attributes
     ----------
@@ -185,13 +185,13 @@ class Limit(NamedTuple):
     curves : callable
         Figures of the flanks of a study.
     typical : callable
-        Typical value for a study, where neither the design nor a search gives one; it reads the study's cam angles only.
+        Typical value for a study, used where neither the design nor a search gives one; it uses the study's cam angles only.
     help : str
-        The typical value in words, for any design; a search keeps to typical values only where a row has these words.
+        The typical value in words, for any design; a search applies a typical value only if its row has these words.
     findings : tuple of str
         Codes of findings that report an excess.
     missing : callable
-        Inputs that the design needs before it has the figure; empty where none is missing.
+        Inputs without which the design does not have the figure, in words; empty where none is missing.
     """
 
     unit: str
