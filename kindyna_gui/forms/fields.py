@@ -236,7 +236,7 @@ class Field(QObject):
             self.mark.setAccessibleName(f"{spec.info.label}: assumed")
         self.editor.setProperty(FIELD, spec.path)
         self.label.setBuddy(self.editor)
-        session.refused.connect(self._refused)
+        session.refused.connect(self.show_refusal)
         session.accepted.connect(self._accepted)
         session.restored.connect(self._restored)
 
@@ -329,7 +329,8 @@ class Field(QObject):
             tip = choice_tip(value)
             self.editor.setToolTip(f"{value}: {tip}<br>{self.label.toolTip()}" if tip else self.label.toolTip())
 
-    def _refused(self, refusal: Refusal) -> None:
+    def show_refusal(self, refusal: Refusal) -> None:
+        """Show why an edit was refused, where it concerns this field."""
         text = refusal.at(self.spec.path)
         if text:
             self._refusals[refusal.path] = text

@@ -11,9 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from core.design import ELEMENT_LISTS, Design, Entry, by_weight, entries, get, is_assumed
+from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
@@ -137,12 +139,17 @@ class Heading(QLabel):
 class Form(QScrollArea):
     """The fields of one section, one below the other.
 
+    Fields are created when the form is first shown, or when one of them is needed: a value is refused, or waits for others.
     Fields with their default are folded behind a button with their number, as long as others are shown. A field with another
     value remains visible until another design is opened.
+
+    Signal ``fields_changed``: other fields were created.
 
     ``group_of`` returns the group of a path; one group is shown at a time, and typed values in the others remain.
     ``header_of`` returns the widget above the fields of a group, or None.
     """
+
+    fields_changed = Signal()
 
     def __init__(
         self,
@@ -155,7 +162,8 @@ class Form(QScrollArea):
         self._group_of, self._header_of, self._group = group_of, header_of, ""
         self._groups: dict[str, QWidget] = {}
         self._session, self._section = session, section
-        self.fields: dict[str, Field] = {}
+        self._fields: dict[str, Field] = {}
+        self._waiting: Design | None = None  # to be shown with the fields
         self._content = ContentArea(session)
         self.setWidget(self._content)
         self._shown: tuple[Any, Any, Any] | None = None
@@ -165,6 +173,7 @@ class Form(QScrollArea):
         self._unfolded, self._filter = False, ""
         self._is_other_design = False
         session.started.connect(self._begin)
+        session.refused.connect(self._build_for)
         self.more: QToolButton
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
@@ -174,10 +183,43 @@ class Form(QScrollArea):
     @property
     def wanted_height(self) -> int:
         """Height of all fields, without a scroll bar [pixels]."""
+        self._catch_up()
         return self._content.sizeHint().height()
 
+    @property
+    def is_built(self) -> bool:
+        """Whether the form has fields already."""
+        return bool(self._fields)
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """Fields by their paths, created now where the form has not been shown."""
+        self._catch_up()
+        return self._fields
+
     def refresh(self, design: Design) -> None:
-        """Show a design; fields are created only where its kind has others, and refreshed only where a value has changed."""
+        """Show a design now, or when the fields are created."""
+        self._waiting = design
+        if self.is_built or self.isVisible() or self._session.incomplete is not None:
+            self._catch_up()
+
+    def _catch_up(self) -> None:
+        design, self._waiting = self._waiting, None
+        if design is not None:
+            self._refresh(design)
+
+    def _build_for(self, refusal: Refusal) -> None:
+        """Create the fields where one of them has to show a refusal."""
+        if not self.is_built and any(path.startswith(f"{self._section}.") for path, _, _ in refusal.reasons):
+            for field in self.fields.values():
+                field.show_refusal(refusal)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self._catch_up()
+
+    def _refresh(self, design: Design) -> None:
+        """Create fields only where this kind of design has others, and refresh them only where a value has changed."""
         shown = (part_of(design, self._section), design.assumed, self._session.incomplete)
         before, self._shown = self._shown, shown
         same = before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]
@@ -187,10 +229,12 @@ class Form(QScrollArea):
         rows = rows_of(design, self._section)
         headings = [heading_of(design, row.path) for row in rows]
         folded = _folding(rows)
-        if [row.path for row in rows] != list(self.fields) or headings != self._headings:
+        are_others = False
+        if [row.path for row in rows] != list(self._fields) or headings != self._headings:
             self._headings, self._values = headings, {}
             self._folded = folded
             self._build([_spec_of(design, row) for row in rows])
+            are_others = True
         elif not self._folded <= folded or self._is_other_design:
             self._folded = folded if self._is_other_design else self._folded & folded
             self._unfolded = self._unfolded and not self._is_other_design
@@ -200,7 +244,9 @@ class Form(QScrollArea):
             state = row.value, is_assumed(design, row.path)
             if is_new or self._values.get(row.path) != state:
                 self._values[row.path] = state
-                self.fields[row.path].refresh(design)
+                self._fields[row.path].refresh(design)
+        if are_others:
+            self.fields_changed.emit()
 
     def _begin(self) -> None:
         self._is_other_design = True
@@ -208,7 +254,7 @@ class Form(QScrollArea):
     def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
         column = fill(QVBoxLayout(paper), margins=(10, 7, 6, 6), spacing=0)
-        self.fields, self._groups = {}, {}
+        self._fields, self._groups = {}, {}
         grid, before = QGridLayout(), ""
         for spec, heading in zip(specs, self._headings, strict=True):
             group = self._group_of(spec.path)
@@ -226,7 +272,7 @@ class Form(QScrollArea):
             field = Field(self._session, spec)
             field.setParent(paper)  # deleted together
             field.add_to(grid, grid.rowCount())
-            self.fields[spec.path] = field
+            self._fields[spec.path] = field
         self.more = text_button("", flat=True)
         self.more.clicked.connect(lambda: self._fold(not self._unfolded))
         column.addWidget(self.more)
@@ -250,7 +296,7 @@ class Form(QScrollArea):
     @property
     def editors(self) -> list[QWidget]:
         """Editors in the order of Tab."""
-        return [field.editor for field in self.fields.values()]
+        return [field.editor for field in self._fields.values()]
 
     def field_at(self, path: str) -> Field | None:
         """Return the field of a path, else the first field; None where the form is empty."""
@@ -268,9 +314,9 @@ class Form(QScrollArea):
         return all(word in name for word in self._filter.split())
 
     def _show_rows(self) -> None:
-        if not self.fields:
+        if not self._fields:
             return
-        for path, field in self.fields.items():
+        for path, field in self._fields.items():
             shown = self._matches_filter(path) if self._filter else self._unfolded or path not in self._folded
             for widget in field.widgets():
                 widget.setVisible(shown and (widget is not field.message or bool(field.trouble)))
@@ -290,7 +336,7 @@ class Form(QScrollArea):
     @property
     def in_trouble(self) -> bool:
         """Whether a value was refused or does not fit the others."""
-        return any(field.trouble for field in self.fields.values())
+        return any(field.trouble for field in self._fields.values())
 
 
 def _grid(part: QWidget) -> QGridLayout:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker, QSize, Signal
-from PySide6.QtGui import QKeyEvent, QResizeEvent
+from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design, Entry, Process, entries, get, load_lists, row_at, with_rows_in_order
@@ -220,6 +220,11 @@ class LoadsPage(QWidget):
         super().resizeEvent(event)
         self.table.setMaximumHeight(max(int(PART * self.height()), self.table.minimumSizeHint().height()))
 
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if self.form.fields:
+            self._show_chosen()
+
     # -- from the session ---------------------------------------------------------------------------------
 
     def refresh(self, study: Study, design: Design) -> None:
@@ -304,6 +309,8 @@ class LoadsPage(QWidget):
     def editors(self) -> list[QWidget]:
         """Editors in the order of Tab: the attachments of each load, when it acts, then its values."""
         editors: list[QWidget] = []
+        if not self.form.is_built:
+            return editors
         group = ""
         for path, field in self.form.fields.items():
             if row_of(path) != group:

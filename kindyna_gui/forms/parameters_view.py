@@ -7,7 +7,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt, Signal, SignalInstance
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QScrollBar, QTabWidget, QVBoxLayout, QWidget
 
@@ -37,7 +37,11 @@ EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits", "serv
 class Page(Protocol):
     """A page that scrolls, with the fields of a section by their paths."""
 
-    fields: dict[str, Field]
+    fields_changed: SignalInstance
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """Fields by their paths."""
 
     @property
     def in_trouble(self) -> bool:
@@ -102,7 +106,7 @@ class ParametersView(View):
         }
         for section, page in self.pages.items():
             self.tabs.addTab(page, SECTION_NAMES[section])
-        for section, page in first.items():
+        for section, page in self.forms.items():
             page.fields_changed.connect(partial(self._fields_changed, section))
         self.tabs.setCurrentIndex(len(first))
         self.loads.added.connect(self.load_added)
@@ -148,13 +152,10 @@ class ParametersView(View):
                 self.tabs.setTabVisible(tab, present)
             if not present:
                 continue
-            before = form.fields
             if section == LOADS:
                 self.loads.refresh(study, typed)
             else:
                 form.refresh(design)
-            if form.fields is not before and section in EVERY_SECTION:  # the other pages emit ``fields_changed``
-                self._fields_changed(section)
         if scroll is not None:
             self.show_section(scroll[0])
             bar = self.forms[scroll[0]].verticalScrollBar()
@@ -206,7 +207,8 @@ class ParametersView(View):
 
     def field(self, path: str) -> Field | None:
         """Return the field of a path; None where no form has it."""
-        return next((form.fields[path] for form in self.forms.values() if path in form.fields), None)
+        form = self.forms.get(path.partition(".")[0])
+        return None if form is None else form.fields.get(path)
 
     def show_section(self, section: str) -> None:
         """Bring the page of a section to the front, where the design has one."""

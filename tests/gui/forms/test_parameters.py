@@ -67,6 +67,29 @@ def test_every_entry_has_its_row_what_matters_most_first_else_in_the_order_of_th
             assert field.mark.isChecked() == (path in user.design.assumed)
 
 
+def test_a_page_has_fields_from_when_it_is_shown_or_refuses_a_value(open_user: Open) -> None:
+    user = open_user()
+    shown = user.parameters()
+    shown.show_section("follower")
+    settle()
+
+    def boxes() -> dict[str, int]:
+        return {section: len(shown.pages[section].findChildren(NumberBox)) for section in ("cam", "shaft", "loads")}
+
+    assert boxes() == {"cam": 0, "shaft": 0, "loads": 0}
+    shown.show_section("loads")
+    settle()
+    after = boxes()
+    assert after == {"cam": 0, "shaft": 0, "loads": after["loads"]}
+    assert after["loads"] > 5
+    user.window.session.edit("cam.base_radius_mm", -1.0, "Change base radius")
+    settle()
+    assert boxes()["cam"] > 3
+    assert not shown.tabs.tabIcon(shown.tabs.indexOf(shown.pages["cam"])).isNull(), "the page is marked"
+    assert shown.forms["cam"].fields["cam.base_radius_mm"].trouble
+    assert boxes()["shaft"] == 0
+
+
 def test_fields_follow_undo_and_other_files(user: User) -> None:
     user.enter(ROD, "850")
     user.choose("Edit", "Undo Change rod L2 to 850 mm")
