@@ -322,6 +322,7 @@ class SegmentsView(MarkedView):
         self.form = SegmentForm(self.curve, self.incomplete_bar, self.header.errors, self.message)
         self._is_divided = False  # by the user
         self._action_refused = False
+        self._has_derivatives = True  # the plots below the diagram show the current study
         self._hides_before = False  # the motion before the last edit
         self._before: Design | None = None
         self._displacement_before: np.ndarray | None = None
@@ -394,6 +395,7 @@ class SegmentsView(MarkedView):
             self._sharing.start()
         if self.session.drag_source:
             self._draw_diagram(study)
+            self._has_derivatives = False
             self.refresh_in_turn(self._show_tables)
             self.refresh_in_turn(self._draw_derivatives)
         else:
@@ -438,6 +440,10 @@ class SegmentsView(MarkedView):
 
     def follow(self, theta: float) -> None:
         self.diagram.set_angle(theta)
+        if self._has_derivatives:
+            self._follow_in_derivatives(theta)
+
+    def _follow_in_derivatives(self, theta: float) -> None:
         if self.derivatives.shows_plots:
             self.derivatives.set_angle(theta, self.session.at(theta))
             self.extremes.resume()
@@ -446,7 +452,7 @@ class SegmentsView(MarkedView):
         """Draw the plots below the diagram once they are shown."""
         if self.up_to_date and not self.in_trouble:
             self._show_derivatives(self.session.study)
-            self.follow(self.player.theta)
+            self._follow_in_derivatives(self.player.theta)
 
     def _draw(self) -> None:
         """Draw diagram, figures of the turn and derivatives."""
@@ -461,6 +467,7 @@ class SegmentsView(MarkedView):
         self.diagram.show_motion(study, channel, self._values_before(study), self.bands.read([channel]))
 
     def _show_derivatives(self, study: Study) -> None:
+        self._has_derivatives = True
         self.derivatives.show_study(study, self.bands)
         self.request_extremes(study)
 

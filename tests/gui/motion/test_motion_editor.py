@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from math import degrees
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
@@ -16,6 +17,7 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
+from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.motion.diagram import LEVEL, LINE, POINT, join_marks, mark_spaces, mark_variants, segment_labels
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, TO
@@ -375,6 +377,36 @@ def test_the_picture_is_kept_and_only_changed(user: User) -> None:
         hand.move(3.0, -3.0)
     hand.release()
     assert set(map(id, paper.scene().items())) == items
+
+
+def test_plots_below_the_diagram_are_read_only_after_they_are_drawn(
+    user: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While a point is drawn they follow in their turn: each draws its curve, then writes its value, and both once."""
+    view = user.motion()
+    user.window.docks["motion"].setFloating(True)
+    user.window.docks["motion"].resize(1000, 900)
+    wait_for(lambda: view.derivatives.shows_plots)
+    settle()
+    lines: list[str] = []
+    for name in ("set_curves", "set_angle"):
+        call = getattr(LivePlot, name)
+
+        def noted(plot: LivePlot, *args: Any, name: str = name, call: Any = call, **more: Any) -> None:
+            if plot is view.derivatives.plots[0]:
+                lines.append(name)
+            call(plot, *args, **more)
+
+        monkeypatch.setattr(LivePlot, name, noted)
+    hand = take(user, 2)
+    hand.move(10.0, -10.0)
+    lines.clear()
+    for _ in range(3):
+        hand.move(3.0, -3.0)
+    assert lines == ["set_curves", "set_angle"] * 3
+    user.window.player.step(1.0)
+    assert lines[-1] == "set_angle"
+    hand.release()
 
 
 # -- the motion before ------------------------------------------------------------------------------------
