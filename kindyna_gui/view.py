@@ -131,6 +131,7 @@ class ReasonPage(QScrollArea):
             alignment=Qt.AlignmentFlag.AlignCenter,
             textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
         )
+        self._offered: list[Suggestion] = []
         self._buttons = fill(QVBoxLayout(), spacing=4)
         if retry is not None:
             self._add("Try again", retry)
@@ -146,13 +147,16 @@ class ReasonPage(QScrollArea):
 
     def offer(self, suggestions: Sequence[Suggestion], host: ViewHost) -> None:
         """Offer a button for each suggestion that this design allows."""
+        offered = [suggestion for suggestion in suggestions if host.can(suggestion.entry)]
+        if offered == self._offered:  # new buttons would lay out and paint the page again, after each edit
+            return
+        self._offered = offered
         while (item := self._buttons.takeAt(0)) is not None:
             button: Any = item.widget()
             button.hide()
             button.deleteLater()
-        for suggestion in suggestions:
-            if host.can(suggestion.entry):
-                self._add(suggestion.text, partial(host.do, suggestion.entry))
+        for suggestion in offered:
+            self._add(suggestion.text, partial(host.do, suggestion.entry))
 
 
 # -- what a view requires of its window ------------------------------------------------------------------

@@ -8,7 +8,7 @@ from math import ceil, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt, Signal
+from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QKeySequence, QPainter, QShortcut
 
 from core.design import AttachedEnd, Target, entry_at, put, split_unit
@@ -178,8 +178,6 @@ class MechanismMouseView(View):
             self.session.refuse(joint.field, reason(design, error))
         else:
             self.session.put(moved_design, f"Move {joint.label}", joint.field)
-            # draws the scene now: otherwise a repaint triggered by a plot draws it first, and then it is drawn again
-            QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
     def _set_field(self, drag: JointDrag, value: float, decimals: int) -> bool:
         """Set the dragged field to a value in the unit of its file."""

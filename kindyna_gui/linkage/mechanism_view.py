@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPointF, Signal
+from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QPainter
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
@@ -354,6 +354,8 @@ class MechanismView(MechanismMouseView):
             self._draw(self.session.study)
         self._apply_layers()
         self.scene.set_angle(theta)
+        # draws the scene now: otherwise a repaint triggered by a plot draws it first, and then it is drawn again
+        QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
     def fit(self) -> None:
         if self.shows_layout and not self.draws_all:

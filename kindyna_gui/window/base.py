@@ -243,6 +243,7 @@ class Titles(QObject):
         self._soon = single_shot(self, self._show_or_hide)
         self._session.file_changed.connect(self.name_window)
         self._session.design_changed.connect(self.name_docks)
+        self._session.drag_ended.connect(self.name_steps)
         self.name_window()
         self.name_docks()
         self.name_steps()
@@ -284,13 +285,15 @@ class Titles(QObject):
 
     def name_steps(self) -> None:
         """Name the steps that Undo and Redo would change in their entries."""
-        stack = self._session.stack
+        stack, is_dragged = self._session.stack, self._session.drag_source is not None
         for key, able, text in (
             ("undo", stack.canUndo(), stack.undoText()),
             ("redo", stack.canRedo(), stack.redoText()),
         ):
             action, word = self._window.actions_by_key[key], key.capitalize()
             action.setEnabled(able)
+            if is_dragged:  # each text would lay out the toolbar and paint the window; ``drag_ended`` follows
+                continue
             action.setText(f"&{word} {text}".rstrip().replace(" &", " &&"))
             action.setToolTip(f"{word} {text}".rstrip())
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pyqtgraph as pg
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu
+from PySide6.QtWidgets import QApplication, QMenu, QToolBar, QWidget
 from sampled import spread
 from window_user import Open, User, plain, settle, wait_for
 
@@ -407,6 +407,35 @@ def test_plots_below_the_diagram_are_read_only_after_they_are_drawn(
     user.window.player.step(1.0)
     assert lines[-1] == "set_angle"
     hand.release()
+
+
+class Counter(QObject):
+    """Number of paints and layouts of a widget."""
+
+    def __init__(self, widget: QWidget) -> None:
+        super().__init__()
+        self.count = 0
+        widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() in (QEvent.Type.Paint, QEvent.Type.LayoutRequest)
+        return False
+
+
+def test_a_pull_neither_lays_out_nor_paints_the_toolbar(user: User) -> None:
+    """Undo names the step once the mouse lets go, and can be chosen before."""
+    undo = user.action("Edit", "Undo")
+    (toolbar,) = (bar for bar in user.window.findChildren(QToolBar) if bar.objectName() == "toolbar")
+    assert not undo.isEnabled()
+    hand = take(user, 2)
+    hand.move(10.0, -10.0)
+    counter = Counter(toolbar)
+    for _ in range(3):
+        hand.move(3.0, -3.0)
+    assert counter.count == 0
+    assert undo.isEnabled()
+    hand.release()
+    assert undo.text() == f"&Undo {user.steps[-1]}"
 
 
 # -- the motion before ------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """Stages of views: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
 
+from collections import Counter
 from threading import enumerate as enumerate_threads
 
 import pytest
@@ -117,6 +118,34 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
     assert not {"MainWindow", "Centre", "PlayerBar", "AngleSlider", "QTabBar", "ParametersView"} & {
         n for _, n in heard.events
     }
+
+
+class Paints(QObject):
+    """Number of paints of each widget of the application, by name of its class."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.counts: Counter[str] = Counter()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Paint:
+            self.counts[type(watched.parent() if type(watched) is QWidget else watched).__name__] += 1
+        return False
+
+
+def test_an_edit_paints_the_mechanism_once_and_no_reason_again(user: User, app: QApplication) -> None:
+    """A view that goes on showing the same reason, with the same remedies, has nothing to paint."""
+    view = user.see("contact_pressure")
+    assert view.in_trouble
+    settle()
+    paints = Paints()
+    app.installEventFilter(paints)
+    for rod in (846.0, 847.0):
+        assert user.session.edit("follower.rod_mm", rod, "Change rod")
+        settle()
+    app.removeEventFilter(paints)
+    assert paints.counts["Canvas"] == 2
+    assert paints.counts["ReasonPage"] == 0
 
 
 @pytest.mark.stress
