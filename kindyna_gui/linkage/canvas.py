@@ -175,6 +175,8 @@ class Canvas(QGraphicsView):
         self._scene.update_style()
         if self.fitted:
             self.fit()
+        else:
+            self._scene.lay_labels()
 
     def show_again(self) -> None:
         """Keep the visible region after an edit, unless a fitted mechanism no longer fits, or has become small."""

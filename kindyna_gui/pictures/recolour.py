@@ -74,6 +74,7 @@ class Swap:
 
     def __init__(self, before: Theme, after: Theme) -> None:
         self._after: dict[str, str] = {}
+        self._brushes: dict[int, list[tuple[QPalette.ColorGroup, QPalette.ColorRole]]] = {}
         for old, new in zip(_tones(before), _tones(after), strict=True):
             self._after.setdefault(old.lower(), new)
 
@@ -143,10 +144,11 @@ class Swap:
             self._cells((row, (i,)) for row in rows for i in range(widget.columnCount()))
 
     def _palette(self, palette: QPalette) -> QPalette:
-        result = QPalette(palette)
-        for group, role in _BRUSHES:
-            if palette.isBrushSet(group, role):
-                result.setBrush(group, role, self.brush(palette.brush(group, role)))
+        result, mask = QPalette(palette), palette.resolveMask()
+        if mask not in self._brushes:  # the brushes that are set; to look at each of them takes long
+            self._brushes[mask] = [brush for brush in _BRUSHES if palette.isBrushSet(*brush)]
+        for group, role in self._brushes[mask]:
+            result.setBrush(group, role, self.brush(palette.brush(group, role)))
         return result
 
     @staticmethod

@@ -286,22 +286,24 @@ SCREEN = replace(LIGHT)
 # -- objects that depend on the theme --------------------------------------------------------------------
 
 Result = TypeVar("Result")
-_CACHE_CLEARS: list[Callable[[], None]] = []
 _ICON_MAKERS: dict[int, Callable[[], Any]] = {}
 
 
 def cached_by_theme(make: Callable[..., Result]) -> Callable[..., Result]:
-    """Cache the results of a function, such as icons, until the theme changes."""
+    """Cache the results of a function, such as icons, for each theme."""
 
-    @lru_cache(maxsize=256)
-    def cached(*arguments: Any) -> Result:
+    @lru_cache(maxsize=512)
+    def of_theme(_: str, *arguments: Any) -> Result:
         result: Any = make(*arguments)
         if isinstance(result, QIcon):
             _ICON_MAKERS[result.cacheKey()] = partial(cached, *arguments)
         return result
 
-    _CACHE_CLEARS.append(cached.cache_clear)
-    return wraps(make)(cached)
+    @wraps(make)
+    def cached(*arguments: Any) -> Result:
+        return of_theme(SCREEN.paper, *arguments)
+
+    return cached
 
 
 def icon_maker(key: int) -> Callable[[], Any] | None:
@@ -313,8 +315,6 @@ def draw_in(theme: Theme) -> None:
     """Draw the window in the colours of this theme from now on."""
     vars(SCREEN).clear()
     vars(SCREEN).update(vars(theme))
-    for clear_cache in _CACHE_CLEARS:
-        clear_cache()
 
 
 # -- pens, brushes and fonts -----------------------------------------------------------------------------

@@ -528,11 +528,10 @@ class MechanismScene(QGraphicsScene):
             self.show_region(*self._region)
 
     def update_style(self) -> None:
-        """Take over the current fonts."""
+        """Take over the current fonts, before the labels are placed again."""
         for item in self.items():
             if isinstance(item, Tag):
                 item.update_font()
-        self.lay_labels()
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
         self._region = (visible, scale)
