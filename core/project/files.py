@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import os
 import re
 import stat
@@ -503,6 +502,12 @@ _ROW = re.compile(r"([0-9a-f]{64})  ([0-9]{5}\.npz)")
 _BINARY = getattr(os, "O_BINARY", 0)
 
 
+def _sha256(data: bytes) -> str:
+    import hashlib  # imported here to save start-up time
+
+    return hashlib.sha256(data).hexdigest()
+
+
 class OwnFolder:
     """A folder that the program creates, fills and deletes; it need not exist yet."""
 
@@ -545,7 +550,7 @@ class OwnFolder:
                 self._put(LIST, self._mark.encode(), os.O_CREAT | os.O_EXCL)
             if os.path.lexists(self.path / name) and (name in self._hashes or (self.is_own() and name in self._hashes)):
                 remove(self.path / name)  # damaged, or of another process
-            self._hashes[name] = hashlib.sha256(data).hexdigest()
+            self._hashes[name] = _sha256(data)
             self._put(LIST, f"\n{self._hashes[name]}  {name}".encode(), os.O_APPEND)
             self._put(name, data, os.O_CREAT | os.O_EXCL)
 
@@ -558,7 +563,7 @@ class OwnFolder:
         """Content of a file as it was written; None where it is not listed, is missing, or has changed."""
         with suppress(OSError):
             data = read_own(self.path / name) if name in self._hashes else b""
-            if hashlib.sha256(data).hexdigest() == self._hashes.get(name):
+            if _sha256(data) == self._hashes.get(name):
                 return data
         return None
 

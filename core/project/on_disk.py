@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from enum import Enum
-from hashlib import sha256
 from pathlib import Path
 
 from core.design import Design
@@ -82,6 +81,8 @@ class DesignFiles:
 
 def _hash(name: str) -> bytes | None:
     """Hash of a file's content; None where the file is missing."""
+    from hashlib import sha256  # imported here to save start-up time
+
     with suppress(FileError):
         return sha256(read_bytes(name)).digest()
     return None

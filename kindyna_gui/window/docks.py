@@ -328,11 +328,6 @@ class Dock(QDockWidget):
         self.view: View | None = None  # None while it has not been created
         self._paused = False
         self._heights = _ANY
-        self._blank = QWidget()
-        self._no_title = QWidget()
-        self._no_title.setParent(self)
-        self._no_title.hide()
-        self.setWidget(self._blank)
         self._soon = single_shot(self, self.wake)
         self.visibilityChanged.connect(self._visibility_changed)
 
@@ -343,7 +338,6 @@ class Dock(QDockWidget):
             if hasattr(self.view, "height_requested"):
                 self.view.height_requested.connect(self._note_limit)
             self.setWidget(self.view)
-            self._blank.deleteLater()
         return self.view
 
     def _note_limit(self, least: int, is_all: bool) -> None:
@@ -397,10 +391,9 @@ class Dock(QDockWidget):
 
     def show_title(self, on: bool) -> None:
         """Show or hide the title; a tab with the same text makes it unnecessary."""
-        hidden = self.titleBarWidget() is self._no_title
-        if on and hidden:
+        blank: Any = self.titleBarWidget()  # an empty widget in place of the title, or None
+        if on and blank is not None:
             self.setTitleBarWidget(None)  # type: ignore[arg-type]
-            self._no_title.setParent(self)
-            self._no_title.hide()
-        elif not on and not hidden:
-            self.setTitleBarWidget(self._no_title)
+            blank.deleteLater()
+        elif not on and blank is None:
+            self.setTitleBarWidget(QWidget())

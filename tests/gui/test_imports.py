@@ -45,6 +45,7 @@ while time.monotonic() < end:
 else:
     sys.exit("the window was never drawn")
 told["last"] = sorted(sys.modules)
+told["widgets"] = len(app.allWidgets())
 print(json.dumps(told))
 """
 
@@ -84,15 +85,17 @@ LATER = {
 NOT_FIRST = {"core.mechanism.drawing", "core.shaft.balancer", "html", "kindyna_gui.files.beginnings"}
 FIRST = 173
 """So many modules of our own are there when the mechanism is painted, at most."""
-ALL_FIRST, ALL_LAST = 441, 569
+ALL_FIRST, ALL_LAST = 438, 566
 """So many modules are loaded when the mechanism is painted, and once every dock is drawn, at most."""
+WIDGETS = 575
+"""So many widgets has the window once every dock in sight is drawn, at most."""
 DOCKS_BRING = {
     "pyqtgraph",
     "kindyna_gui.graph.live_plot",
     "kindyna_gui.motion.segments_view",
     "kindyna_gui.forms.parameters_view",
 }
-STANDARD_NOT = {"difflib", "importlib.metadata", "hmac", "secrets", "unittest"}
+STANDARD_NOT = {"difflib", "hashlib", "importlib.metadata", "hmac", "secrets", "unittest"}
 
 
 @pytest.fixture(scope="module")
@@ -162,6 +165,10 @@ def test_the_mechanism_is_painted_first_and_little_is_imported_for_it(told: dict
     assert among(LATER | DOCKS_BRING | NOT_FIRST, first) == set()
     assert len([name for name in first if name.partition(".")[0] in ("core", "kindyna_gui")]) <= FIRST
     assert len(first) <= ALL_FIRST
+
+
+def test_the_window_has_few_widgets_before_its_pages_are_shown(told: dict[str, Any]) -> None:
+    assert told["widgets"] <= WIDGETS
 
 
 def test_the_docks_load_few_modules_more(loaded: set[str]) -> None:
