@@ -30,9 +30,9 @@ BASE, ROLLER = "cam.base_radius_mm", "cam.roller_radius_mm"
 
 
 @pytest.fixture
-def rocker(open_user: Open) -> User:
-    user = open_user(example("rocker_cam"), size=(1440, 900))
-    user.choose("View", "Dyna")
+def rocker(same_window: Open) -> User:
+    user = same_window(example("rocker_cam"), size=(1440, 900))
+    user.see("torque")
     wait_for(lambda: user.window.view("torque") is not None and user.window.view("torque").up_to_date)  # type: ignore[union-attr]
     user.drawing()
     return user
