@@ -163,6 +163,7 @@ sliders = [{ link = 2, on = 1, through = [-15.6694, 13.4118], angle_deg = 171.14
 """
 
 
+@pytest.mark.stress
 def test_a_refused_group_is_refused_with_few_solutions() -> None:
     """Its ends are found many angles at a time: one at a time took over five hundred solutions."""
     study = study_of(loads(REFUSED))

@@ -67,6 +67,7 @@ def densely(study: Study, view: PlotView, sign: float) -> float:
     return float(values[top])
 
 
+@pytest.mark.stress
 def test_an_edit_keeps_the_items_of_a_plot(open_user: Open) -> None:
     """Its marks are hidden until the new extremes are known, and are then the same items at other places."""
     user = open_user(LIFT, size=(1440, 900), whole=True)

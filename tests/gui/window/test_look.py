@@ -115,6 +115,7 @@ class StyleChanges(QObject):
         return False
 
 
+@pytest.mark.stress
 def test_a_change_of_theme_styles_no_widget_again(app: QApplication, user: User) -> None:
     styled = StyleChanges(app)
     app.installEventFilter(styled)

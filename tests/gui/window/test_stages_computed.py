@@ -104,6 +104,7 @@ class Heard(QObject):
         return False
 
 
+@pytest.mark.stress
 def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, app: QApplication) -> None:
     assert user.session.edit("loads.slider_mass_kg", 199.0, "Change mass")
     wait_for(lambda: user.window.status.findings.text() == "no findings")
@@ -312,6 +313,7 @@ def test_what_cannot_be_seen_neither_follows_nor_computes_nor_draws(
     assert painted.widgets == []
 
 
+@pytest.mark.stress
 def test_a_dock_behind_another_neither_computes_nor_paints(user: User) -> None:
     user.window.show_view("velocity")
     settle()
