@@ -356,7 +356,7 @@ def test_bars_and_points_of_the_timing_have_a_menu(open_user: Open) -> None:
     assert isinstance(drives, DrivesView)
     assert drives.isAncestorOf(QApplication.focusWidget())
     menu.close()
-    menu = menu_at(view, canvas, chart.place(2, 1).toPoint())
+    menu = menu_at(view, canvas, chart.join_position(2, 1).toPoint())
     assert texts(menu)[0] == "Edit Lift: Segment 1, span"
     menu.actions()[1].trigger()
     settle()
