@@ -314,11 +314,11 @@ class BlendSolution:
 
     @property
     def peak_acceleration(self) -> float:
-        """Largest |acceleration| [per deg²]."""
+        """Largest |acceleration| [per deg²]; 0 of a constant velocity alone."""
         parts = zip(self.sequence.curves, self.heights, self.spans, strict=True)
         flats = self.flats or (0.0,) * len(self.spans)
         rows = ((peak_of(name, flat / b if b else 0.0), h, b) for (name, h, b), flat in zip(parts, flats, strict=True))
-        return max(c * h / (b * b) if b * b else inf for c, h, b in rows if c)
+        return max((c * h / (b * b) if b * b else inf for c, h, b in rows if c), default=0.0)
 
 
 def peak_of(curve: str, flat: float) -> float:

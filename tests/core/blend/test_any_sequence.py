@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from itertools import groupby, pairwise
 from math import inf, sqrt
@@ -230,3 +231,17 @@ def test_a_longer_blend_goes_into_a_design_and_is_ranked_there(
     assert main([*words, "--into", str(path)]) == 0
     laws = [segment.curve.law for segment in load(path).drive.motion.segments]
     assert [law for law in laws if law != "dwell"] == ["c1", "h2", "h3", "c4", "p1", "p2"]
+
+
+@pytest.mark.parametrize(("curve", "start_mm"), [("CV1", 0.0), ("CV2", 10.0)])
+@pytest.mark.parametrize("goal", [(), ("--best", "acceleration")])
+def test_a_constant_velocity_alone_has_no_acceleration(
+    curve: str, start_mm: float, goal: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["blend", "--sequence", curve, "--stroke", "10", "--start", "20", "--end", "90", *goal]
+    assert main(words) == 0
+    assert "peak acceleration 0 mm/deg^2" in capsys.readouterr().out.splitlines()
+    assert main([*words, "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row["start_mm"] == pytest.approx(start_mm, rel=WHOLE)
+    assert (abs(row["rise_mm"]), row["span_deg"]) == pytest.approx((10.0, 70.0), rel=WHOLE)
