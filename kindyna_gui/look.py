@@ -215,7 +215,9 @@ class ThemedPart(QWidget):
 
 
 def _children(widget: QWidget) -> list[QWidget]:
-    return widget.findChildren(QWidget, options=Qt.FindChildOption.FindDirectChildrenOnly)
+    """Direct children without windows, which the application lists itself."""
+    children = widget.findChildren(QWidget, options=Qt.FindChildOption.FindDirectChildrenOnly)
+    return [child for child in children if not child.isWindow()]
 
 
 def _parts(widgets: Iterable[QWidget]) -> Iterator[QWidget]:

@@ -165,7 +165,7 @@ class XYPlot(FixedPlot):
         self._valued: list[Line] = []
         self._readouts: list[Readout] = []
         self._cursor: Cursor | None = None
-        self._title_colour = theme.ink
+        self._title_hue = ""
         self._alike = False
         self._ranges = ((0.0, 1.0), (0.0, 1.0))
         self.show_message("")
@@ -355,8 +355,7 @@ class XYPlot(FixedPlot):
 
     def name_axes(self, across: str, upwards: str, colour: str = "") -> None:
         """Set the titles of the axes for the next contents, and the colour of the upward one; "" for ink."""
-        self._titles = (across, upwards)
-        self._title_colour = self._theme.text_colour(colour) if colour else self._theme.ink
+        self._titles, self._title_hue = (across, upwards), colour
 
     def _colour(self, curve: PlotCurve, is_single_row: bool) -> str:
         """Colour of the curve's quantity; without one that of its row, or ink for a single row."""
@@ -422,9 +421,8 @@ class XYPlot(FixedPlot):
         self.draw_axes(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
         self.name_below(self._titles[0] if self._filled else "")
         title, unit = self._titles[1], self._titles[1].rpartition(", ")[2]
-        self._axes["left"].show_title(
-            fitting_title((title,), unit, frame.height) if self._filled else "", self._title_colour
-        )
+        colour = self._theme.text_colour(self._title_hue) if self._title_hue else self._theme.ink
+        self._axes["left"].show_title(fitting_title((title,), unit, frame.height) if self._filled else "", colour)
         if self._cursor is not None:
             self._cursor.span(frame)
         for ruled in self._ruled:

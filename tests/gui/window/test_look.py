@@ -157,6 +157,34 @@ def test_a_plot_behind_a_tab_changes_its_theme_when_it_is_shown(
     assert bright(hidden.grab().toImage()) < 0.1
 
 
+def test_titles_of_plots_that_are_named_once_follow_the_theme(app: QApplication, open_user: Open) -> None:
+    """Those of the law table, whose axes never change."""
+    user = open_user()
+    laws = user.see("laws").findChildren(FixedPlot)
+    apply_preferences(DARK, app)
+    settings.write(DARK)
+    settle()
+    dark = {str(i): pixels(plot.grab().toImage()) for i, plot in enumerate(laws)}
+    fresh = open_user().see("laws").findChildren(FixedPlot)
+    assert differing(dark, {str(i): pixels(plot.grab().toImage()) for i, plot in enumerate(fresh)}) == {}
+
+
+def test_a_floating_view_is_styled_once(app: QApplication, user: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    user.window.docks["velocity"].setFloating(True)
+    plot = user.see("velocity").findChild(FixedPlot)
+    styled = []
+    update_style = FixedPlot.update_style
+
+    def counted(plot: FixedPlot) -> None:
+        styled.append(plot)
+        update_style(plot)
+
+    monkeypatch.setattr(FixedPlot, "update_style", counted)
+    apply_preferences(DARK, app)
+    settle()
+    assert styled.count(plot) == 1
+
+
 @pytest.mark.stress
 def test_what_is_zoomed_and_half_typed_outlives_a_change_of_theme(app: QApplication, user: User) -> None:
     canvas = user.drawing().canvas
