@@ -73,6 +73,7 @@ class Background(QObject):
         self._worker: Worker | None = None
         self._running: list[Worker] = []  # and those that are about to end
         self._open = 0
+        self._is_closed = False
         self._poll = QTimer(self, interval=poll_ms)
         self._poll.timeout.connect(self._fetch)
 
@@ -82,9 +83,9 @@ class Background(QObject):
         return self._open > 0
 
     def start(self, jobs: Sequence[Job]) -> None:
-        """Cancel the running jobs and start others."""
+        """Cancel the running jobs and start others; none after ``close``."""
         self.stop()
-        if not jobs:
+        if not jobs or self._is_closed:
             return
         self._open, self._worker = len(jobs), Worker(jobs)
         self._running.append(self._worker)
@@ -111,7 +112,8 @@ class Background(QObject):
         self._worker, self._open = None, 0
 
     def close(self) -> None:
-        """Stop, and wait until no job is running."""
+        """Stop for good, and wait until no job is running."""
+        self._is_closed = True
         self.stop()
         for worker in self._running:
             worker.join(PATIENCE)

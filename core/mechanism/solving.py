@@ -207,12 +207,18 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
         row = pose.turn[order]
         return spread(row + turn if turn and not order else row, n)
 
+    def spin() -> Derivatives:
+        row = scaled(pose.spin, along) if turn else pose.spin
+        return (
+            row if row.constant else row.spread(n)
+        )  # the angle of a link at rest has one value without being constant
+
     body = Pose(
         Derivatives(origin, pose.origin.constant),
         Derivatives(angle, pose.turn.constant),
         points,
         lambda: spread(pose.unit * along if turn else pose.unit, n),
-        lambda: scaled(pose.spin, along) if turn else pose.spin,
+        spin,
     )
     if is_finite:
         return body

@@ -748,8 +748,8 @@ def test_drawing_adds_nothing_to_a_frame_while_it_is_not_used(open_user: Open) -
             counts.append(calls(lambda at=1.05 + 0.1 * i: (player.set_theta(at), canvas.grab())))
         return min(counts)
 
-    before = frame()
     canvas.setFocus()
+    before = frame()
     pen.key(Key.Key_D)
     assert user.drawing().draws
     pen.click("A")
