@@ -94,6 +94,12 @@ class Document:
         """All pictures of the document, in order."""
         return tuple(block for part in self.sections for block in part.blocks if isinstance(block, ReportPicture))
 
+    @property
+    def equations(self) -> tuple[str, ...]:
+        """All equations of the document as MathML, in order."""
+        blocks = (block for part in self.sections for block in part.blocks if isinstance(block, ReportEquations))
+        return tuple(line for block in blocks for row in block.rows for line in row.mathml)
+
 
 @frozen(eq=False)
 class Printed:

@@ -574,10 +574,11 @@ GoOn = Callable[[int], bool]
 
 @frozen(eq=False)
 class ReportFileType:
-    """One file type: scale of its pictures, and function that writes the file."""
+    """One file type: scale of its pictures, function that writes the file, and whether equations are typeset for it."""
 
     scale: float
     write: Callable[[Document, Mapping[ReportPicture, Vector]], bytes]
+    has_typeset_equations: bool
 
 
 def html_bytes(document: Document, drawn: Mapping[ReportPicture, Vector]) -> bytes:
@@ -586,7 +587,7 @@ def html_bytes(document: Document, drawn: Mapping[ReportPicture, Vector]) -> byt
 
 
 KINDS: Mapping[str, ReportFileType] = MappingProxyType(
-    {".html": ReportFileType(1.0, html_bytes), ".pdf": ReportFileType(SCALE, pdf)}
+    {".html": ReportFileType(1.0, html_bytes, False), ".pdf": ReportFileType(SCALE, pdf, True)}
 )
 assert tuple(KINDS) == ENDINGS
 
@@ -602,4 +603,9 @@ def report_file(document: Document, ending: str, go_on: GoOn = lambda done: True
         if not go_on(number):
             return None
         drawn[picture] = vector(picture, file_type.scale)
+    if file_type.has_typeset_equations:  # one by one, because the first report typesets for seconds
+        for equation in document.equations:
+            if not go_on(len(drawn)):
+                return None
+            typeset(equation)
     return file_type.write(document, drawn) if go_on(len(drawn)) else None

@@ -314,6 +314,14 @@ def test_a_report_that_is_cancelled_is_not_written(lift: Study, app: QApplicatio
     assert asked == [0, 1]
 
 
+def test_a_report_can_be_cancelled_between_two_equations(lift: Study, app: QApplication) -> None:
+    made = document(lift, ["equations"])
+    asked: list[int] = []
+    assert report_file(made, ".pdf", lambda done: asked.append(done) or len(asked) < 4) is None  # type: ignore[func-returns-value]
+    assert len(asked) == 4
+    assert len(made.equations) > 40
+
+
 def drawn_equation(mathml: str) -> tuple[float, float, bytes]:
     """Width, height and pixels of an equation, as a new process would draw it."""
     typeset.cache_clear()
