@@ -135,8 +135,14 @@ def nothing_left(before: set[QWidget]) -> None:
     assert still_computing() == "", "a closed window goes on computing"
 
 
+WORKING = 5.0  # seconds
+
+
 def still_computing() -> str:
     """Where the threads are that compute beside a window."""
+    for each in threading.enumerate():
+        if isinstance(each, Worker):
+            each.join(WORKING)  # a cancelled search ends at its next checkpoint
     frames = sys._current_frames()
     working = [each.ident for each in threading.enumerate() if isinstance(each, Worker)]
     return "\n".join("".join(traceback.format_stack(frames[each])) for each in working if each in frames)
