@@ -84,23 +84,6 @@ def nodes() -> tuple[np.ndarray, np.ndarray]:
     return 0.5 + 0.5 * np.cos(angle), to_chebyshev
 
 
-def fitted(start: np.ndarray, width: np.ndarray, torque: np.ndarray, inertia: np.ndarray) -> LoadCurve:
-    """The load with given values at the nodes of its panels.
-
-    Parameters
-    ----------
-    start, width : ndarray (m,) [rad]
-        Of the panels.
-    torque : ndarray (m, NODES) [N m]
-    inertia : ndarray (m, NODES) [kg m²]
-
-    Returns
-    -------
-    LoadCurve
-    """
-    return fitted_loads(np.array([start.size]), start, width, torque, inertia)[0]
-
-
 def fitted_loads(
     counts: np.ndarray, start: np.ndarray, width: np.ndarray, torque: np.ndarray, inertia: np.ndarray
 ) -> list[LoadCurve]:
@@ -273,7 +256,7 @@ def load_curve(
     if infinite.any():
         raise NoSolution("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, infinite))
     torque, inertia = (row.reshape(-1, NODES) for row in values)
-    return fitted(start, width, torque, inertia)
+    return fitted_loads(np.array([start.size]), start, width, torque, inertia)[0]
 
 
 def polyval(r: Any, power: np.ndarray) -> Any:
@@ -530,16 +513,50 @@ def load_extremes(curves: Sequence[LoadCurve]) -> TurnExtremes:
     -------
     TurnExtremes
     """
-    counts = np.array([curve.start.size for curve in curves])
-    first, turn = np.cumsum(counts) - counts, np.repeat(np.arange(len(curves)), counts)
-    torque = np.concatenate([curve.torque for curve in curves], axis=1)
+    turn, start, width, torque = panels_of(curves, "torque")
     begin, reach = torque[0], np.abs(torque[1:]).sum(axis=0)  # the other panels are within the values at the begins
+    first = first_panels(turn)
     near = (begin + reach >= np.maximum.reduceat(begin, first)[turn]) | (
         begin - reach <= np.minimum.reduceat(begin, first)[turn]
     )
-    start, width = (np.concatenate([getattr(curve, name) for curve in curves])[near] for name in ("start", "width"))
-    turn, torque = turn[near], torque[:, near]
-    return ratio_extremes(turn, start, width, torque, np.ones((1, turn.size)))
+    return ratio_extremes(turn[near], start[near], width[near], torque[:, near], np.ones((1, np.count_nonzero(near))))
+
+
+def panels_of(curves: Sequence[Any], *names: str) -> list[np.ndarray]:
+    """Panels of several turns, the panels of one turn after those of the other.
+
+    Parameters
+    ----------
+    curves : sequence of LoadCurve or SpeedCurve
+        At least one.
+    *names : str
+        Attributes with the coefficients on the panels.
+
+    Returns
+    -------
+    list of ndarray
+        Number of the turn (n,), dimensionless; start and width (n,) [rad]; the attributes (k, n).
+    """
+    turn = np.repeat(np.arange(len(curves)), [curve.start.size for curve in curves])
+    rows = [[getattr(curve, name) for curve in curves] for name in ("start", "width", *names)]
+    return [turn, *(np.concatenate(row, axis=-1) for row in rows)]
+
+
+def first_panels(turn: np.ndarray) -> np.ndarray:
+    """Index of the first panel of every turn.
+
+    Parameters
+    ----------
+    turn : ndarray (n,), dimensionless
+        Number of the turn of each panel, ascending.
+
+    Returns
+    -------
+    ndarray (m,), dimensionless
+    """
+    is_first = np.ones(turn.size, dtype=bool)
+    np.not_equal(turn[1:], turn[:-1], out=is_first[1:])
+    return np.asarray(is_first.nonzero()[0])  # np.diff and np.flatnonzero take five times as long
 
 
 def ratio_extremes(
@@ -565,40 +582,40 @@ def ratio_extremes(
     -------
     TurnExtremes
     """
-    grid = powers(GRID, max(numerator.shape[0], denominator.shape[0])).T
+    degree, count = max(numerator.shape[0], denominator.shape[0]), turn.size
+    grid = powers(GRID, degree).T
     ratio = by_panel(grid[:, : numerator.shape[0]], numerator) / by_panel(grid[:, : denominator.shape[0]], denominator)
-    first, every = np.flatnonzero(np.diff(turn, prepend=-1)), np.arange(turn.size)
-    rows: list[np.ndarray] = []
-    for sign in (-1.0, 1.0):
-        value = sign * ratio
-        cell = value.argmax(axis=0)
-        low, high = np.maximum(cell - 1, 0), np.minimum(cell + 1, GRID.size - 1)
-        top = value[cell, every]
-        gain = top - np.minimum(value[low, every], value[high, every])
-        highest = np.repeat(np.maximum.reduceat(top, first), np.diff(first, append=turn.size))
-        near = np.flatnonzero(top + gain >= highest)
-        r, top = GRID[cell[near]], top[near]
-        a, b = numerator[:, near], denominator[:, near]
-        a1, b1 = _derivative(a), _derivative(b)
-        a2, b2 = _derivative(a1), _derivative(b1)
-        refined = r
-        for _ in range(REFINEMENTS):
-            over, under = polyval(refined, a), polyval(refined, b)
-            slope = polyval(refined, a1) * under - over * polyval(refined, b1)
-            curvature = polyval(refined, a2) * under - over * polyval(refined, b2)
-            is_convex = sign * curvature < 0.0
-            step = np.where(is_convex, slope / np.where(is_convex, curvature, 1.0), 0.0)
-            refined = np.clip(refined - step, GRID[low[near]], GRID[high[near]])
-        refined_value = sign * polyval(refined, a) / polyval(refined, b)
-        better = refined_value > top
-        r, top = np.where(better, refined, r), np.where(better, refined_value, top)
-        order = np.lexsort((top, turn[near]))
-        best = order[np.flatnonzero(np.diff(turn[near][order], append=-1))]
-        panel = near[best]
-        rows += [sign * top[best], np.mod(start[panel] + r[best] * width[panel], TURN)]
-    return TurnExtremes(rows[0], rows[2], rows[1], rows[3])
-
-
-def _derivative(power: np.ndarray) -> np.ndarray:
-    """Coefficients of the derivatives of polynomials (k, m); of constants a 0."""
-    return np.arange(1, power.shape[0])[:, None] * power[1:] if power.shape[0] > 1 else np.zeros_like(power)
+    # the least values are searched as the greatest of the negative ratio, both in one pass
+    sign, panel = np.repeat((-1.0, 1.0), count), np.tile(np.arange(count), 2)
+    search = np.concatenate((turn, turn + (turn[-1] + 1)))
+    cell = np.concatenate((ratio.argmin(axis=0), ratio.argmax(axis=0)))
+    low, high = np.maximum(cell - 1, 0), np.minimum(cell + 1, GRID.size - 1)
+    top = sign * ratio[cell, panel]
+    gain = top - np.minimum(sign * ratio[low, panel], sign * ratio[high, panel])
+    first = first_panels(search)
+    highest = np.repeat(np.maximum.reduceat(top, first), np.diff(first, append=2 * count))
+    near = (top + gain >= highest).nonzero()[0]
+    panel, sign, search = panel[near], sign[near], search[near]
+    coefficients = np.zeros((degree, 6, near.size))  # of both polynomials, and of their first and second derivatives
+    coefficients[: numerator.shape[0], 0] = numerator[:, panel]
+    coefficients[: denominator.shape[0], 1] = denominator[:, panel]
+    power = np.arange(1.0, degree)[:, None, None]
+    for order in (2, 4):
+        coefficients[:-1, order : order + 2] = power * coefficients[1:, order - 2 : order]
+    begin, end, top = GRID[low[near]], GRID[high[near]], top[near]
+    r = refined = GRID[cell[near]]
+    for _ in range(REFINEMENTS):
+        over, under, over1, under1, over2, under2 = polyval(refined, coefficients)
+        slope, curvature = over1 * under - over * under1, over2 * under - over * under2
+        is_convex = sign * curvature < 0.0
+        step = np.where(is_convex, slope / np.where(is_convex, curvature, 1.0), 0.0)
+        refined = np.minimum(np.maximum(refined - step, begin), end)
+    over, under = polyval(refined, coefficients[:, :2])
+    refined_value = sign * over / under
+    better = refined_value > top
+    r, top = np.where(better, refined, r), np.where(better, refined_value, top)
+    rising = np.lexsort((top, search))
+    best = rising[np.append(first_panels(search[rising])[1:], rising.size) - 1]
+    at = np.mod(start[panel[best]] + r[best] * width[panel[best]], TURN)
+    (low_at, high_at), (least, greatest) = np.split(at, 2), np.split(sign[best] * top[best], 2)
+    return TurnExtremes(least, greatest, low_at, high_at)

@@ -33,8 +33,10 @@ from core.shaft.curve import (
     TurnExtremes,
     by_blocks,
     by_panel,
+    first_panels,
     locate,
     locate_in_turns,
+    panels_of,
     polyval,
     powers,
     ratio_extremes,
@@ -215,14 +217,9 @@ def deviation_extremes(speeds: Sequence[SpeedCurve]) -> TurnExtremes:
     -------
     TurnExtremes
     """
-    counts = [speed.start.size for speed in speeds]
-    start, width = (np.concatenate([getattr(speed, name) for speed in speeds]) for name in ("start", "width"))
-    energy, bodies = (
-        np.concatenate([getattr(speed, name) for speed in speeds], axis=1) for name in ("energy", "bodies")
-    )
-    bodies[0] += np.repeat([speed.flywheel for speed in speeds], counts)
-    turn = np.repeat(np.arange(len(speeds)), counts)
-    return _extremes(turn, start, width, energy, bodies, np.array([speed.mean for speed in speeds]))
+    turn, start, width, energy, inertia = panels_of(speeds, "energy", "bodies")
+    inertia[0] += np.array([speed.flywheel for speed in speeds])[turn]
+    return _extremes(turn, start, width, energy, inertia, np.array([speed.mean for speed in speeds]))
 
 
 def deviation_range(speed: SpeedCurve) -> tuple[float, float]:
@@ -278,7 +275,8 @@ class _Panels:
 
     def at(self, which: np.ndarray) -> _Panels:
         """Some of the panels, by numbers or a mask."""
-        return _Panels(*(row[..., which] for row in vars(self).values()))
+        numbers = which.nonzero()[0] if which.dtype == bool else which
+        return _Panels(*(row.take(numbers, axis=-1) for row in vars(self).values()))
 
     def of(self, turns: np.ndarray) -> _Panels:
         """Panels of some turns, given by their mask."""
@@ -287,9 +285,12 @@ class _Panels:
     @classmethod
     def joined(cls, parts: Sequence[_Panels]) -> _Panels:
         """Panels of several turns, in the order of the turns."""
-        order = np.argsort(np.concatenate([part.turn for part in parts]), kind="stable")
-        rows = zip(*(vars(part).values() for part in parts), strict=True)
-        return cls(*(np.concatenate(row, axis=-1)[..., order] for row in rows))
+        rows = zip(*(vars(part).values() for part in parts if part.turn.size), strict=True)
+        # by_panel rounds differently in another order of memory
+        joined = cls(*(np.ascontiguousarray(np.concatenate(row, axis=-1)) for row in rows))
+        return (
+            joined.at(np.argsort(joined.turn, kind="stable")) if (joined.turn[1:] < joined.turn[:-1]).any() else joined
+        )
 
     def put(self, which: np.ndarray, panels: _Panels) -> None:
         """Overwrite the solution of some panels, given by their numbers."""
@@ -298,7 +299,7 @@ class _Panels:
 
     def firsts(self) -> tuple[np.ndarray, np.ndarray]:
         """First panel of every turn, and the number of the turn."""
-        first = np.flatnonzero(np.diff(self.turn, prepend=-1))
+        first = first_panels(self.turn)
         return first, self.turn[first]
 
     def motor_power(self) -> np.ndarray:
@@ -408,15 +409,10 @@ class SteadyTurns:
         """
         self.slope, self.mean = slope, mean
         self.flywheel = np.zeros(len(loads))
-        self._counts = np.array([load.start.size for load in loads])
-        self._start, self._width = (
-            np.concatenate([getattr(load, name) for load in loads]) for name in ("start", "width")
-        )
-        self._torque, self._inertia = (
-            np.concatenate([getattr(load, name) for load in loads], axis=1) for name in ("torque", "inertia")
-        )
+        panels = panels_of(loads, "torque", "inertia")
+        self._load_turn, self._start, self._width, self._torque, self._inertia = panels
+        self._counts = np.bincount(self._load_turn)
         self._mean_torque = np.array([load.mean for load in loads])
-        self._load_turn = np.repeat(np.arange(len(loads)), self._counts)
         self._is_split = np.zeros(len(loads), dtype=bool)  # turns whose U is the energy of the torque about its mean
         none = np.zeros((NODES, 0))
         empty, numbers = none[0], np.zeros(0, dtype=int)
@@ -549,7 +545,7 @@ class SteadyTurns:
         work, torque = work - mean[turn] * (width * x[:, None]), torque - mean[turn]
         largest = np.zeros(self.mean.size)
         largest[at] = np.maximum.reduceat(np.abs(torque).max(axis=0), first)
-        _, ends = _along_turns(np.zeros(turn.size), work[-1], turn)
+        _, ends = _along_turns(np.zeros(turn.size), work[-1], _shifts(turn))
         begins = work[-1] - ends
         power = -width * by_panel(integral, torque)
         power[0] += begins
@@ -580,8 +576,9 @@ class SteadyTurns:
         hardly anything decays.
         """
         _, integrals, _, _ = collocation()
-        which = np.flatnonzero(active[self._panels.turn])
-        panels = self._panels.at(which)
+        which = active[self._panels.turn].nonzero()[0]
+        panels = self._panels.of(active)
+        shifts = _shifts(panels.turn)
         for _ in range(ITERATIONS):
             turn, f, s, b = panels.turn, panels.motor_energy, panels.slope, panels.begin
             k, mean = self.slope[turn], self.mean[turn]
@@ -590,11 +587,11 @@ class SteadyTurns:
             steep, decay, forced, lost = _responses(panels.width, rate, target - s)
             # f at the end less that at the begin, which next to a large f would lose its digits
             gained = np.where(steep, f[-1] - b, panels.width * by_panel(integrals[-1:], s)[0])
-            losses, ends = _along_turns(lost, gained + lost * b + forced[-1], turn)
+            losses, ends = _along_turns(lost, gained + lost * b + forced[-1], shifts)
             begins = _begins(losses, ends, turn)
             step = decay * (begins - b) + forced
             slope = target - rate * step
-            step[:, ~steep] = (begins - b + panels.width * by_panel(integrals, slope - s))[:, ~steep]
+            step = np.where(steep, step, begins - b + panels.width * by_panel(integrals, slope - s))
             panels = replace(panels, motor_energy=f + step, slope=slope, begin=begins)
             first, _ = panels.firsts()
             change = np.maximum.reduceat(np.abs(gain * step).max(axis=0), first)
@@ -602,9 +599,10 @@ class SteadyTurns:
             if rests.any():
                 rests = np.repeat(rests, np.diff(first, append=turn.size))
                 self._panels.put(which[rests], panels.at(rests))
-                which, panels = which[~rests], panels.at(~rests)
-                if not which.size:
+                if rests.all():
                     return
+                which, panels = which[~rests], panels.at(~rests)
+                shifts = _shifts(panels.turn)
         self._panels.put(which, panels)
 
     def _unresolved(self, panels: _Panels, torque: np.ndarray) -> np.ndarray:
@@ -667,28 +665,39 @@ def _responses(width: np.ndarray, rate: np.ndarray, forcing: np.ndarray) -> tupl
     return steep, decay, forced, lost
 
 
-def _along_turns(lost: np.ndarray, gained: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+_Shift = tuple[slice | np.ndarray, slice | np.ndarray]
+
+
+def _shifts(turn: np.ndarray) -> list[_Shift]:
+    """Panels with one, two, four, ... panels before them in their turn (n,), and those so far before."""
+    first = first_panels(turn)
+    number = np.arange(turn.size) - np.repeat(first, np.diff(first, append=turn.size))
+    shifts: list[_Shift] = []
+    reach = 1
+    while reach <= number.max():
+        at = (number >= reach).nonzero()[0]
+        is_single = first.size == 1  # slices are faster
+        shifts.append((slice(reach, None), slice(-reach)) if is_single else (at, at - reach))
+        reach *= 2
+    return shifts
+
+
+def _along_turns(lost: np.ndarray, gained: np.ndarray, shifts: Sequence[_Shift]) -> tuple[np.ndarray, np.ndarray]:
     """Loss and gain from the begin of a turn to the end of every panel (n,), from b -> (1 - lost) b + gained of every panel.
 
     The panels are combined with the one before, then with the two, four, ... before.
     """
     lost, gained = lost.copy(), gained.copy()
-    number = (
-        np.arange(turn.size) - np.flatnonzero(np.diff(turn, prepend=-1))[np.cumsum(np.diff(turn, prepend=-1) != 0) - 1]
-    )
-    reach = 1
-    while reach <= number.max():
-        at = np.flatnonzero(number >= reach)
-        before, loss = at - reach, lost[at]
+    for at, before in shifts:
+        loss = lost[at]
         gained[at] += gained[before] - loss * gained[before]
         lost[at] = lost[before] + (1.0 - lost[before]) * loss
-        reach *= 2
     return lost, gained
 
 
 def _begins(lost: np.ndarray, gained: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """Values at the begins of the panels (n,) that repeat each turn, from loss and gain up to their ends."""
-    first = np.flatnonzero(np.diff(turn, prepend=-1))
+    first = first_panels(turn)
     last = np.append(first[1:], turn.size) - 1
     begin = np.repeat(gained[last] / lost[last], last - first + 1)
     begins = np.empty(turn.size)

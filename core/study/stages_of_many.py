@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ from core.motion.curves import with_all_pieces
 from core.motion.extremes import Extreme, Extremes
 from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import Derivatives, cross, replace_nan
-from core.numerics.lazy import ColumnMap, at_owners, column, part_mapper, repeated_values
+from core.numerics.lazy import ColumnMap, at_owners, column, lazy, part_mapper, repeated_values
 from core.study.block_motions import AngleAboutMiddle, AngleAlongSamples, BlockMotions
 from core.study.extremes import PROFILE_CURVATURES
 from core.study.highest import Search, clenshaw_curtis_nodes, refined_extremes
@@ -168,7 +168,7 @@ class DesignBlock:
 
     # -- values ---------------------------------------------------------------------------------------------
 
-    @cached_property
+    @lazy
     def _parts(self) -> tuple[Any, ...]:
         """Parts with columns, each with the function that takes its columns."""
         mechanism, plan = self.mechanism, self.mechanism.plan
@@ -234,7 +234,7 @@ class DesignBlock:
             q = mechanism.start + mechanism.driver_sign * y.ravel()
             yield designs, y, solve(mechanism.plan, at_driver(np.asarray(q)), Branch(0.0))
 
-    @cached_property
+    @lazy
     def _path(self) -> _Path:
         """Path of the drivers of all designs."""
         size = np.broadcast_to(np.asarray(self.mechanism.plan.size), self.count)[:, None]
@@ -260,7 +260,7 @@ class DesignBlock:
         linkage = self.mechanism.linkage
         return [link.number for link in linkage.links if link.number not in (FRAME_LINK, linkage.driver.link)]
 
-    @cached_property
+    @lazy
     def _angles(self) -> Mapping[int, np.ndarray]:
         """Driven link -> its angle (m, k) [rad] at the positions of ``_path``, without jumps."""
         angles: dict[int, list[np.ndarray]] = {link: [] for link in self._driven_links}
@@ -271,7 +271,7 @@ class DesignBlock:
                     rows.append(near_zero(np.unwrap(turn, axis=1)))
         return {link: np.concatenate(rows) for link, rows in angles.items()}
 
-    @cached_property
+    @lazy
     def _middles(self) -> Mapping[int, np.ndarray]:
         """Link whose angle is counted from the base position -> middle of its swing (m,) [rad]."""
         middles: dict[int, list[np.ndarray]] = {link: [] for link in self.mechanism.angles}
