@@ -260,7 +260,7 @@ def in_background(parent: QWidget, text: str, compute: Callable[[], Result]) -> 
     work, loop = Background(parent), QEventLoop()
     results: list[Any] = []
 
-    def attempt() -> tuple[Result | None, Exception | None]:
+    def outcome() -> tuple[Result | None, Exception | None]:
         try:
             return compute(), None
         except Cancelled:
@@ -279,7 +279,7 @@ def in_background(parent: QWidget, text: str, compute: Callable[[], Result]) -> 
         dialog.show()  # until the job has stopped, for the dialog hides itself
 
     work.result.connect(take)
-    work.start([("", attempt)])
+    work.start([("", outcome)])
     if not work.wait(DIALOG_DELAY_S):
         dialog = QProgressDialog(text, "Cancel", 0, 0, parent)
         dialog.setWindowTitle("KINDYNA")

@@ -83,12 +83,12 @@ def _fields_cutter(kind: Any) -> Callable[[Cut, Any], Any] | None:
         return None
 
     def cut_fields(cut: Cut, value: Any) -> Any:
-        own = vars(value)
-        parts = {name: _cut(cut, own[name]) for name in eager}
-        if not lazy and all(parts[name] is own[name] for name in eager):
+        present = vars(value)
+        parts = {name: _cut(cut, present[name]) for name in eager}
+        if not lazy and all(parts[name] is present[name] for name in eager):
             return value
         result = object.__new__(kind)
-        parts |= {name: own[name] for name in plain} | {name: partial(_cut_lazy, cut, value, name) for name in lazy}
+        parts |= {name: present[name] for name in plain} | {name: partial(_cut_lazy, cut, value, name) for name in lazy}
         vars(result).update(parts)
         return result
 

@@ -96,7 +96,7 @@ class StatusLine(QStatusBar):
         self._long.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._soon = single_shot(self, self._begin_count)
         self._search = Background(self)
-        self._search.result.connect(self._count_found)
+        self._search.result.connect(self._show_count)
         self._is_counted = True
         connect_all(
             (self.messageChanged, self._ask_again),
@@ -221,7 +221,7 @@ class StatusLine(QStatusBar):
         else:
             self.count_findings()
 
-    def _count_found(self, study: Study, _: object) -> None:
+    def _show_count(self, study: Study, _: object) -> None:
         if study is self._session.full_study:
             self.count_findings()
 

@@ -25,7 +25,7 @@ from window_user import Alone, Open, Shown, User, settle
 
 from core.project import load
 from kindyna_gui import dialogs
-from kindyna_gui.background import Worker
+from kindyna_gui.background import PATIENCE, Worker
 from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.look import apply_style
 from kindyna_gui.pictures.app import ensure_app
@@ -92,7 +92,7 @@ def close(users: Iterable[User]) -> None:
 
 
 @pytest.fixture
-def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
+def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch, kept_windows: Kept) -> Iterator[Open]:
     """Opens windows, shown and active; at the end each is closed and gone."""
     users: list[User] = []
     before = set(QApplication.topLevelWidgets())
@@ -123,26 +123,26 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
     )  # of a file that the test has changed or removed
     close(users)
     users.clear()
-    nothing_left(before)
+    nothing_left(before, PATIENCE if kept_windows else 0.0)
 
 
-def nothing_left(before: set[QWidget]) -> None:
-    """Closed windows are gone, with all that they had and did."""
+def nothing_left(before: set[QWidget], patience: float = 0.0) -> None:
+    """Closed windows are gone, with all that they had and did.
+
+    patience   seconds that a window of the module, which is still open, may count its findings
+    """
     # menus stay until Python's next great tidying
     now = (w for w in QApplication.topLevelWidgets() if not isinstance(w, QMenu))
     left = [type(w).__name__ for w in now if w not in before]
     assert left == [], "windows were left behind"
-    assert still_computing() == "", "a closed window goes on computing"
+    assert still_computing(patience) == "", "a closed window goes on computing"
 
 
-WORKING = 5.0  # seconds
-
-
-def still_computing() -> str:
-    """Where the threads are that compute beside a window."""
+def still_computing(patience: float) -> str:
+    """Return where the threads are that compute in the background."""
     for each in threading.enumerate():
-        if isinstance(each, Worker):
-            each.join(WORKING)  # a cancelled search ends at its next checkpoint
+        if isinstance(each, Worker) and patience:
+            each.join(patience)
     frames = sys._current_frames()
     working = [each.ident for each in threading.enumerate() if isinstance(each, Worker)]
     return "\n".join("".join(traceback.format_stack(frames[each])) for each in working if each in frames)

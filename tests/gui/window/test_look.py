@@ -129,6 +129,19 @@ def test_a_change_of_theme_styles_no_widget_again(app: QApplication, user: User)
     assert bright(user.window.grab().toImage()) < 0.1
 
 
+def styled_plots(monkeypatch: pytest.MonkeyPatch) -> list[FixedPlot]:
+    """The plots that are styled from now on, each as often as it is."""
+    styled = []
+    update_style = FixedPlot.update_style
+
+    def counted(plot: FixedPlot) -> None:
+        styled.append(plot)
+        update_style(plot)
+
+    monkeypatch.setattr(FixedPlot, "update_style", counted)
+    return styled
+
+
 def test_a_plot_behind_a_tab_changes_its_theme_when_it_is_shown(
     app: QApplication, user: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -138,14 +151,7 @@ def test_a_plot_behind_a_tab_changes_its_theme_when_it_is_shown(
     hidden, shown = (user.window.view(name) for name in ("velocity", "jerk"))
     assert shown.on_screen()
     assert not hidden.on_screen()
-    styled = []
-    update_style = FixedPlot.update_style
-
-    def counted(plot: FixedPlot) -> None:
-        styled.append(plot)
-        update_style(plot)
-
-    monkeypatch.setattr(FixedPlot, "update_style", counted)
+    styled = styled_plots(monkeypatch)
     for theme in ("light", "dark", "light", "dark"):
         apply_preferences(settings.Preferences(theme=theme), app)
         settle()
@@ -172,14 +178,7 @@ def test_titles_of_plots_that_are_named_once_follow_the_theme(app: QApplication,
 def test_a_floating_view_is_styled_once(app: QApplication, user: User, monkeypatch: pytest.MonkeyPatch) -> None:
     user.window.docks["velocity"].setFloating(True)
     plot = user.see("velocity").findChild(FixedPlot)
-    styled = []
-    update_style = FixedPlot.update_style
-
-    def counted(plot: FixedPlot) -> None:
-        styled.append(plot)
-        update_style(plot)
-
-    monkeypatch.setattr(FixedPlot, "update_style", counted)
+    styled = styled_plots(monkeypatch)
     apply_preferences(DARK, app)
     settle()
     assert styled.count(plot) == 1
