@@ -19,181 +19,12 @@ from core.mechanism.branches import HALF, Branch, bridge
 from core.mechanism.continuation import follow, joined_path
 from core.mechanism.drawn import choose_side, drawn_position
 from core.mechanism.dyads import DyadSolution
+from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan, plan_of
 from core.mechanism.mechanism import LinkageSolution, at_driver, solve
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import once
-
-# -- ranges and zeros of a function of the driver's position ----------------------------------------------------
-
-
-Function = Callable[[np.ndarray], np.ndarray]
-
-_CUTS = 257  # samples in a bracket of a minimum; so many cost little more than a few
-_ROUNDS = 3  # each makes the bracket 128 times narrower
-_NEIGHBOURS = np.array([-3, -2, -1, 1, 2, 3])[:, None]  # samples around the lowest one
-_PARTS = np.linspace(0.0, 1.0, 9)[1:-1, None]  # of a bracket of a change of sign
-_DECADES = 10.0 ** -np.arange(1.0, 17.0)[:, None]
-_DISTANCES = np.concatenate((-_DECADES, _DECADES))  # parts of the bracket, from the zero of the secant
-
-
-def nonnegative_ranges(function: Function, at: np.ndarray, value: np.ndarray) -> list[tuple[float, float]]:
-    """Ranges in which a function is >= 0; NaN counts as negative.
-
-    A gap or a range between two samples is detected where the slopes at the samples indicate it, except next to infinite values.
-
-    Parameters
-    ----------
-    function : callable
-        Values (n,) at driver positions (n,).
-    at : ndarray (n,) [rad or m]
-        Rising samples of the driver position.
-    value : ndarray (n,) [unit of the function]
-        Values of the function there.
-
-    Returns
-    -------
-    list of (float, float)
-        Ends of each range [rad or m].
-    """
-    value = _nan_is_negative(value)
-    for sign in (1.0, -1.0):  # gaps, then ranges between samples
-        at, value = _with_minima(function, at, value, sign)
-    good = value >= 0.0
-    edge = np.flatnonzero(good[1:] != good[:-1])
-    inside = _edges(function, at[[edge, edge + 1]], value[[edge, edge + 1]], good[edge])
-    ends = {int(i): float(x) for i, x in zip(edge, inside, strict=True)}
-    ranges, begin = [], float(at[0]) if good[0] else None
-    for i in edge.tolist():
-        if good[i] and begin is not None:
-            ranges.append((begin, ends[i]))
-            begin = None
-        else:
-            begin = ends[i]
-    if begin is not None:
-        ranges.append((begin, float(at[-1])))
-    return ranges
-
-
-def zero_minima(function: Function, at: np.ndarray, value: np.ndarray, least: float) -> np.ndarray:
-    """Minima at which a function, not negative, falls to zero within a tolerance.
-
-    Near such a minimum the signed square root of the function is smooth, and its interpolant through six samples gives the zero;
-    otherwise the bracket is narrowed.
-
-    Parameters
-    ----------
-    function : callable
-        Values (n,) at driver positions (n,).
-    at : ndarray (n,) [rad or m]
-        Rising samples of the driver position.
-    value : ndarray (n,) [unit of the function]
-        Values of the function there.
-    least : float
-        Tolerance, in the unit of the function.
-
-    Returns
-    -------
-    ndarray (k,) [rad or m]
-    """
-    value = _nan_is_negative(value)
-    around = _may_reach_zero(value, value) + _NEIGHBOURS
-    if around.size and around.min() >= 0 and around.max() < at.size:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            root = np.sign(_NEIGHBOURS) * np.sqrt(value[around])
-            zeros = _at_zero(at[around], root)
-        near = (at[around[2]] < zeros) & (zeros < at[around[3]])
-        if near.all() and (function(zeros) <= least).all():
-            return zeros
-    minima, values = _lowest(function, at, value, 1.0)
-    return minima[values <= least]
-
-
-def _at_zero(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Zeros (k,) of y by x, by Lagrange's polynomial in y through points (m, k)."""
-    differences = y[:, None] - y
-    diagonal = np.arange(len(y))
-    parts = y[:, None] / differences
-    parts[diagonal, diagonal] = 1.0
-    return np.asarray((x * parts.prod(axis=0)).sum(axis=0))
-
-
-def _nan_is_negative(value: np.ndarray) -> np.ndarray:
-    return np.where(np.isnan(value), -np.inf, value)
-
-
-def _with_minima(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-    """The samples together with the minima of sign times the function between them that may be on the other side of zero."""
-    minima, values = _lowest(function, at, value, sign)
-    order = np.argsort(np.concatenate((at, minima)), kind="stable")
-    return np.concatenate((at, minima))[order], np.concatenate((value, values))[order]
-
-
-def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-    """Minima (k,) of sign times the function that may reach zero, and the function there."""
-    middle = _may_reach_zero(value, sign * value)
-    low, high = at[middle - 1], at[middle + 1]
-    if not middle.size:
-        return low, low
-    share = np.linspace(0.0, 1.0, _CUTS)[:, None]
-    rows = np.arange(middle.size)
-    for _ in range(_ROUNDS):
-        x = low + (high - low) * share
-        y = sign * _nan_is_negative(function(x.ravel())).reshape(x.shape)
-        best = y.argmin(axis=0)
-        before, after = np.maximum(best - 1, 0), np.minimum(best + 1, _CUTS - 1)
-        low, high = x[before, rows], x[after, rows]
-    lowest, value = x[best, rows], y[best, rows]
-    corner = _corner(low, y[before, rows], high, y[after, rows])
-    corner_value = sign * _nan_is_negative(function(corner))
-    is_lower = corner_value < value
-    return np.where(is_lower, corner, lowest), sign * np.where(is_lower, corner_value, value)
-
-
-def _may_reach_zero(value: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Indices (k,) of samples of v, ±value (n,), that are lowest among their neighbours, none of them infinite, and may be near 0."""
-    left, middle, right = v[:-2], v[1:-1], v[2:]
-    with np.errstate(invalid="ignore"):
-        steepest = np.maximum(left - middle, right - middle)
-        mask = (middle >= 0.0) & (middle <= left) & (middle <= right) & (middle <= steepest) & np.isfinite(middle)
-        mask &= (value[:-2] < np.inf) & (value[2:] < np.inf)
-    return np.flatnonzero(mask) + 1
-
-
-def _corner(low: np.ndarray, left: np.ndarray, high: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Zero between low and high of a minimum with a corner, two straight lines with the values left and right at the ends.
-
-    The sine of the angle between two guides has such a corner where they become parallel.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        corner = (low * right + high * left) / (left + right)
-    return np.where(np.isfinite(corner) & (low <= corner) & (corner <= high), corner, low)
-
-
-def _edges(function: Function, at: np.ndarray, value: np.ndarray, good: np.ndarray) -> np.ndarray:
-    """At each change of sign in brackets (2, m), the last number (m,) at which the function is >= 0.
-
-    The function is >= 0 at the first end of a bracket where `good`, else at the second. A call costs more than its values, so each
-    bracket is divided at many points at a time: evenly, and closer and closer to the zero of the secant.
-    """
-    at, value = (np.where(good, pair, pair[::-1]) for pair in (at, value))
-    rows = np.arange(good.size)
-    while True:
-        (begin, end), (above, below) = at, value
-        width = end - begin
-        with np.errstate(invalid="ignore", divide="ignore"):
-            part = above / (above - below)
-        part = np.where(np.isfinite(part), part, 0.5)
-        x = begin + width * np.sort(np.clip(np.concatenate((_PARTS + 0.0 * part, part + _DISTANCES)), 0.0, 1.0), axis=0)
-        if not ((x != begin) & (x != end)).any():
-            return begin
-        y = _nan_is_negative(function(x.ravel())).reshape(x.shape)
-        x, y = np.vstack((begin, x, end)), np.vstack((above, y, below))
-        good = y >= 0.0
-        good[0], good[-1] = True, False  # also where rounding changes the ends
-        first = good.argmin(axis=0)  # the first negative one
-        at, value = (np.array([row[first - 1, rows], row[first, rows]]) for row in (x, y))
-
+from core.numerics.ranges import nonnegative_ranges, zero_minima
 
 # -- results ----------------------------------------------------------------------------------------------------
 
@@ -329,7 +160,7 @@ class DriverRanges:
     ranges: tuple[DriverRange, ...]
     changes: tuple[ChangePoint, ...]
     branch: Branch
-    angles: Mapping[int, UnwrappedAngle | _LazyAngle]
+    angles: Mapping[int, _LazyAngle]
     is_periodic: bool = True
     is_swinging: bool = False
     turns: int = 1
@@ -447,7 +278,7 @@ def _ranges(plan: SolutionPlan, low: float, high: float, full_turn: bool, drawn:
             break
     if not ranges:
         return DriverRanges(plan, (), (), branch, MappingProxyType({}))
-    angles, is_periodic = _unwrapped_angles(plan, ranges, sampled)
+    angles, is_periodic = _unwrapped_angles(plan, ranges, branch, sampled)
     inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
     return DriverRanges(plan, tuple(ranges), inside, branch, MappingProxyType(angles), is_periodic)
 
@@ -500,7 +331,10 @@ def _solution_gap(solution: LinkageSolution, index: int, branch: Branch, q: np.n
     """Gap of a dyad in a solution at q (n,); infinite on the bridge over a change point, where the dyad never locks."""
     dyad = solution.steps[index]
     assert isinstance(dyad, DyadSolution)
-    value = np.broadcast_to(dyad.gap, q.shape)
+    return _off_bridges(np.broadcast_to(dyad.gap, q.shape), index, branch, q)
+
+
+def _off_bridges(value: np.ndarray, index: int, branch: Branch, q: np.ndarray) -> np.ndarray:
     for bridge_ in branch.bridges.get(index, ()):
         value = np.where(bridge_.covers(q), np.inf, value)
     return value
@@ -516,6 +350,7 @@ class _Samples:
         self._plan, self._branch, self._length, self._drawn = plan, branch, length, drawn
         self.full_turn = full_turn
         self._solved: dict[Any, tuple[np.ndarray, LinkageSolution]] = {}
+        self._gaps: dict[Any, tuple[np.ndarray, np.ndarray]] = {}
 
     def at(self, r: DriverRange) -> np.ndarray:
         """Positions (n,) from end to end."""
@@ -549,9 +384,13 @@ class _Samples:
         return count
 
     def gaps(self, index: int, r: DriverRange, beyond: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (n,) from end to end, or beyond, and the gap of a dyad there."""
-        q, solution = self.solution(index, r)
-        value, inside = _solution_gap(solution, index, self._branch, q), slice(self.beyond(r), q.size - self.beyond(r))
+        """Positions (n,) from end to end, or beyond, and the gap of a dyad there; its own change points do not change the gap."""
+        key = (index, r.low, r.high)
+        if key not in self._gaps:
+            q, solution = self.solution(index, r)
+            self._gaps[key] = q, _solution_gap(solution, index, self._branch, q)
+        q, value = self._gaps[key]
+        value, inside = _off_bridges(value, index, self._branch, q), slice(self.beyond(r), q.size - self.beyond(r))
         return (q, value) if beyond else (q[inside], value[inside])
 
 
@@ -643,29 +482,35 @@ def _part(r: DriverRange, low: float, high: float, joint: str) -> DriverRange:
 
 
 def _unwrapped_angles(
-    plan: SolutionPlan, ranges: list[DriverRange], sampled: _Samples
-) -> tuple[dict[int, UnwrappedAngle], bool]:
-    """Continuous angle by link, and whether every link returns to its position after the cycle."""
-    parts = [sampled.solution(len(plan.steps) - 1, r) for r in ranges]
-    inside = [slice(sampled.beyond(r), q.size - sampled.beyond(r)) for r, (q, _) in zip(ranges, parts, strict=True)]
-    at = np.concatenate([q[rows] for rows, (q, _) in zip(inside, parts, strict=True)])
+    plan: SolutionPlan, ranges: list[DriverRange], branch: Branch, sampled: _Samples
+) -> tuple[dict[int, _LazyAngle], bool]:
+    """Continuous angle by link, late since few results need it; and whether every link returns to its position after the cycle."""
     is_full = sampled.full_turn and len(ranges) == 1 and ranges[0].is_free
-    angles: dict[int, UnwrappedAngle] = {}
-    is_periodic = True
-    for link in parts[0][1].poses:
-        if link == FRAME_LINK or (link == plan.linkage.driver.link and not plan.is_inner):
-            continue
-        wrapped = [
-            np.array(np.broadcast_to(solution.poses[link].turn[0], q.shape)[rows])
-            for rows, (q, solution) in zip(inside, parts, strict=True)
-        ]
-        angle = np.concatenate([near_zero(np.unwrap(_without_nan(part))) for part in wrapped])
-        angles[link] = _unwrapped_angle(at, angle, rotates=is_full and bool(abs(angle[-1] - angle[0]) > pi))
-        if is_full:
-            turn_error = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
-            z = np.broadcast_to(parts[0][1].poses[link].origin[0], parts[0][0].shape)[inside[0]]
-            is_periodic &= bool(turn_error < 1e-6 and abs(z[-1] - z[0]) < 1e-6 * plan.size)
-    return angles, is_periodic
+    parts = [sampled.at(r) for r in ranges]
+    ends = solve(plan, at_driver(parts[0][[0, -1]]), branch).poses
+    driver = None if plan.is_inner else plan.linkage.driver.link
+    links = [link for link in ends if link not in (FRAME_LINK, driver)]
+
+    @once
+    def unwrapped() -> dict[int, UnwrappedAngle]:
+        solved = [solve(plan, at_driver(q), branch).poses for q in parts]
+        result = {}
+        for link in links:
+            wrapped = [np.broadcast_to(poses[link].turn[0], q.shape) for q, poses in zip(parts, solved, strict=True)]
+            angle = np.concatenate([near_zero(np.unwrap(_without_nan(np.array(part)))) for part in wrapped])
+            rotates = is_full and bool(abs(angle[-1] - angle[0]) > pi)
+            result[link] = _unwrapped_angle(np.concatenate(parts), angle, rotates)
+        return result
+
+    angles = {link: _LazyAngle(unwrapped, link) for link in links}
+    return angles, not is_full or all(_returns(ends[link], plan.size) for link in links)
+
+
+def _returns(pose: Pose, size: float) -> bool:
+    """Whether a pose (2,) at both ends of a full turn is the same."""
+    angle, z = np.broadcast_to(pose.turn[0], 2), np.broadcast_to(pose.origin[0], 2)
+    turn_error = abs(np.remainder(angle[1] - angle[0] + pi, TURN) - pi)
+    return bool(turn_error < 1e-6 and abs(z[1] - z[0]) < 1e-6 * size)
 
 
 def _unwrapped_angle(q: np.ndarray, angle: np.ndarray, rotates: bool) -> UnwrappedAngle:
