@@ -18,7 +18,7 @@ from core.laws import LAWS
 from core.materials import MATERIALS
 from kindyna_gui.labels import SECTION_NAMES, entry_name, sentence
 from kindyna_gui.places import help_text, lesson_files
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import close_by_escape, fill
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _HEADINGS: Mapping[int, tuple[int, float, float]] = MappingProxyType({1: (2, 0.0, 8.0), 2: (1, 14.0, 4.0)})
@@ -209,6 +209,7 @@ class HelpWindow(QWidget):
         self.text.anchorClicked.connect(self._follow)
         self.list.currentItemChanged.connect(lambda item, _: self._show(item.data(Qt.ItemDataRole.UserRole)))
         fill(QHBoxLayout(self), self.list, (self.text, 1), margins=6)
+        close_by_escape(self)
 
     def open(self, name: str, words: str = "") -> None:
         """Show a page in front of all windows, scrolled to these words."""

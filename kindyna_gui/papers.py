@@ -44,7 +44,7 @@ from kindyna_gui.look import coloured, described, scrolled
 from kindyna_gui.pictures.painter import RATIO
 from kindyna_gui.pictures.paper.paper_figures import paper_file
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import STRETCH, fill, widget_with
+from kindyna_gui.rebuilt import STRETCH, close_by_escape, fill, widget_with
 from kindyna_gui.saving import written
 from kindyna_gui.settings import Settings
 
@@ -132,6 +132,7 @@ class FiguresWindow(QWidget):
         self.save_button.clicked.connect(self._save)
         self._fill()
         self._lay_out()
+        close_by_escape(self)
         self._show_words("", CHOOSE)
 
     def _fill(self) -> None:

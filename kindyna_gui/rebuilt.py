@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, QTimer
-from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence, QShortcut
 from PySide6.QtWidgets import QApplication, QFormLayout, QLayout, QMenu, QVBoxLayout, QWidget
 
 AGAIN_MS = 100  # interval of the checks whether a removed part can be deleted
@@ -148,6 +148,11 @@ def connect_all(*rows: tuple[Any, Any]) -> None:
     """Connect each signal to the function, or the other signal, of its row."""
     for signal, slot in rows:
         signal.connect(slot)
+
+
+def close_by_escape(window: QWidget) -> None:
+    """Let Escape close a window that asks nothing."""
+    QShortcut(QKeySequence(Qt.Key.Key_Escape), window).activated.connect(window.close)
 
 
 def single_shot(owner: QObject, action: Callable[[], Any], interval: int = 0) -> QTimer:

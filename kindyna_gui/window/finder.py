@@ -22,7 +22,7 @@ from core.design.fields import USUAL
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.study import findings_of, names_of, quantity
-from core.units import compatible_units
+from core.units import compatible_units, unit_symbol
 from kindyna_gui.forms.form import rows_of
 from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.forms.tables import RowsModel, TableHeading, TableRow
@@ -39,13 +39,15 @@ from kindyna_gui.window.docks import VIEWS
 MOST = 40  # largest number of rows in the list
 WIDTH, ROW, SHOWN = 620, 24, 14  # width of the list and height of a row [pixels]; rows visible without scrolling
 NOTHING = "No match for"
+REFUSED = "Refused"  # kind of a value that a field does not take
 HINT = "Command, field, channel, example, help, finding; base radius 420 sets the field"
 _MOVES = MappingProxyType(
     {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1, Qt.Key.Key_PageUp: -SHOWN, Qt.Key.Key_PageDown: SHOWN}
 )
 BY_WEIGHT, SYMBOL = 0.2, 3.0  # rank added for each weight a field lacks; rank subtracted for a symbol
-FIRST, AFTER_NAMES = -100.0, 10.0  # rank added for a value to set; for a refused one: ``segment 2 span`` is a name
-_AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*([^\W\d_]|[°%\"/]).*|[-+\u2212]?\d+,\d+")
+FIRST, SECOND, AFTER_NAMES = -100.0, -50.0, 10.0
+"""Rank added for a value to set; for one that is refused; for an amount in an unknown unit: ``segment 2 span`` is a name."""
+_AMOUNT = re.compile(r"[-+\u2212]?[\d.,]+\s*((?:[^\W\d_]|[°%\"/]).*)|[-+\u2212]?\d+,\d+")
 _WORD = re.compile(r"[\w°%µ/|∠.+-]+")
 
 
@@ -239,9 +241,12 @@ def splits(text: str) -> Iterator[tuple[list[str], str]]:
         yield _WORD.findall(folded(" ".join(parts[:at]))), " ".join(parts[at:])
 
 
-def is_amount(text: str) -> bool:
-    """Whether a text is a number with any unit, or a number with a comma."""
-    return _AMOUNT.fullmatch(text) is not None and len(text.split()) <= 2
+def rank_of_amount(text: str) -> float | None:
+    """Rank added for a number with a unit, or with a comma, that a field refuses; None where the text is no such number."""
+    match = _AMOUNT.fullmatch(text) if len(text.split()) <= 2 else None
+    if match is None:
+        return None
+    return SECOND if match[1] is None or unit_symbol(match[1]) else AFTER_NAMES
 
 
 def value_in(entry: Entry, text: str) -> Any:
@@ -326,15 +331,16 @@ class Finder(QFrame):
             self.list.selectRow(0)
 
     def _settings(self, text: str, first: int) -> Iterator[tuple[float, int, Match]]:
-        """Fields that a typed value can set, ranked before all matches; those that refuse its unit, after names."""
+        """Fields that a typed value can set, then those that refuse it, ranked before all matches."""
         for words, typed in splits(text):
             for i, match in enumerate(self.all):
                 if match.entry is not None and (cost := rank(match, words)) is not None and cost < 10.0:
-                    setting = self._setting(match, typed)
+                    added, setting = self._setting(match, typed)
                     if setting is not None:
-                        yield cost + (FIRST if setting.kind == "Set" else AFTER_NAMES), first + i, setting
+                        yield cost + added, first + i, setting
 
-    def _setting(self, match: Match, typed: str) -> Match | None:
+    def _setting(self, match: Match, typed: str) -> tuple[float, Match | None]:
+        """Rank to add, and what setting a field to a typed value does; None where the text is no value."""
         assert match.entry is not None
         info, unit = match.entry.info, match.entry.unit
         value = value_in(match.entry, typed)
@@ -343,19 +349,20 @@ class Finder(QFrame):
         shown = value_text(value, unit) if not info.choices else choice_text(str(value))
         if not info.admits(value):
             tip = f"outside its range; allowed: {allowed_text(info, unit)}"
-            return _match("Set", f"{match.title}: {shown} is {tip}", "", tip, match.act)
-        return _match("Set", f"{match.title} to {shown}", match.detail, match.tip, partial(self._set, match, value))
+            return FIRST, _match(REFUSED, f"{match.title}: {shown} is {tip}", "", tip, match.act)
+        act = partial(self._set, match, value)
+        return FIRST, _match("Set", f"{match.title} to {shown}", match.detail, match.tip, act)
 
-    def _refusal(self, match: Match, typed: str) -> Match | None:
+    def _refusal(self, match: Match, typed: str) -> tuple[float, Match | None]:
         """Why a number with a unit, ``420 kg``, cannot be set; None where the text is no such number."""
-        entry = match.entry
-        if entry is None or entry.info.choices or entry.info.flag or not is_amount(typed):
-            return None
+        entry, added = match.entry, rank_of_amount(typed)
+        if entry is None or entry.info.choices or entry.info.flag or added is None:
+            return AFTER_NAMES, None
         units = ", ".join(compatible_units(entry.unit.symbol))
         tip = f"its units are {units}" if units else "it has no unit"
         if "," in typed and value_in(entry, typed.replace(",", ".")) is not None:
             tip = no_number(typed)
-        return _match("Refused", f"{match.title}: {typed} is not a valid value; {tip}", "", tip, match.act)
+        return added, _match(REFUSED, f"{match.title}: {typed} is not a valid value; {tip}", "", tip, match.act)
 
     def _set(self, match: Match, value: Any) -> None:
         session, entry = self._window.session, match.entry
@@ -365,8 +372,13 @@ class Finder(QFrame):
             if session.edit(match.path, value, text):
                 self._window.status.show_message(text)
 
+    def enter(self) -> None:
+        """Act on the selected row, unless it is a refused value, whose reason it states."""
+        if self.shown and self.shown[self.list.currentIndex().row()].kind != REFUSED:
+            self.choose()
+
     def choose(self) -> None:
-        """Act on the selected row."""
+        """Act on the selected row; a refused value shows its field."""
         if self.shown:
             match = self.shown[self.list.currentIndex().row()]
             self.leave()
@@ -390,7 +402,7 @@ class _Line(QLineEdit):
         if key in _MOVES:
             self._finder.move_by(_MOVES[key])
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            self._finder.choose()
+            self._finder.enter()
         elif key == Qt.Key.Key_Escape:
             self._finder.leave()
         else:

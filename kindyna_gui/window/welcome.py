@@ -1,11 +1,12 @@
-"""The welcome page: examples by subject with images, a new design, recent files."""
+"""The welcome page: examples by subject with images, a new design, tutorials, recent files."""
 
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QFontInfo, QImage, QKeySequence, QPalette, QPixmap, QShortcut
+from PySide6.QtGui import QCloseEvent, QFontInfo, QImage, QPalette, QPixmap
 from PySide6.QtWidgets import (
     QCheckBox,
     QFrame,
@@ -26,13 +27,14 @@ from kindyna_gui import dialogs
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import STRETCH, ContentArea, fill
+from kindyna_gui.places import lessons
+from kindyna_gui.rebuilt import STRETCH, ContentArea, close_by_escape, fill
 from kindyna_gui.window.base import Window
 
 THUMB = QSize(132, 96)
 WORDS = 228  # width of the text next to an image [pixels]
 CARD = THUMB.width() + WORDS + 30
-SIDE = 210  # width of the column at the left [pixels]
+SIDE = 250  # width of the column at the left [pixels]
 LARGEST = QSize(SIDE + 3 * CARD + 80, 900)
 FRAME = QSize(60, 70)  # left free around the page on a small screen
 
@@ -108,13 +110,22 @@ class Welcome(QWidget):
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint_next)
         window.session.started.connect(self.close)
-        QShortcut(QKeySequence(Qt.Key.Key_Escape), self).activated.connect(self.close)
+        close_by_escape(self)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Give the keys to the drawing: Space plays."""
+        super().closeEvent(event)
+        drawing: Any = self._window.view("mechanism")
+        if self.isVisible() and drawing is not None:
+            self._window.activateWindow()
+            drawing.canvas.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _side(self) -> QWidget:
         side = QWidget()
         side.setFixedWidth(SIDE)
         self.new_button, self.open_button = QPushButton("&New..."), QPushButton("&Open...")
         self.tour_button = described(QPushButton("&Tour"), tip="The window in five minutes")
+        self.tutorials = [self._tutorial(name, title) for name, title in lessons()]
         self.new_button.setToolTip("Begin a new design with a mechanism chosen from images")
         self.open_button.setToolTip("Open a design file")
         self.new_button.clicked.connect(self._window.designing.new_by_picture)
@@ -126,12 +137,21 @@ class Welcome(QWidget):
             self.open_button,
             self.tour_button,
             12,
+            *self.tutorials,
+            12,
             self.recent,
             STRETCH,
             self.at_start,
             margins=(0, 4, 10, 0),
         )
         return side
+
+    def _tutorial(self, name: str, title: str) -> QPushButton:
+        button = described(QPushButton(f"Tutorial: {title.partition(',')[0]}", flat=True), tip=title)
+        button.setStyleSheet("text-align: left")
+        button.clicked.connect(self.close)
+        button.clicked.connect(partial(self._window.begin_tutorial, name))
+        return button
 
     def _examples(self, columns: int) -> QWidget:
         inside = QWidget(autoFillBackground=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
 from sampled import spread, stressed
-from shiboken6 import delete
+from shiboken6 import delete, isValid
 from window_user import Open, User, plain, settle, wait_for
 
 from kindyna_gui.__main__ import main
@@ -153,3 +153,22 @@ def test_a_mark_goes_with_its_dock_and_the_lesson_stays(open_user: Open) -> None
     settle()
     left = user.window.findChild(TutorialStrip)
     assert left is None or not left.isVisible()
+
+
+@pytest.mark.parametrize("how", ["leave", "another"])
+def test_a_tutorial_ended_while_it_performs_a_step_ends_quietly(how: str, open_user: Open) -> None:
+    user = open_user(size=(1280, 720), whole=True)
+    strip = begin(user, "lift")
+
+    def end() -> None:
+        if how == "leave":
+            strip.end()
+        else:
+            user.window.begin_tutorial("linkage")
+
+    strip.number = 4  # keys and a word after another
+    QTimer.singleShot(0, end)
+    QTest.mouseClick(strip.done, Qt.MouseButton.LeftButton)
+    settle()
+    assert user.faults == []
+    assert not isValid(strip) or not strip.isVisible()

@@ -90,6 +90,8 @@ def test_a_value_that_cannot_be_says_what_is_allowed_and_changes_nothing(user: U
     assert "allowed: above 0" in finder.shown[0].title
     user.press(Qt.Key.Key_Return)
     assert user.steps == []
+    user.press(Qt.Key.Key_Escape)
+    assert not finder.isVisible()
 
 
 @pytest.mark.parametrize(
@@ -115,9 +117,23 @@ def test_a_unit_that_the_field_lacks_gives_one_line_and_sets_nothing(
     assert finder.shown[0].kind == "Refused"
     assert said in finder.shown[0].title
     user.press(Qt.Key.Key_Return)
-    assert not finder.isVisible()
+    assert finder.isVisible()
     assert user.steps == []
+    QTest.mouseClick(
+        finder.list.viewport(), Qt.MouseButton.LeftButton, pos=finder.list.visualRect(finder.rows.index(0, 0)).center()
+    )
+    assert not finder.isVisible()
     wait_for(lambda: user.parameters().field(path).editor.hasFocus())
+
+
+def test_enter_on_a_refused_value_does_not_redo_what_was_undone(user: User) -> None:
+    user.enter("cam.base_radius_mm", "420")
+    user.choose("Edit", f"Undo {user.steps[0]}")
+    finder = find(user, "base radius 420 N")
+    assert [match.kind for match in finder.shown][:1] == ["Refused"]
+    user.press(Qt.Key.Key_Return)
+    assert user.session.stack.index() == 0
+    user.press(Qt.Key.Key_Escape)
 
 
 def test_what_cannot_be_done_now_and_what_is_nothing_is_told_in_a_line(user: User) -> None:

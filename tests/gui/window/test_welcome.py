@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QPushButton
+from PySide6.QtWidgets import QApplication, QPushButton
 from window_user import Open, User, settle, wait_for
 
 from core.design import get
@@ -15,7 +15,8 @@ from core.process import resources
 from core.project import load, recovery
 from core.project.reading_faults import subjects
 from kindyna_gui.files.recovery import recovery_folder
-from kindyna_gui.places import example
+from kindyna_gui.places import example, lessons
+from kindyna_gui.window.tutorial import TutorialStrip
 from kindyna_gui.window.welcome import Card, Welcome
 
 ROWS = [row for _, rows in subjects() for row in rows]
@@ -142,3 +143,39 @@ def test_it_is_not_in_the_way_of_unsaved_work(open_user: Open, monkeypatch: pyte
     monkeypatch.setattr(user.window.recovery, "offer", lambda: True)
     assert not greeted(user)
     assert recovery.find(recovery_folder()) == []
+
+
+def test_after_it_is_closed_the_drawing_has_the_keys(open_user: Open) -> None:
+    user = open_user()
+    assert greeted(user)
+    page = user.window.welcome
+    assert page is not None
+    QTest.keyClick(page, Qt.Key.Key_Escape)
+    assert QTest.qWaitForWindowActive(user.window)
+    assert not page.isVisible()
+    user.press(Qt.Key.Key_Space)
+    assert user.window.player.playing
+
+
+def test_it_offers_every_tutorial(open_user: Open) -> None:
+    user = open_user()
+    assert greeted(user)
+    page = user.window.welcome
+    assert page is not None
+    buttons = [each for each in page.findChildren(QPushButton) if each.text().startswith("Tutorial")]
+    assert [each.toolTip() for each in buttons] == [title for _, title in lessons()]
+    assert all(each.sizeHint().width() <= each.width() for each in buttons)
+    click(buttons[0])
+    assert user.window.findChild(TutorialStrip) is not None
+    assert not page.isVisible()
+
+
+@pytest.mark.parametrize("entry", ["Tour", "Figures of the papers..."])
+def test_escape_closes_windows_that_ask_nothing(open_user: Open, entry: str) -> None:
+    user = open_user()
+    before = set(QApplication.topLevelWidgets())
+    user.choose("Help", entry)
+    (shown,) = (each for each in QApplication.topLevelWidgets() if each not in before and each.isVisible())
+    QTest.keyClick(QApplication.focusWidget() or shown, Qt.Key.Key_Escape)
+    settle()
+    assert not shown.isVisible()
