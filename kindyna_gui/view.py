@@ -262,6 +262,7 @@ class View(ThemedPart):
         self.session, self.player = session, player
         self._stale, self.is_unavailable = True, False
         self._shown: Study | None = None  # the study of the content, or of the reason in its place
+        self._shown_parts: Hashable = None  # of that study, what the content depends on
         self._fault: ReasonPage | None = None
         self._trouble: ReasonPage | None = None
         # shows the results, without the pages for reasons and faults
@@ -281,7 +282,7 @@ class View(ThemedPart):
             (session.drag_ended, self._drag_ended),
             (session.started, self._forget_fault),
             (session.drive_chosen, self._forget_fault),
-            (session.full_design_changed if self.is_design_wide else session.design_changed, self.invalidate),
+            (session.full_design_changed if self.is_design_wide else session.design_changed, self._design_changed),
             (DISPLAY.changed, self.invalidate),
             (player.angle_changed, self._angle_changed),
             (player.playing_changed, self._show_last_angle),
@@ -308,6 +309,10 @@ class View(ThemedPart):
 
     def follow(self, theta: float) -> None:
         """Show this cam angle [rad]."""
+
+    def shown_parts(self, study: Study) -> Hashable:
+        """Return all that the content depends on; an edit that leaves it equal does not refresh the view. None: every edit does."""
+        return None
 
     def preparation(self) -> Callable[[], Any] | None:
         """Return a slow calculation whose results ``refresh`` reads from the caches; None: ``refresh`` is fast.
@@ -427,21 +432,34 @@ class View(ThemedPart):
             else:
                 self.pull()
 
+    def _design_changed(self) -> None:
+        """Refresh the view, unless the change concerns nothing that it shows."""
+        study = self.session.study
+        parts = None if self._stale or self._shown_parts is None else self.shown_parts(study)
+        if parts is None or parts != self._shown_parts:
+            self.invalidate()
+        else:
+            self._shown = study
+            self._catch_up()
+
     def _drag_ended(self) -> None:
         if self.pause_ms and self._stale and self.on_screen():
             self._pause.start(AFTER_DRAG_MS)
 
     def pull(self) -> None:
         """Refresh if the view is out of date."""
+        if not self._stale:
+            self._catch_up()
         if not self._stale or self._fault is not None:
             return
         self._stale, self.is_unavailable = False, False
         self._soon.stop()
         self._preparing.stop()
-        self._shown = self.session.study
+        self._shown, self._shown_parts = self.session.study, None
         try:
             with postponing(self._later):
                 self.refresh(self._shown)
+                self._shown_parts = self.shown_parts(self._shown)
                 self._stack.setCurrentWidget(self.content)
                 self._followed = self.player.theta
                 self.follow(self._followed)

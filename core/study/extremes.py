@@ -64,7 +64,7 @@ def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping
         with study.with_exact_angles(stage):
             return _searched(study, rows)
 
-    extremes: Mapping[str, Extremes] = memory.get(("extremes", stage, only), _key(study, stage, only), compute)
+    extremes: Mapping[str, Extremes] = memory.get(("extremes", stage, only), parts_of(study, stage, only), compute)
     return extremes
 
 
@@ -78,7 +78,7 @@ def search_together(study: Study, requested: Mapping[str, tuple[str, ...]], prep
         _searched(study, rows, prepare)
 
 
-def _key(study: Study, stage: str, names: Container[str]) -> tuple[Hashable, ...]:
+def parts_of(study: Study, stage: str, names: Container[str]) -> tuple[Hashable, ...]:
     """Parts of the design on which the named quantities of a stage depend, all of the stage where none is named."""
 
     def has_any(group: frozenset[str]) -> bool:
@@ -149,7 +149,7 @@ def _searched(
 ) -> dict[str, Extremes]:
     """Extremes of quantities; those that are not cached are searched together, so that a pass costs one solution."""
     with_cusps = {**rows, **_cusp_rows(study, rows)}
-    keys = {name: (("extremes", name), _key(study, row.stage, (name,))) for name, row in with_cusps.items()}
+    keys = {name: (("extremes", name), parts_of(study, row.stage, (name,))) for name, row in with_cusps.items()}
     missing = {name: row for name, row in with_cusps.items() if not memory.has(*keys[name])}
     if missing:
         if prepare is not None:

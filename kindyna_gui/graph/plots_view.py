@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from functools import partial
 from math import degrees, radians
 from types import MappingProxyType
@@ -16,6 +16,7 @@ from core.errors import KindynaError
 from core.motion import degrees as turn_degrees
 from core.motion.extremes import Extremes
 from core.study import Camshaft, Quantity, Study
+from core.study.extremes import parts_of
 from kindyna_gui.documents.pins import Bands, Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot
@@ -203,6 +204,13 @@ class PlotView(PlotsView):
             self.plot.show_message(self.message)
         self.note.show_message("\n".join(filter(None, notes)) if drawn else "")
         self.request_extremes(study)
+
+    def shown_parts(self, study: Study) -> Hashable:
+        drive, quantities = study.design.drive, self.quantities
+        if not self.rows or self.note.text() or self.shows_all_drives or drive.links or self.plot.bands:
+            return None  # a reason, a selection or a band depends on more
+        parts = [parts_of(study, stage, quantities) for stage in self.stages]
+        return self.session.chosen, quantities, drive.limits, study.omega, tuple(parts)
 
     def _pinned(self, drawn: Sequence[Quantity]) -> tuple[Study | None, str]:
         """Study of the pinned variant if it has these quantities; else None and the reason."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import partial
 from math import degrees, radians
 from types import MappingProxyType
@@ -401,6 +401,20 @@ class SegmentsView(MarkedView):
         else:
             self._show_tables()
             self._draw()
+
+    def shown_parts(self, study: Study) -> Hashable:
+        session = self.session
+        if session.incomplete is not None or self._action_refused or self.bands.is_shown or "cam" not in study.stages:
+            return None  # without a cam the figures of a turn depend on the loads
+        design, before = study.design, None if session.before is None else motion_of(session.before)
+        hidden = before is None or before == motion_of(design)
+        return (
+            session.chosen,
+            study.depends_on("motion"),
+            design.drive.limits,
+            design.assumed,
+            None if hidden else before,
+        )
 
     def _show_tables(self) -> None:
         """Show header, table and fields, unless the design has changed again."""

@@ -106,8 +106,11 @@ class TurnCurves:
             The same study evaluated at this angle, for exact values; else those of the nearest sample are shown.
         """
         self._angle = theta
+        is_sample = bool(self._curves) and self._theta[nearest(self._theta, theta)] == theta
         self._exact_values = (
-            None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
+            None
+            if at_angle is None or is_sample
+            else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
         )
         self._show_values()
 

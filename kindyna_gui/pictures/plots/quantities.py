@@ -7,6 +7,7 @@ from contextlib import suppress
 from functools import lru_cache
 from math import isfinite, pi
 from types import MappingProxyType
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -153,6 +154,17 @@ class Curve:
         ]
 
 
+_VALUES: WeakKeyDictionary[Study, dict[str, np.ndarray]] = WeakKeyDictionary()
+
+
+def values_of(study: Study, row: Quantity) -> np.ndarray:
+    """Values of a channel (n,) [its unit], computed once for each study."""
+    known = _VALUES.setdefault(study, {})
+    if row.name not in known:
+        known[row.name] = row.values(study)
+    return known[row.name]
+
+
 def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> list[Curve]:
     """Curves of these channels, those of one family in different shades.
 
@@ -167,7 +179,7 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
         exact = next((curve for curve in curves if curve.channel.name == row.approximates), None)
         nth = family_counts[row.family] = family_counts.get(row.family, -1) + 1
         floor = floor_of(study, row)
-        values = without_noise(row.values(study), floor)
+        values = without_noise(values_of(study, row), floor)
         colour = theme.seen(shade(theme.family(row.family), nth)) if exact is None else exact.colour
         gain = gain_per_turn(study, row.name) / row.unit.factor
         curves.append(Curve(row, values, colour, floor, gain))
@@ -224,7 +236,7 @@ def without_equal_curves(study: Study, rows: Sequence[Quantity]) -> list[Quantit
     """Channels without those that equal an earlier one, such as the motor's torque without a flywheel."""
     result: list[Quantity] = []
     for row in rows:
-        if not any(np.array_equal(row.values(study), earlier.values(study)) for earlier in result):
+        if not any(np.array_equal(values_of(study, row), values_of(study, earlier)) for earlier in result):
             result.append(row)
     return result
 

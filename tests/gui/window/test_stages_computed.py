@@ -1,6 +1,7 @@
 """Stages of views: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
 
 from collections import Counter
+from collections.abc import Callable
 from threading import enumerate as enumerate_threads
 
 import pytest
@@ -10,6 +11,7 @@ from sampled import stressed
 from window_user import Open, User, settle, wait_for
 
 from core.design import Design
+from core.output.channels import channel
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
@@ -20,6 +22,7 @@ from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.quantities import stages_of
+from kindyna_gui.pictures.units import measure
 from kindyna_gui.places import example
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
@@ -147,6 +150,43 @@ def test_an_edit_paints_the_mechanism_once_and_no_reason_again(user: User, app: 
     app.removeEventFilter(paints)
     assert paints.counts["Canvas"] == 2
     assert paints.counts["ReasonPage"] == 0
+
+
+def test_a_key_in_a_field_refreshes_only_the_plots_that_it_changes(
+    open_user: Open, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The motion does not depend on a rod, nor a force on the flywheel; the cursor still has the exact value."""
+    user = open_user(size=(1920, 1080))
+    plots = {name: user.see(name) for name in ("displacement", "contact_force")}
+    user.window.docks["contact_force"].setFloating(True)  # not in front of the other
+    user.see("displacement")
+    plots["motion"] = user.motion()
+    refreshed: list[View] = []
+    for kind in (PlotView, SegmentsView):
+
+        def counted(view: View, study: object, refresh: Callable[[View, object], None] = kind.refresh) -> None:
+            refreshed.append(view)
+            refresh(view, study)
+
+        monkeypatch.setattr(kind, "refresh", counted)
+    for path, changed in (
+        ("follower.rod_mm", {"contact_force"}),
+        ("shaft.flywheel_inertia_kg_m2", set()),
+        ("shaft.speed_rpm", set(plots)),
+        ("limits.pressure_angle_rise_deg", set(plots)),
+    ):
+        user.number(path).setFocus()
+        visible = {name: view for name, view in plots.items() if view.on_screen()}
+        refreshed.clear()
+        user.press(Qt.Key.Key_Up)
+        assert {name for name, view in visible.items() if view in refreshed} == changed & set(visible), path
+        assert all(view.up_to_date for view in visible.values())
+    assert set(visible) == set(plots)
+    user.turn(36.13)
+    exact = channel(user.design, "displacement_mm").values(user.session.at(user.window.player.theta))
+    plot = plots["displacement"]
+    assert isinstance(plot, PlotView)
+    assert plot.plot.readings() == [measure(float(exact[0]), "mm")]
 
 
 @pytest.mark.stress
