@@ -10,7 +10,7 @@ Source: Shin, Kim and Ha 1995, section 4.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
@@ -29,7 +29,7 @@ from core.dynamics.friction import (
     with_infinities,
 )
 from core.dynamics.loading import Friction, Loading
-from core.dynamics.unit_loads import UnitLoads, unit_loads
+from core.dynamics.unit_loads import LoadCase, UnitLoads, unit_loads
 from core.dynamics.walk import Walk, input_loads, input_of
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
@@ -92,6 +92,8 @@ class Forces:
         Pair, or ``CAM_FACE`` -> its share (n,) [W].
     pairs : mapping
         Pair -> force (n,) complex [N] by ``on`` on ``body``, with friction; ``bearing``: by the frame on the camshaft.
+    normals : mapping
+        Pair with friction -> its normal force (n,) [N], along its line + 90°; of a pin its force, complex.
     couples : mapping
         Pair -> couple (n,) [N m] by ``on`` on ``body``: of sliding pairs, of pins with friction, of second drivers.
     jam : ndarray (n,), dimensionless
@@ -114,6 +116,7 @@ class Forces:
     friction_power: Lazy[np.ndarray] = Lazy()
     friction_power_by_pair: Lazy[Mapping[str, np.ndarray]] = Lazy()
     pairs: Lazy[Mapping[str, np.ndarray]] = Lazy()
+    normals: Lazy[Mapping[str, np.ndarray]] = Lazy()
     couples: Lazy[Mapping[str, np.ndarray]] = Lazy()
     jam: Lazy[np.ndarray] = Lazy()
     most_jamming: Lazy[np.ndarray] = Lazy()
@@ -124,30 +127,6 @@ class Forces:
     def signed_contact(self) -> np.ndarray:
         """Contact force (n,) [N] of a cam with two flanks: positive at the first flank, negative at the second."""
         return self.contacts[0].force - self.contacts[1].force
-
-
-class _Case:
-    """One set of loads: the contact force (n,) that balances it if a cam drives, else the effort (n,) of the driver."""
-
-    def __init__(self, walk: Walk, unit_contact: Walk | None) -> None:
-        self.walk, self.unit_contact = walk, unit_contact
-        self.contact = np.zeros(1) if unit_contact is None else -walk.effort / unit_contact.effort
-        self.driver = walk.effort if unit_contact is None else np.zeros(1)
-
-    def reaction(self, name: str) -> np.ndarray:
-        """Force of a pin, or normal force of a slide (n,), from the loads and their contact force."""
-        return self._with_contact(Walk.reaction, name)
-
-    def couple(self, name: str) -> np.ndarray:
-        """Couple of a sliding pair (n,), from the loads and their contact force."""
-        return self._with_contact(Walk.couple, name)
-
-    def _with_contact(self, part: Callable[[Walk, str], np.ndarray | None], name: str) -> np.ndarray:
-        load_share = part(self.walk, name)
-        unit_share = None if self.unit_contact is None else part(self.unit_contact, name)
-        if unit_share is None:
-            return _ZERO if load_share is None else load_share
-        return self.contact * unit_share if load_share is None else load_share + self.contact * unit_share
 
 
 class _Reactions(NamedTuple):
@@ -161,8 +140,8 @@ class _Solution(NamedTuple):
     """Contact force and driver effort, (n,) or (1,), with the friction that belongs to them.
 
     sizes: magnitude of the friction in each pair [N; N m in pins]. The other attributes are functions that compute when called:
-    the work of friction per radian of the shaft [N m], the reactions, the reaction of the guide, the jam factor, and the index of
-    the pair that jams most.
+    the work of friction per radian of the shaft [N m], the reactions, the normal forces of pairs with friction, the reaction of
+    the guide, the jam factor, and the index of the pair that jams most.
     """
 
     contact: np.ndarray
@@ -170,6 +149,7 @@ class _Solution(NamedTuple):
     sizes: dict[str, np.ndarray]
     friction_work: Callable[[], dict[str, np.ndarray]]
     reactions: Callable[[], _Reactions]
+    normals: Callable[[], dict[str, np.ndarray]]
     guide: Callable[[], GuideReaction] | None
     jam: Callable[[], np.ndarray]
     most_jamming: Callable[[], np.ndarray]
@@ -225,8 +205,8 @@ def newton_euler(
     signs = {f.pair: units.slip_signs[f.pair] * np.sign(omega) for f in loading.frictions}
 
     def solve_with(unit_contact: Walk | None) -> _Solution:
-        cases = {f.pair: _Case(units.frictions[f.pair], unit_contact) for f in loading.frictions}
-        return _with_friction(kinematics, loading, _Case(loads_walk, unit_contact), cases, signs)
+        cases = {f.pair: units.friction_case(f.pair, unit_contact) for f in loading.frictions}
+        return _with_friction(kinematics, loading, LoadCase(loads_walk, unit_contact), cases, signs)
 
     solution, flank_forces = _solve_flanks(solve_with, units.contacts)
     torque = _ZERO
@@ -267,6 +247,7 @@ def newton_euler(
     forces = Forces(
         omega=omega,
         pairs=lambda: reactions().pairs,
+        normals=lambda: {name: spread(row, n) for name, row in solution.normals().items()},
         couples=lambda: reactions().couples,
         contact=spread(
             flank_forces[0] - outer[0] if outer else flank_forces[0] if flank_forces else solution.contact, n
@@ -332,8 +313,8 @@ def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
 def _with_friction(
     kinematics: Kinematics,
     loading: Loading,
-    case: _Case,
-    unit_cases: Mapping[str, _Case],
+    case: LoadCase,
+    unit_cases: Mapping[str, LoadCase],
     signs: Mapping[str, np.ndarray],
 ) -> _Solution:
     """Solution for the loads and the friction that their reactions cause."""
@@ -346,6 +327,8 @@ def _with_friction(
         else:
             contact = contact + size * unit_cases[name].contact
 
+    shares = {name: (unit_cases[name], size) for name, size in signed.items()}
+
     def friction_work() -> dict[str, np.ndarray]:
         speed = kinematics.driver_sign * kinematics.motion.displacement[1]
         slips = {name: 1.0 if name == kinematics.driver_name else kinematics.slip(name) for name in signed}
@@ -353,7 +336,11 @@ def _with_friction(
 
     @once
     def reactions() -> _Reactions:
-        return _reactions(kinematics, case, contact, {name: (unit_cases[name], size) for name, size in signed.items()})
+        return _reactions(kinematics, case, contact, shares, kinematics.pairs)
+
+    def normals() -> dict[str, np.ndarray]:  # without the reactions of the other pairs
+        forces = _reactions(kinematics, case, contact, shares, signed).pairs
+        return {name: _normal(kinematics, name, forces[name]) for name in signed}
 
     def guide() -> GuideReaction:
         n, name = kinematics.theta.shape[-1], loading.guide
@@ -364,15 +351,19 @@ def _with_friction(
         return GuideReaction(spread(normal, n), spread(friction, n), jam)
 
     return _Solution(
-        contact, driver, sizes, friction_work, reactions, guide if loading.guide else None, jam, most_jamming
+        contact, driver, sizes, friction_work, reactions, normals, guide if loading.guide else None, jam, most_jamming
     )
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _reactions(
-    kinematics: Kinematics, case: _Case, contact: np.ndarray, signed: Mapping[str, tuple[_Case, np.ndarray]]
+    kinematics: Kinematics,
+    case: LoadCase,
+    contact: np.ndarray,
+    signed: Mapping[str, tuple[LoadCase, np.ndarray]],
+    names: Iterable[str],
 ) -> _Reactions:
-    """Reactions to the loads, to friction of these signed sizes (n,), and to the contact force (n,)."""
+    """Reactions of the named pairs to the loads, to friction of these signed sizes (n,), and to the contact force (n,)."""
     shares = [(size, unit_case.walk) for unit_case, size in signed.values()]
     if case.unit_contact is not None:
         shares.append((contact, case.unit_contact))
@@ -384,7 +375,8 @@ def _reactions(
 
     pairs: dict[str, np.ndarray] = {}
     couples: dict[str, np.ndarray] = {}
-    for name, pair in kinematics.pairs.items():
+    for name in names:
+        pair = kinematics.pairs[name]
         is_pin = pair.kind == REVOLUTE
         for total, value in ((pairs, Walk.reaction), *(() if is_pin else ((couples, Walk.couple),))):
             rows = parts(value, name)
@@ -404,8 +396,8 @@ def _reactions(
 def _sizes(
     kinematics: Kinematics,
     loading: Loading,
-    case: _Case,
-    unit_cases: Mapping[str, _Case],
+    case: LoadCase,
+    unit_cases: Mapping[str, LoadCase],
     signs: Mapping[str, np.ndarray],
 ) -> tuple[dict[str, np.ndarray], Callable[[], np.ndarray], Callable[[], np.ndarray]]:
     """Friction of every pair (n,) [N; N m in pins]; functions of the jam factor and of the pair that jams most (n,).
@@ -446,7 +438,7 @@ def _sizes(
     )
 
 
-def _reaction_parts(friction: Friction, case: _Case) -> list[np.ndarray]:
+def _reaction_parts(friction: Friction, case: LoadCase) -> list[np.ndarray]:
     """Reactions of a pair with friction, (n,) each: the pair's, or those of the two edges of a slide."""
     normal = case.reaction(friction.pair)
     return _edge_forces(normal, case.couple(friction.pair), friction.length) if friction.length else [normal]
@@ -460,6 +452,7 @@ def edge_forces(kinematics: Kinematics, forces: Forces, friction: Friction) -> l
     kinematics : Kinematics
         At n cam angles.
     forces : Forces
+        With or without this friction.
     friction : Friction
 
     Returns
@@ -467,8 +460,11 @@ def edge_forces(kinematics: Kinematics, forces: Forces, friction: Friction) -> l
     list of ndarray (n,) [N]
         Complex for a pin.
     """
-    normal = _normal(kinematics, friction.pair, forces.pairs[friction.pair])
-    return _edge_forces(normal, forces.couples.get(friction.pair, _ZERO), friction.length)
+    normal = forces.normals.get(friction.pair)
+    if normal is None:
+        normal = _normal(kinematics, friction.pair, forces.pairs[friction.pair])
+    couple = forces.couples.get(friction.pair, _ZERO) if friction.length else _ZERO
+    return _edge_forces(normal, couple, friction.length)
 
 
 def _edge_forces(normal: np.ndarray, couple: np.ndarray, length: float) -> list[np.ndarray]:

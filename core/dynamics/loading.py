@@ -54,7 +54,7 @@ from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import Mechanism, body_name
 from core.numerics.derivatives import heading, vector
-from core.numerics.lazy import self_locking
+from core.numerics.lazy import lazy, self_locking
 
 LOAD = "load"
 """Name of the follower's spring and external force among the elements."""
@@ -357,7 +357,7 @@ class Loading:
         """Whether pairs or the cam's face have friction, so that something might jam."""
         return bool(self.frictions or self.contact_friction)
 
-    @property
+    @lazy
     def elements(self) -> tuple[Element, ...]:
         """All active elements."""
         return tuple([element for element in (*self.masses, *self.others) if element.is_active])

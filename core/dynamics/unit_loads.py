@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,35 @@ from core.dynamics.walk import Walk
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.derivatives import negated, replace_nan, spread
-from core.numerics.lazy import self_locking
+from core.numerics.lazy import lazy, self_locking
+
+
+class LoadCase:
+    """One set of loads: the contact force (n,) that balances it if a cam drives, else the effort (n,) of the driver."""
+
+    def __init__(self, walk: Walk, unit_contact: Walk | None) -> None:
+        self.walk, self.unit_contact = walk, unit_contact
+        self.contact = np.zeros(1) if unit_contact is None else -walk.effort / unit_contact.effort
+        self.driver = walk.effort if unit_contact is None else np.zeros(1)
+        self._reactions: dict[str, np.ndarray] = {}
+
+    def reaction(self, name: str) -> np.ndarray:
+        """Force of a pin, or normal force of a slide (n,), from the loads and their contact force; computed once."""
+        reaction = self._reactions.get(name)
+        if reaction is None:
+            reaction = self._reactions[name] = self._with_contact(Walk.reaction, name)
+        return reaction
+
+    def couple(self, name: str) -> np.ndarray:
+        """Couple of a sliding pair (n,), from the loads and their contact force."""
+        return self._with_contact(Walk.couple, name)
+
+    def _with_contact(self, part: Callable[[Walk, str], np.ndarray | None], name: str) -> np.ndarray:
+        load_share = part(self.walk, name)
+        unit_share = None if self.unit_contact is None else part(self.unit_contact, name)
+        if unit_share is None:
+            return np.zeros(1) if load_share is None else load_share
+        return self.contact * unit_share if load_share is None else load_share + self.contact * unit_share
 
 
 @self_locking
@@ -44,6 +72,18 @@ class UnitLoads:
     frictions: Mapping[str, Walk]
     slip_signs: Mapping[str, np.ndarray]
     points: dict[Any, Any]
+
+    def friction_case(self, pair: str, unit_contact: Walk | None) -> LoadCase:
+        """One newton of friction in a pair, balanced by the contact force of a flank, or by the driver where it is None."""
+        key = pair, unit_contact
+        case: LoadCase | None = self._friction_cases.get(key)
+        if case is None:
+            case = self._friction_cases[key] = LoadCase(self.frictions[pair], unit_contact)
+        return case
+
+    @lazy
+    def _friction_cases(self) -> dict[tuple[str, Walk | None], LoadCase]:
+        return {}
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")

@@ -157,11 +157,13 @@ def _refined(
     sides = [(name, sign) for name in sampled for sign in signs]
     if not sides:
         return {}
-    tops = _tops(np.array([sign * np.asarray(sampled[name], dtype=float) for name, sign in sides]), angles)
-    widths = program.ends - program.starts
+    values, bounds = _tops(np.array([sign * np.asarray(sampled[name], dtype=float) for name, sign in sides]), angles)
+    finest = np.minimum(FINEST_RAD, FINEST * (program.ends - program.starts))
+    may_be_highest = bounds >= np.maximum(values.max(axis=1), level)[:, None]
+    may_be_highest &= bounds > -np.inf
     searches = [
-        _Search(name, sign, value, bound, angles, widths, level)
-        for (name, sign), value, bound in zip(sides, *tops, strict=True)
+        _Search(name, sign, value, bound, is_peak.nonzero()[0], angles, finest)
+        for (name, sign), value, bound, is_peak in zip(sides, values, bounds, may_be_highest, strict=True)
     ]
     is_fitted = False
     for _ in range(PASSES):
@@ -171,10 +173,10 @@ def _refined(
         checkpoint()
         parts = [bracket.sample_angles(AT_ONCE // len(search.brackets)) for search, bracket in brackets]
         counts = [part.size for part in parts]
-        values = quantities(Angles(np.concatenate(parts), np.repeat([b.piece for _, b in brackets], counts)))
+        refined = quantities(Angles(np.concatenate(parts), np.repeat([b.piece for _, b in brackets], counts)))
         ends = np.cumsum(counts).tolist()
         rows = [
-            search.sign * np.asarray(values[search.name])[end - theta.size : end]
+            search.sign * np.asarray(refined[search.name])[end - theta.size : end]
             for (search, _), theta, end in zip(brackets, parts, ends, strict=True)
         ]
         vertices: Sequence[Top | None] = [None] * len(rows) if is_fitted else _smooth_tops(np.array(rows))
@@ -318,20 +320,20 @@ def _in_chebyshev(values: np.ndarray) -> np.ndarray:
 
 def _newton(f: np.ndarray, slope: np.ndarray, g: np.ufunc, g_slope: np.ufunc, start: np.ndarray) -> np.ndarray:
     """Zeros (b,) of Σ f_k g(kφ) near a start; its derivative is Σ slope_k g_slope(kφ); f, slope: (b, DEGREE + 1)."""
-    phi, half_width = start, np.pi / DEGREE
+    phi, low, high = start, start - np.pi / DEGREE, start + np.pi / DEGREE
     for _ in range(NEWTON):
         arguments = _ORDER * phi[:, None]
         derivative = (slope * g_slope(arguments)).sum(axis=1)
         is_finite = derivative != 0.0
         step = np.where(is_finite, (f * g(arguments)).sum(axis=1) / np.where(is_finite, derivative, 1.0), 0.0)
-        phi = np.clip(phi - step, start - half_width, start + half_width)
+        phi = np.minimum(np.maximum(phi - step, low), high)
     return phi
 
 
 def _tops(value: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
     """Samples (q, n) with NaN as -inf; and an upper bound around each local maximum within its piece, else -inf."""
     value = np.where(np.isnan(value), -np.inf, value)
-    same_piece = np.diff(angles.piece) == 0
+    same_piece = angles.piece[1:] == angles.piece[:-1]
     left, right = np.full_like(value, -np.inf), np.full_like(value, -np.inf)
     left[:, 1:], right[:, :-1] = (
         np.where(same_piece, value[:, :-1], -np.inf),
@@ -352,8 +354,9 @@ def _room(theta: np.ndarray, value: np.ndarray, left: np.ndarray, right: np.ndar
     is eight times as large. Where the neighbour on one side is farther away, the slope of the other side is
     extrapolated.
     """
-    gap = np.diff(theta, prepend=theta[-1], append=theta[0])
-    second_right, second_left = np.roll(right, -1, axis=-1), np.roll(left, 1, axis=-1)  # two samples away
+    gap = np.concatenate((theta[:1] - theta[-1:], theta[1:] - theta[:-1], theta[:1] - theta[-1:]))
+    second_right = np.concatenate((right[:, 1:], right[:, :1]), axis=1)  # two samples away
+    second_left = np.concatenate((left[:, -1:], left[:, :-1]), axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):  # inf - inf: no refinement
         ratio = gap[1:] / gap[:-1]
         inside = np.maximum((value - left) * np.maximum(ratio, 1.0), (value - right) * np.maximum(1.0 / ratio, 1.0))
@@ -371,24 +374,21 @@ class _Search:
         sign: float,
         value: np.ndarray,
         bound: np.ndarray,
+        peaks: np.ndarray,
         angles: Angles,
-        widths: np.ndarray,
-        level: float,
+        finest: np.ndarray,
     ) -> None:
         self.name, self.sign = name, sign
-        top, last = int(np.argmax(value)), value.size - 1
+        top, last = int(value.argmax()), value.size - 1
         self.sampled = Extreme(float(value[top]), float(angles.theta[top]))
-        peaks = np.flatnonzero((bound >= max(self.sampled.value, level)) & (bound > -np.inf))
         self.brackets = []
-        for i in peaks[np.argsort(-bound[peaks], kind="stable")][:CANDIDATES].tolist():
+        for i in peaks[(-bound[peaks]).argsort(kind="stable")][:CANDIDATES].tolist():
             piece = int(angles.piece[i])
             has_left = i > 0 and angles.piece[i - 1] == piece and value[i - 1] > -np.inf
             has_right = i < last and angles.piece[i + 1] == piece and value[i + 1] > -np.inf
             left, right = angles.theta[i - has_left], angles.theta[i + has_right]
-            finest = min(FINEST_RAD, FINEST * float(widths[piece]))
-            self.brackets.append(
-                _Bracket(float(left), float(right), piece, float(angles.theta[i]), float(value[i]), finest)
-            )
+            theta, height, least = float(angles.theta[i]), float(value[i]), float(finest[piece])
+            self.brackets.append(_Bracket(float(left), float(right), piece, theta, height, least))
         self._all = list(self.brackets)
         self._value, self._theta, self._piece = value, angles.theta, angles.piece
 
@@ -397,6 +397,8 @@ class _Search:
 
     def drop_hopeless(self) -> None:
         """Remove brackets that are narrow enough, or cannot reach the highest value."""
+        if not self.brackets:
+            return
         top = self._highest()
         self.brackets = [b for b in self.brackets if b.is_wide() and b.value + b.room >= top]
 
@@ -407,7 +409,7 @@ class _Search:
         if self.sampled.value < top - slack:
             theta, value = min((b.theta, b.value) for b in self._all if b.value >= top - slack)
             return Extreme(self.sign * value, theta % (2.0 * pi))
-        first, representative = self._plateaus(np.flatnonzero(self._value >= top - slack))
+        first, representative = self._plateaus((self._value >= top - slack).nonzero()[0])
         candidates = list(zip(self._theta[representative].tolist(), self._value[representative].tolist(), strict=True))
         if not candidates and self.sampled.value >= top - slack:
             candidates.append((self.sampled.theta, self.sampled.value))
@@ -427,8 +429,9 @@ class _Search:
         """
         if ties.size < 2:
             return ties[:0], ties[:0]
-        cuts = np.flatnonzero((np.diff(ties) > 1) | (np.diff(self._piece[ties]) != 0)) + 1
-        first, last = ties[np.append(0, cuts)], ties[np.append(cuts - 1, ties.size - 1)]
+        piece = self._piece[ties]
+        is_cut = ((ties[1:] - ties[:-1] > 1) | (piece[1:] != piece[:-1])).nonzero()[0]
+        first, last = ties[np.concatenate(([0], is_cut + 1))], ties[np.concatenate((is_cut, [ties.size - 1]))]
         is_run = last > first
         first, last = first[is_run], last[is_run]
         piece = self._piece[first]  # ascending

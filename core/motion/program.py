@@ -296,7 +296,8 @@ class CompiledMotion:
         last = np.flatnonzero(np.diff(segment, axis=1, append=-1))
 
         def at_next(rows: np.ndarray) -> np.ndarray:
-            return np.roll(rows.reshape(*rows.shape[:-1], turns, -1), -1, axis=-1).reshape(rows.shape)
+            of_turns = rows.reshape(*rows.shape[:-1], turns, -1)
+            return np.concatenate((of_turns[..., 1:], of_turns[..., :1]), axis=-1).reshape(rows.shape)
 
         pieces, ends = np.array([first, last]), np.array([self.starts[first], self.ends[last]])
         first_motion = slice(first.size // self._copies)  # the motions share their curves

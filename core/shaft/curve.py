@@ -18,7 +18,6 @@ from core.frozen import frozen
 from core.motion import TURN, Angles, CompiledMotion
 from core.motion.extremes import Extreme, Extremes, crossings
 from core.motion.program import CLOSEST, ShaftPosition
-from core.numerics.derivatives import distinct
 from core.numerics.roots import gauss_legendre
 
 # -- load curve -------------------------------------------------------------------------------------------------
@@ -184,16 +183,29 @@ def panel_angles(
     angles : Angles
         The nodes, (m NODES,).
     """
-    is_rest = np.broadcast_to(getattr(program, "velocity_signs", 1.0), program.starts.shape) == 0.0
-    edges = []
-    for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
-        longest, least = size[2:] if is_rest[i] else size[:2]
-        even = np.linspace(a, b, max(least, int(np.ceil((b - a) / longest))) + 1)
-        edges.append(even if cuts is None else distinct(np.append(even, cuts.theta[cuts.piece == i])))
-    start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
+    starts, ends = program.starts, program.ends
+    is_rest = getattr(program, "velocity_signs", 1.0) == np.zeros(starts.size)
+    longest = np.where(is_rest, size.longest_at_rest, size.longest)
+    counts = np.maximum(np.where(is_rest, size.least_at_rest, size.least), np.ceil((ends - starts) / longest)).astype(
+        int
+    )
+    piece = np.repeat(np.arange(counts.size), counts)
+    number = np.arange(piece.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    start = number * ((ends - starts) / counts)[piece] + starts[piece]
+    if cuts is not None:
+        start, piece = np.concatenate((start, cuts.theta)), np.concatenate((piece, cuts.piece))
+        order = np.lexsort((start, piece))
+        start, piece = start[order], piece[order]
+        is_new = np.ones(start.size, dtype=bool)
+        is_new[1:] = (start[1:] != start[:-1]) | (piece[1:] != piece[:-1])
+        is_new &= start < ends[piece]
+        start, piece = start[is_new], piece[is_new]
+    end = np.append(start[1:], TURN)
+    is_last = np.append(piece[1:] != piece[:-1], True)
+    width = np.where(is_last, ends[piece], end) - start
     x, _ = nodes()
     theta = start[:, None] + width[:, None] * x
-    return start, width, Angles(theta.ravel(), np.repeat(np.arange(len(edges)), [(e.size - 1) * NODES for e in edges]))
+    return start, width, Angles(theta.ravel(), np.repeat(piece, NODES))
 
 
 @lru_cache(maxsize=32)

@@ -600,19 +600,20 @@ def _rows_of(names: tuple[str, ...], stage: str | None) -> Mapping[str, Quantity
 @lru_cache(maxsize=64)
 def names_of(design: Design) -> tuple[str, ...]:
     """Names of all quantities of a design, in the order of stages and tables."""
-    kind, needs = design.drive.kind, _Needs(design)
-    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and needs[row.needs]]
-    rows += [(row.stage, row.name.format(member)) for sort, member in members(design) for row in OF_MEMBERS[sort]]
+    kind = design.drive.kind
+    needs = tuple([need for need in _needs_of(kind) if NEEDS[need](design)])
+    return _names(kind, needs, tuple(members(design)))
+
+
+@lru_cache(maxsize=64)
+def _names(kind: str, needs: tuple[str, ...], members: tuple[tuple[str, str], ...]) -> tuple[str, ...]:
+    """Names of all quantities of the designs of a kind that meet these needs and have these members, whatever their numbers."""
+    rows = [(row.stage, row.name) for row in _ROWS if kind in row.kinds and row.needs in needs]
+    rows += [(row.stage, row.name.format(member)) for sort, member in members for row in OF_MEMBERS[sort]]
     return tuple(name for stage in TABLES for row_stage, name in rows if row_stage == stage)
 
 
-class _Needs(dict[str, bool]):
-    """Rows of ``NEEDS`` that a design meets, each evaluated once."""
-
-    def __init__(self, design: Design) -> None:
-        super().__init__()
-        self._design = design
-
-    def __missing__(self, need: str) -> bool:
-        self[need] = is_met = NEEDS[need](self._design)
-        return is_met
+@lru_cache(maxsize=64)
+def _needs_of(kind: str) -> tuple[str, ...]:
+    """Rows of ``NEEDS`` that the quantities of a kind of design have."""
+    return tuple(dict.fromkeys(row.needs for row in _ROWS if kind in row.kinds))
