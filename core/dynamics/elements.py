@@ -154,12 +154,13 @@ class Mass(Element):
         """Force m(g - a) at the centre of mass and couple -I α̈."""
         pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.fixed_point(part.centre), pose.turn
-        zero = not rate.speed and not rate.acceleration
-        force = (
-            spread(np.atleast_1d(part.mass * self.gravity), kinematics.theta.shape[-1])
-            if zero
-            else part.mass * self.gravity - rate.second(z, part.mass)
-        )
+        zero, weight = not rate.speed and not rate.acceleration, part.mass * self.gravity
+        if zero:
+            force = spread(np.atleast_1d(weight), kinematics.theta.shape[-1])
+        else:
+            inertia = rate.second(z, part.mass)
+            # with many designs the weight is a column, which may have more values
+            force = np.subtract(weight, inertia, out=inertia if isinstance(weight, complex) else None)
         couple = rate.second(a, -part.about_centre) if part.about_centre and not zero else 0.0
         yield Load(self.body, z[0], force, couple)
 

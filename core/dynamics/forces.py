@@ -219,9 +219,7 @@ def newton_euler(
         ]
     )
     if shape is not None:
-        moments = [
-            force * cross(contact.at, contact.direction) for force, contact in zip(flank_forces, contacts, strict=True)
-        ]
+        moments = [force * arm for force, arm in zip(flank_forces, units.torque_arms, strict=True)]
         torque = np.asarray(-shape.rotation_sign * sum(moments[1:], moments[0]))
         if not cam_friction:  # in a dwell the power is 0, but for rounding
             torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)

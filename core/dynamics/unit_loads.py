@@ -13,7 +13,7 @@ from core.dynamics.friction import JAMMED, JAMS
 from core.dynamics.walk import Walk
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
-from core.numerics.derivatives import negated, replace_nan, spread
+from core.numerics.derivatives import cross, negated, replace_nan, spread
 from core.numerics.lazy import lazy, self_locking
 
 
@@ -54,6 +54,8 @@ class UnitLoads:
     ----------
     contacts : tuple of Walk
         For each flank: reactions to one newton of contact force.
+    contact_points : tuple of ndarray (n,) complex [m]
+        For each flank: point of contact C in the global frame.
     directions : tuple of ndarray (n,) complex, dimensionless
         For each flank: force on the cam per newton of contact, n + μ v̂ (normal and friction of a sliding face).
     contact_jam : ndarray (n,), dimensionless
@@ -67,6 +69,7 @@ class UnitLoads:
     """
 
     contacts: tuple[Walk, ...]
+    contact_points: tuple[np.ndarray, ...]
     directions: tuple[np.ndarray, ...]
     contact_jam: np.ndarray
     frictions: Mapping[str, Walk]
@@ -80,6 +83,11 @@ class UnitLoads:
         if case is None:
             case = self._friction_cases[key] = LoadCase(self.frictions[pair], unit_contact)
         return case
+
+    @lazy
+    def torque_arms(self) -> tuple[np.ndarray, ...]:
+        """For each flank: moment about the cam centre per newton of contact, C × (n + μ v̂) (n,) [m]."""
+        return tuple([cross(at, direction) for at, direction in zip(self.contact_points, self.directions, strict=True)])
 
     @lazy
     def _friction_cases(self) -> dict[tuple[str, Walk | None], LoadCase]:
@@ -126,6 +134,7 @@ def unit_loads(
             contacts[0].effort = np.where(jams, frictionless / JAMMED, contacts[0].effort)
     return UnitLoads(
         contacts,
+        tuple([flank.contact for flank in flanks]),
         directions,
         contact_jam,
         {pair: Walk(kinematics, unit_friction(kinematics, pair), points) for pair in pairs},
