@@ -8,6 +8,7 @@ and the problem is solved again, until no peak of the solution exceeds t or a li
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,14 @@ import numpy as np
 from core.design import Design, get
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.motion import Angles
+from core.numerics.lazy import checkpoint
 from core.study import many
 from core.study.batch import design_block, is_batchable
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.quantity_requests import QuantityRequest, quantity_request
 from core.study.stages_of_many import DesignBlock
+from core.varying.in_step import Ask, in_step
 from core.varying.request import Goal, StudyOfMany, StudyQuantity
 from core.varying.space import Axis, constant_column
 from core.varying.tolerances import bounds_of
@@ -28,7 +32,12 @@ from core.varying.tolerances import bounds_of
 
 
 MAX_STEPS = 30  # of SLSQP in a round
+TOLERANCE = 1e-9  # of the bounds: a step of SLSQP, or a round, that moves less is the last
 FINE, COARSE = 1e-13, 1e-4  # accuracy of SLSQP: of rounds that end the search, and of rounds far from the solution
+
+
+class _NoProgress(Exception):
+    """A step of SLSQP moves so little that the rounding of the slopes stops it, after a long line search each."""
 
 
 def epigraph(
@@ -40,7 +49,7 @@ def epigraph(
     Parameters
     ----------
     rows : callable
-        Point (k,) -> values f (c,) and slopes (c, k) [unit of f].
+        Point (k,) -> values f (c,) and slopes (c, k) [unit of f]; called several times with the same point.
     bound : ndarray (c,) [unit of f]
         Bounds b; NaN for the functions whose largest is minimised.
     scale : ndarray (c,) [unit of f]
@@ -64,37 +73,39 @@ def epigraph(
     from scipy.optimize import minimize
 
     k, is_goal = start.size, np.isnan(bound)
-    memory: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
-
-    def cached_rows(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        key = z[:k].tobytes()
-        if key not in memory:
-            memory[key] = rows(z[:k])
-        return memory[key]
-
-    value, slope = cached_rows(start)
+    value, slope = rows(start)
     if not np.isfinite(value).all():
         return start
     size = max(float(np.abs(value[is_goal]).max()), float(np.abs(slope[is_goal] * (high - low)).max())) or 1.0
     scale = np.where(is_goal, size, scale)
 
     def constraints(z: np.ndarray) -> np.ndarray:
-        value, _ = cached_rows(z)
+        value, _ = rows(z[:k])
         margin = np.where(is_goal, z[k] - value / scale, (bound - value) / scale - inset)
         return np.where(np.isfinite(margin), margin, -1e2)
 
     def jacobian(z: np.ndarray) -> np.ndarray:
-        slopes = np.hstack([-cached_rows(z)[1] / scale[:, None], is_goal[:, None].astype(float)])
+        slopes = np.hstack([-rows(z[:k])[1] / scale[:, None], is_goal[:, None].astype(float)])
         return np.where(np.isfinite(slopes), slopes, 0.0)
 
+    iterates = [start]
+
+    def check(z: np.ndarray) -> None:
+        iterates.append(z[:k])
+        if (np.abs(iterates[-1] - iterates[-2]) <= TOLERANCE * (high - low)).all():
+            raise _NoProgress
+
     t, gradient = float((value / scale)[is_goal].max()), np.append(np.zeros(k), 1.0)
-    result = minimize(
-        lambda z: float(z[k]), np.append(start, t), jac=lambda z: gradient, method="SLSQP",
-        bounds=[*zip(low, high, strict=True), (None, None)],
-        constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MAX_STEPS, "ftol": accuracy},
-    )  # fmt: skip
-    solution = np.clip(result.x[:k], low, high)
-    return solution if np.isfinite(solution).all() and np.isfinite(cached_rows(solution)[0]).all() else start
+    try:
+        point = minimize(
+            lambda z: float(z[k]), np.append(start, t), jac=lambda z: gradient, method="SLSQP", callback=check,
+            bounds=[*zip(low, high, strict=True), (None, None)],
+            constraints=[{"type": "ineq", "fun": constraints, "jac": jacobian}], options={"maxiter": MAX_STEPS, "ftol": accuracy},
+        ).x[:k]  # fmt: skip
+    except _NoProgress:
+        point = iterates[-1]
+    solution = np.clip(point, low, high)
+    return solution if np.isfinite(solution).all() and np.isfinite(rows(solution)[0]).all() else start
 
 
 # -- search from a single start ---------------------------------------------------------------------------------
@@ -108,7 +119,6 @@ TRUST_FACTOR, MIN_TRUST = (
     0.1,
     1e-3,
 )  # reduction where a round makes no progress, as at the edge of the buildable designs
-TOLERANCE = 1e-9  # of the bounds: a round that moves less is the last
 SLIGHT_EXCESS = 1e-5  # of a limit: a smaller excess is removed by a larger inset
 INSET = 1e-9  # of a limit: solutions keep it by this margin
 NEAR_TOP = 0.3  # of the range of a quantity: lower peaks are left out
@@ -152,9 +162,48 @@ class Term:
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(np.isinf(value), 1.0 / self.radius, value / (1.0 + value * self.radius))
 
+    def original(self, value: Any) -> Any:
+        """The value of which ``smoothed`` returns this one."""
+        return value / (1.0 - value * self.radius) if value * self.radius < 1.0 else np.inf
+
 
 Peaks = dict[int, list[tuple[float, int, float]]]
 """Number of a term with peaks -> its peaks: cam angle [rad], piece, sign."""
+
+
+@frozen(eq=False)
+class Samples:
+    """Question: quantities of terms, each at its own angles, of some designs.
+
+    Attributes
+    ----------
+    u : ndarray (k, m), dimensionless
+        Coordinates of the designs.
+    angles : sequence of (theta, piece)
+        Cam angles (n,) [rad] and pieces (n,) of every term.
+    terms : sequence of Term
+    """
+
+    u: np.ndarray
+    angles: Sequence[tuple[np.ndarray, np.ndarray]]
+    terms: Sequence[Term]
+
+
+@frozen(eq=False)
+class Figures:
+    """Question: figures of terms over the turn, of designs u (k, m)."""
+
+    u: np.ndarray
+    terms: Sequence[Term]
+
+
+@frozen(eq=False)
+class Arrival:
+    """Question: whether another search was at the coordinates u (k,) before this one, ``goal`` being the value there."""
+
+    number: int
+    u: np.ndarray
+    goal: float
 
 
 class _PeakSearch:
@@ -189,10 +238,11 @@ class Descent:
 
     def __init__(
         self, study: StudyOfMany, design: Design, words: Mapping[str, Any], numbers: Sequence[Axis],
-        margins: Mapping[str, float], progress: ProgressCallback | None, starts: int,
+        margins: Mapping[str, float], progress: ProgressCallback | None, starts: int, start_count: int = 0,
     ) -> None:  # fmt: skip
         self.study, self.design, self.words, self.progress, self.max_starts = study, design, words, progress, starts
-        self._start_count = 0
+        self.start_count = start_count
+        self._places: list[tuple[int, np.ndarray]] = []  # number of a search, and where it was
         self.paths = tuple(axis.field for axis in numbers)
         ends = [(min(axis.listed), max(axis.listed)) if axis.listed else (axis.low, axis.high) for axis in numbers]
         self.low, self.high = (np.array([end[i] for end in ends], dtype=float) for i in (0, 1))
@@ -245,11 +295,7 @@ class Descent:
         good : ndarray (m,), dimensionless
             Mask of designs that can be built.
         """
-        keys = list(dict.fromkeys(term.row.key for term in [*self.terms, *self.goals]))
-        numbers = dict(zip(self.paths, self._numbers(u), strict=True)) or constant_column(self.design, u.shape[1])
-        results = many(self.design, numbers, keys, polish=polish)
-        rows = np.array([term.side * results.value[term.row.key] for term in [*self.terms, *self.goals]])
-        return rows, np.asarray(results.reason == "")
+        return self._figures([Figures(u, [*self.terms, *self.goals])], polish)[0]
 
     def excess(self, rows: np.ndarray, good: np.ndarray) -> np.ndarray:
         """Greatest excess over the limits, as a part of the limit.
@@ -268,62 +314,285 @@ class Descent:
         over = np.zeros(rows.shape[1])
         for term, row in zip(self.terms, rows, strict=False):
             assert term.bound is not None, "a limit"
-            excess = (term.smoothed(term.side * row) * term.side - self._smoothed_bound(term)) / self._scale(term)
+            excess = (term.smoothed(term.side * row) * term.side - self.smoothed_bound(term)) / self.scale(term)
             over = np.maximum(over, excess)
         over = np.where(np.isfinite(rows[len(self.terms) :]).all(axis=0), over, np.inf)
         return np.where(good & np.isfinite(over), over, np.where(np.isfinite(over), 1e3 + over, np.inf))
 
-    def _smoothed_bound(self, term: Term) -> float:
+    def smoothed_bound(self, term: Term) -> float:
+        """``side`` times the bound of a limit, in the form without poles."""
         assert term.bound is not None, "a limit"
         return float(term.side * term.smoothed(term.side * term.bound))
 
-    def _scale(self, term: Term) -> float:
-        return abs(self._smoothed_bound(term)) or 1.0
+    def scale(self, term: Term) -> float:
+        """Size of the bound of a limit."""
+        return abs(self.smoothed_bound(term)) or 1.0
+
+    # -- answers to the questions of searches -------------------------------------------------------------
 
     def _block(self, u: np.ndarray) -> DesignBlock:
         """Block of the designs u (k, m)."""
         return design_block(self.design, self.paths, self._numbers(u))
 
-    def _at(
-        self, block: DesignBlock, angles: Sequence[tuple[np.ndarray, np.ndarray]], terms: Sequence[Term]
-    ) -> list[np.ndarray]:
-        """Quantities of terms (m, n), each at its angles (theta, piece), of m designs; NaN where a design fails."""
-        theta, piece = (np.concatenate([at[i] for at in angles]) for i in (0, 1))
-        n, m = theta.size, block.count
-        owner = np.repeat(np.arange(m), n)
-        names = list(dict.fromkeys(term.request.name for term in terms))
-        state = block.state(np.tile(theta, m), np.tile(piece, m), owner)
-        values = block.values(names, state, owner)
-        failed = block.failed_at("dynamics" if any(_needs_forces(term) for term in terms) else "cam")
-        rows, first = [], 0
-        for term, (at, _) in zip(terms, angles, strict=True):
-            row = values[term.request.name].reshape(m, n)[:, first : first + at.size] / term.request.unit
-            rows.append(np.where(failed[:, None], np.nan, row))
-            first += at.size
-        return rows
+    @cached_property
+    def nodes(self) -> Angles:
+        """Cam angles (n,) over the turn that bracket the peaks of every design."""
+        return clenshaw_curtis_nodes(self._block(np.full((len(self.paths), 1), 0.5)).program)[0]
 
-    def peaks(self, u: np.ndarray, terms: Sequence[Term]) -> list[list[tuple[float, int, float]]]:
-        """Highest peaks of every term over the turn of a design.
+    def answers(self, questions: Mapping[int, Any]) -> Mapping[int, Any]:
+        """Answers by number of the search: to all arrivals, which decide who goes on; where there is none, to all others."""
+        checkpoint()
+        arrivals = {number: q for number, q in questions.items() if type(q) is Arrival}
+        if arrivals:
+            return dict(zip(arrivals, self._arrivals(list(arrivals.values())), strict=True))
+        result: dict[int, Any] = {}
+        for kind, function in ((Samples, self._samples), (Figures, self._figures)):
+            which: Any = {number: q for number, q in questions.items() if type(q) is kind}
+            result |= dict(zip(which, function(list(which.values())) if which else (), strict=True))
+        return result
+
+    def _arrivals(self, arrivals: Sequence[Arrival]) -> list[int | None]:
+        """Report intermediate designs, and return the number of another search that was there before."""
+        result: list[int | None] = []
+        for at in arrivals:
+            if self.progress is not None:
+                self.progress(self._fields(at.u), at.goal, self.start_count + at.number + 1)
+            other = next((n for n, u in self._places if n != at.number and np.abs(u - at.u).max() < SAME_PLACE), None)
+            if other is None:
+                self._places.append((at.number, at.u))
+            else:
+                self._places = [place for place in self._places if place[0] != at.number]
+            result.append(other)
+        return result
+
+    def _samples(self, questions: Sequence[Samples]) -> list[list[np.ndarray]]:
+        """Quantities of the terms of every question (m, n); NaN where a design fails."""
+        try:
+            return self._joint_samples(questions)
+        except (ValueError, KindynaError):
+            if len(questions) > 1:
+                return [self._samples([question])[0] for question in questions]
+            return [[np.full((q.u.shape[1], theta.size), np.nan) for theta, _ in q.angles] for q in questions]
+
+    def _joint_samples(self, questions: Sequence[Samples]) -> list[list[np.ndarray]]:
+        rows, first = [], 0
+        for q in questions:
+            m, (theta, piece) = q.u.shape[1], (np.concatenate(row) for row in zip(*q.angles, strict=True))
+            rows.append((np.tile(theta, m), np.tile(piece, m), np.repeat(np.arange(first, first + m), theta.size)))
+            first += m
+        theta, piece, owner = (np.concatenate(row) for row in zip(*rows, strict=True))
+        terms = [term for q in questions for term in q.terms]
+        block = self._block(np.hstack([q.u for q in questions]))
+        names = list(dict.fromkeys(term.request.name for term in terms))
+        values = block.values(names, block.state(theta, piece, owner), owner)
+        failed = block.failed_at("dynamics" if any(_needs_forces(term) for term in terms) else "cam")
+        values = {name: np.where(failed[owner], np.nan, row) for name, row in values.items()}
+        result, first = [], 0
+        for q, (theta, _, _) in zip(questions, rows, strict=True):
+            ends, part = np.cumsum([at.size for at, _ in q.angles]), slice(first, first + theta.size)
+            result.append([
+                np.split(values[term.request.name][part].reshape(q.u.shape[1], -1), ends, axis=1)[i] / term.request.unit
+                for i, term in enumerate(q.terms)
+            ])  # fmt: skip
+            first += theta.size
+        return result
+
+    def _figures(self, questions: Sequence[Figures], polish: bool = True) -> list[tuple[np.ndarray, np.ndarray]]:
+        """``side`` times the figures of the terms of every question (t, m), and the mask (m,) of designs that can be built."""
+        result: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        keys = [tuple(dict.fromkeys(term.row.key for term in q.terms)) for q in questions]
+        for group in dict.fromkeys(keys):
+            which = [i for i, row in enumerate(keys) if row == group]
+            u = np.hstack([questions[i].u for i in which])
+            numbers = dict(zip(self.paths, self._numbers(u), strict=True)) or constant_column(self.design, u.shape[1])
+            figures, last = many(self.design, numbers, group, polish=polish), 0
+            for i in which:
+                part = slice(last, last + questions[i].u.shape[1])
+                rows = np.array([term.side * figures.value[term.row.key][part] for term in questions[i].terms])
+                result[i], last = (rows, np.asarray(figures.reason[part] == "")), part.stop
+        return [result[i] for i in range(len(questions))]
+
+    # -- several starts -----------------------------------------------------------------------------------
+
+    def solve(self, starts: Sequence[np.ndarray], goal: Term, extra: Sequence[Term] = ()) -> list[np.ndarray]:
+        """Local solutions from several starts, which advance in step; a search that comes near a place of another shares its solution.
+
+        Parameters
+        ----------
+        starts : sequence of ndarray (k,), dimensionless
+            Coordinates of the starts.
+        goal : Term
+        extra : sequence of Term
+            Further limits.
+
+        Returns
+        -------
+        list of ndarray (k,), dimensionless
+        """
+        terms = [*self.terms, *extra, goal]
+        self._places = []
+
+        def search(number: int, ask: Ask) -> np.ndarray | int:
+            return LocalSearch(self, terms, goal, ask, number).solve(starts[number])
+
+        results = in_step([partial(search, number) for number in range(len(starts))], self.answers)
+        self.start_count += len(starts)
+        return [self._shared(results, result) for result in results]
+
+    def _shared(self, results: Sequence[np.ndarray | int], result: np.ndarray | int) -> np.ndarray:
+        return self._shared(results, results[result]) if isinstance(result, int) else result
+
+    def _fields(self, u: np.ndarray) -> dict[str, Any]:
+        """Values of the varied fields at coordinates (k,), in the order of the study."""
+        numbers = self._numbers(u[:, None])[:, 0].tolist()
+        order = [row.field for row in self.study.file.vary]
+        values = {**self.words, **dict(zip(self.paths, numbers, strict=True))}
+        return {field: values[field] for field in order}
+
+
+class LocalSearch:
+    """Search from a single start, in rounds of SLSQP, each with the peaks of all solutions so far.
+
+    Attributes
+    ----------
+    terms : sequence of Term
+        The limits, and ``goal``.
+    ask : callable
+        Returns the answers to Samples, Figures and Arrivals.
+    peaks : dict
+        Peaks of all solutions so far.
+    """
+
+    def __init__(self, descent: Descent, terms: Sequence[Term], goal: Term, ask: Ask, number: int = 0) -> None:
+        self.descent, self.terms, self.goal, self.ask, self.number = descent, terms, goal, ask, number
+        self.peaked = [term for term in terms if term.peaks]
+        self.single = [term for term in terms if not term.peaks]
+        self.peaks: Peaks = {}
+        self._memory: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    def solve(self, start: np.ndarray) -> np.ndarray | int:
+        """Local solution, or the number of a search that was at a place of this one before.
+
+        Parameters
+        ----------
+        start : ndarray (k,), dimensionless
+            Coordinates of the start.
+
+        Returns
+        -------
+        ndarray (k,), dimensionless
+            Or int.
+        """
+        u = np.clip(start, 0.0, 1.0)
+        inset, trust, is_far, accuracy = INSET, TRUST, True, COARSE
+        if not self.add_peaks(u):
+            return u
+        self._arrive(u)
+        for _ in range(ROUNDS):
+            solution = self._round(u, inset, trust, accuracy)
+            step = float(np.abs(solution - u).max())
+            u = solution
+            other = self._arrive(u)
+            if other is not None:
+                return other
+            if accuracy > FINE and step < NEAR_SOLUTION * trust:
+                accuracy = FINE
+            elif step < TOLERANCE and is_far and trust > MIN_TRUST:
+                trust *= TRUST_FACTOR
+            elif step >= TOLERANCE:
+                is_far = step > 0.5 * trust
+            else:
+                over = float(
+                    self.descent.excess(*self.ask(Figures(u[:, None], [*self.descent.terms, *self.descent.goals])))[0]
+                )
+                if not 0.0 < over < SLIGHT_EXCESS:
+                    break
+                inset += 2.0 * over
+            if not self.add_peaks(u):
+                break
+        return u
+
+    def _arrive(self, u: np.ndarray) -> int | None:
+        top = self._rows(u)[0][[term is self.goal for term in self._owners()]].max()
+        goal = float(self.goal.original(self.goal.side * top))
+        other: int | None = self.ask(Arrival(self.number, u, goal))
+        return other
+
+    def _round(self, u: np.ndarray, inset: float, trust: float, accuracy: float) -> np.ndarray:
+        """SLSQP at fixed angles: minimise t subject to t - f_goal(θ_j) >= 0 and bound - f(θ_j) >= 0."""
+        owners, descent = self._owners(), self.descent
+        bound = np.array([np.nan if term is self.goal else descent.smoothed_bound(term) for term in owners])
+        scale = np.array([1.0 if term is self.goal else descent.scale(term) for term in owners])
+        low, high = np.maximum(u - trust, 0.0), np.minimum(u + trust, 1.0)
+        return epigraph(self._rows, bound, scale, u, low, high, inset, accuracy)
+
+    def _owners(self) -> list[Term]:
+        """Term of every row: at each of its peaks, or of its single value."""
+        return [*(term for p, term in enumerate(self.peaked) for _ in self.peaks[p]), *self.single]
+
+    def _rows(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values (c,) of all terms at the peaks, or of their single values, and slopes (c, k), at a point (k,)."""
+        key = point.tobytes()
+        if key not in self._memory:
+            _, values, slopes = zip(*self.linear(point), strict=True)
+            self._memory[key] = np.concatenate(values), np.concatenate(slopes)
+        return self._memory[key]
+
+    def linear(self, u: np.ndarray) -> list[tuple[Term, np.ndarray, np.ndarray]]:
+        """Every term with its values at its peaks, or its single value, and their slopes.
+
+        Parameters
+        ----------
+        u : ndarray (k,), dimensionless
+            Coordinates of a design.
+
+        Returns
+        -------
+        list of (Term, ndarray (n,), ndarray (n, k)) [unit of the figure]
+        """
+        k, result = u.size, []
+        if self.peaked:
+            angles = [
+                (np.array([peak[0] for peak in self.peaks[p]]), np.array([peak[1] for peak in self.peaks[p]]))
+                for p in range(len(self.peaked))
+            ]
+            every = self.ask(Samples(_neighbours(u, STEP), angles, self.peaked))
+            for p, (term, values) in enumerate(zip(self.peaked, every, strict=True)):
+                f = np.array([sign for _, _, sign in self.peaks[p]]) * term.smoothed(values)
+                result.append((term, f[0], (f[1 : k + 1] - f[k + 1 :]).T / (2.0 * STEP)))
+        if self.single:
+            figures, _ = self.ask(Figures(_neighbours(u, SEARCH_STEP), self.single))
+            for term, row in zip(self.single, figures, strict=True):
+                f = term.side * term.smoothed(term.side * row)
+                result.append((term, f[:1], (f[1 : k + 1] - f[k + 1 :])[None] / (2.0 * SEARCH_STEP)))
+        return result
+
+    # -- peaks --------------------------------------------------------------------------------------------
+
+    def add_peaks(self, u: np.ndarray) -> bool:
+        """Add the peaks of a design, in place of peaks near them; False where a term has none.
 
         Parameters
         ----------
         u : ndarray (k,), dimensionless
             Coordinates of the design.
-        terms : sequence of Term
-
-        Returns
-        -------
-        list of list of (float, int, float)
-            Of every term: cam angle [rad], piece and sign of its peaks.
         """
-        block = self._block(u[:, None])
-        nodes, _ = clenshaw_curtis_nodes(block.program)
-        theta, piece = nodes.theta, nodes.piece
-        every = self._at(block, [(theta, piece)] * len(terms), terms)
+        self._memory.clear()
+        for i, rows in enumerate(self._highest_peaks(u) if self.peaked else []):
+            others = self.peaks.get(i, [])
+            for theta, piece, sign in rows:
+                others = [peak for peak in others if abs(peak[0] - theta) > 2e-3 or peak[1:] != (piece, sign)]
+            self.peaks[i] = ([*rows, *others])[: 3 * MAX_PEAKS]
+        return all(self.peaks.get(i) for i in range(len(self.peaked)))
+
+    def _highest_peaks(self, u: np.ndarray) -> list[list[tuple[float, int, float]]]:
+        """Cam angle [rad], piece and sign of the highest peaks of every term over the turn of a design (k,)."""
+        theta, piece = self.descent.nodes.theta, self.descent.nodes.piece
+        every = self.ask(Samples(u[:, None], [(theta, piece)] * len(self.peaked), self.peaked))
         first = np.append(True, np.diff(piece) != 0)
         last = np.append(np.diff(piece) != 0, True)
         searches: list[_PeakSearch] = []
-        for number, (term, row) in enumerate(zip(terms, every, strict=True)):
+        for number, (term, row) in enumerate(zip(self.peaked, every, strict=True)):
             values = term.smoothed(row[0])
             spread = float(np.ptp(values)) if np.isfinite(values).all() else np.inf
             for sign in term.peaks:
@@ -336,127 +605,14 @@ class Descent:
         for _ in range(PEAK_PASSES if searches else 0):
             samples = [search.samples() for search in searches]
             angles = [(at.ravel(), np.repeat(s.piece, at.shape[1])) for s, at in zip(searches, samples, strict=True)]
-            rows = self._at(block, angles, [terms[search.term] for search in searches])
+            rows = self.ask(Samples(u[:, None], angles, [self.peaked[search.term] for search in searches]))
             for search, at, row in zip(searches, samples, rows, strict=True):
-                search.narrow(at, terms[search.term].smoothed(row[0]).reshape(at.shape))
+                search.narrow(at, self.peaked[search.term].smoothed(row[0]).reshape(at.shape))
         result: list[list[tuple[float, int, float]]] = []
-        for number in range(len(terms)):
+        for number in range(len(self.peaked)):
             peaks = [peak for search in searches if search.term == number for peak in search.peaks()]
             result.append([(theta, piece, sign) for _, theta, piece, sign in sorted(peaks, reverse=True)[:MAX_PEAKS]])
         return result
-
-    # -- rounds -------------------------------------------------------------------------------------------
-
-    def solve(
-        self, start: np.ndarray, goal: Term, extra: Sequence[Term] = (), known: Sequence[np.ndarray] = ()
-    ) -> np.ndarray:
-        """Local solution by rounds of SLSQP, each with the peaks of all solutions so far.
-
-        Parameters
-        ----------
-        start : ndarray (k,), dimensionless
-            Coordinates of the start.
-        goal : Term
-        extra : sequence of Term
-            Further limits.
-        known : sequence of ndarray (k,), dimensionless
-            Solutions of other starts; a search that comes near one of them ends there.
-
-        Returns
-        -------
-        ndarray (k,), dimensionless
-        """
-        terms = [*self.terms, *extra, goal]
-        peaked = [term for term in terms if term.peaks]
-        u = np.clip(start, 0.0, 1.0)
-        peaks: Peaks = {}
-        inset, trust, is_far, accuracy = INSET, TRUST, True, COARSE
-        self._start_count += 1
-        for _ in range(ROUNDS):
-            self._report(u, goal)
-            if not self._add_peaks(peaks, peaked, u):
-                return u
-            solution = self._round(u, terms, peaked, peaks, goal, inset, trust, accuracy)
-            step = float(np.abs(solution - u).max())
-            u = solution
-            for place in known:
-                if np.abs(u - place).max() < SAME_PLACE:
-                    return place
-            if accuracy > FINE and step < NEAR_SOLUTION * trust:
-                accuracy = FINE
-            elif step < TOLERANCE and is_far and trust > MIN_TRUST:
-                trust *= TRUST_FACTOR
-            elif step >= TOLERANCE:
-                is_far = step > 0.5 * trust
-            else:
-                over = float(self.excess(*self.values(u[:, None]))[0])
-                if not 0.0 < over < SLIGHT_EXCESS:
-                    break
-                inset += 2.0 * over
-        return u
-
-    def _report(self, u: np.ndarray, goal: Term) -> None:
-        """Report an intermediate design."""
-        if self.progress is not None:
-            rows, _ = self.values(u[:, None], polish=False)
-            at = len(self.terms) + [other.row for other in self.goals].index(goal.row)
-            self.progress(self._fields(u), float(goal.side * rows[at, 0]), self._start_count)
-
-    def _add_peaks(self, peaks: Peaks, peaked: Sequence[Term], u: np.ndarray) -> bool:
-        """Add the peaks of a design, in place of peaks near them; False where a term has none."""
-        try:
-            new = self.peaks(u, peaked) if peaked else []
-        except (ValueError, KindynaError):
-            return False
-        for i, rows in enumerate(new):
-            others = peaks.get(i, [])
-            for theta, piece, sign in rows:
-                others = [peak for peak in others if abs(peak[0] - theta) > 2e-3 or peak[1:] != (piece, sign)]
-            peaks[i] = ([*rows, *others])[: 3 * MAX_PEAKS]
-        return all(peaks.get(i) for i in range(len(peaked)))
-
-    def _round(
-        self, u: np.ndarray, terms: Sequence[Term], peaked: Sequence[Term], peaks: Peaks,
-        goal: Term, inset: float, trust: float, accuracy: float,
-    ) -> np.ndarray:  # fmt: skip
-        """SLSQP at fixed angles: minimise t subject to t - f_goal(θ_j) >= 0 and bound - f(θ_j) >= 0."""
-
-        def rows(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            _, values, slopes = zip(*self._linear(point, terms, peaks), strict=True)
-            return np.concatenate(values), np.concatenate(slopes)
-
-        owners = [term for term, values, _ in self._linear(u, terms, peaks) for _ in values]
-        bound = np.array([np.nan if term is goal else self._smoothed_bound(term) for term in owners])
-        scale = np.array([1.0 if term is goal else self._scale(term) for term in owners])
-        return epigraph(rows, bound, scale, u, np.maximum(u - trust, 0.0), np.minimum(u + trust, 1.0), inset, accuracy)
-
-    def _linear(self, u: np.ndarray, terms: Sequence[Term], peaks: Peaks) -> list[tuple[Term, np.ndarray, np.ndarray]]:
-        """Every term with its values (n,) at its peaks, or its single value, and their slopes (n, k)."""
-        k, result = u.size, []
-        peaked, rest = [term for term in terms if term.peaks], [term for term in terms if not term.peaks]
-        if peaked:
-            angles = [
-                (np.array([peak[0] for peak in peaks[p]]), np.array([peak[1] for peak in peaks[p]]))
-                for p in range(len(peaked))
-            ]
-            every = self._at(self._block(_neighbours(u, STEP)), angles, peaked)
-            for p, (term, values) in enumerate(zip(peaked, every, strict=True)):
-                f = np.array([sign for _, _, sign in peaks[p]]) * term.smoothed(values)
-                result.append((term, f[0], (f[1 : k + 1] - f[k + 1 :]).T / (2.0 * STEP)))
-        if rest:
-            numbers = dict(zip(self.paths, self._numbers(_neighbours(u, SEARCH_STEP)), strict=True))
-            figures = many(self.design, numbers, [term.row.key for term in rest]).value
-            for term in rest:
-                f = term.side * term.smoothed(figures[term.row.key])
-                result.append((term, f[:1], (f[1 : k + 1] - f[k + 1 :])[None] / (2.0 * SEARCH_STEP)))
-        return result
-
-    def _fields(self, u: np.ndarray) -> dict[str, Any]:
-        """Values of the varied fields at coordinates (k,), in the order of the study."""
-        numbers = self._numbers(u[:, None])[:, 0].tolist()
-        order = [row.field for row in self.study.file.vary]
-        values = {**self.words, **dict(zip(self.paths, numbers, strict=True))}
-        return {field: values[field] for field in order}
 
 
 def goal_sign(goal: Goal) -> float:

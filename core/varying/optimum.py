@@ -1,4 +1,4 @@
-"""Best design of a study: many designs by Sobol's points, then SLSQP (Kraft 1988) from the best of these, in rounds (``descent``).
+"""Best design of a study: many designs of a Latin hypercube, then SLSQP (Kraft 1988) from the best, in rounds (``descent``).
 
 All combinations of words are searched. Two goals give a front; limits can hold for a share of the machines built.
 """
@@ -27,18 +27,19 @@ from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import quantity
 from core.study.quantity_requests import quantity_request
 from core.units import split_unit
-from core.varying.descent import Descent, Peaks, ProgressCallback, Term, goal_sign
+from core.varying.descent import Descent, LocalSearch, ProgressCallback, Term, goal_sign
 from core.varying.request import Goal, StudyFile, StudyOfMany
-from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, sobol, with_words
+from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, with_words
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
 # -- the best design of a study ---------------------------------------------------------------------------------
 
 
-MAX_SAMPLES, BASE_SAMPLES = 1024, 64  # designs by Sobol's points; twice as many for every varied number
+MAX_SAMPLES, BASE_SAMPLES = 1024, 64  # designs of the Latin hypercube; twice as many for every varied number
 STARTS = 6  # from the best of these
 START_DISTANCE = 0.1  # of the bounds, in the mean: least distance of starts
 SAME = 1e-5  # of their size: goals of starts that reached the same solution
+EQUAL = 1e-10  # of the best goal: of equally good solutions that of the first start is chosen, not that of the last bit
 BINDING = 1e-6  # of a limit
 MAX_COMBINATIONS = 512  # of words and whole numbers
 FRONT = 24  # points of a front
@@ -139,6 +140,7 @@ def _best(
 ) -> Optimum:
     """Best design of all combinations of words; ``margins`` maps limits to the distance that is kept from them."""
     optima: list[Optimum] = []
+    start_count = 0
     error: NoDesignBuilt | None = None
     numbers = [axis for axis in space.axes if not is_discrete(axis.info)]
     for chosen in sets:
@@ -146,11 +148,12 @@ def _best(
         design = with_words(study.base, values)
         if design is None:
             continue
-        search = _Search(study, design, values, numbers, margins, progress, starts)
+        search = _Search(study, design, values, numbers, margins, progress, starts, start_count)
         try:
             optima.append(search.front() if len(study.file.goals) == 2 else search.best())
         except NoDesignBuilt as failure:
             error = failure
+        start_count = search.start_count
     if not optima:
         raise error or KindynaError(
             f"vary: all combinations of these words exclude each other in this design ({FAULTY})"
@@ -168,13 +171,37 @@ def _best(
     return best
 
 
+def latin_hypercube(dimensions: int, seed: int, count: int) -> np.ndarray:
+    """Random points, one in each of ``count`` equal layers along every axis; without the import of ``scipy.stats``.
+
+    Parameters
+    ----------
+    dimensions : int
+        Number k of dimensions.
+    seed : int
+    count : int
+
+    Returns
+    -------
+    ndarray (k, count), dimensionless
+        From 0 to 1.
+
+    References
+    ----------
+    McKay, Beckman and Conover (1979), A comparison of three methods for selecting values of input variables.
+    """
+    rng = np.random.default_rng(seed)
+    layers = rng.permuted(np.tile(np.arange(count), (dimensions, 1)), axis=1)
+    return np.asarray((layers + rng.random((dimensions, count))) / count)
+
+
 class _Search(Descent):
     """Search from all starts for the best design, or for the front of two goals."""
 
     # -- all starts ---------------------------------------------------------------------------------------
 
     def starts(self) -> list[np.ndarray]:
-        """Coordinates of the starts: the design where it is within the bounds, and the best of Sobol's points at a distance.
+        """Coordinates of the starts: the design where it is within the bounds, and the best of random points at a distance.
 
         Returns
         -------
@@ -184,7 +211,7 @@ class _Search(Descent):
         if len(chosen) == self.max_starts:
             return chosen
         k = len(self.paths)
-        u = sobol(k, self.study.file.seed, 0, min(MAX_SAMPLES, BASE_SAMPLES << k)).T
+        u = latin_hypercube(k, self.study.file.seed, min(MAX_SAMPLES, BASE_SAMPLES << k))
         rows, good = self.values(u, polish=False)
         over, goal = self.excess(rows, good), rows[-len(self.goals)]
         if not (good & np.isfinite(over)).any() and not (chosen and self.values(self.nominal[:, None])[1].any()):
@@ -202,10 +229,7 @@ class _Search(Descent):
         goal, starts = self.goals[0], self.starts() if self.paths else [np.zeros(0)]
         if not self.paths:
             return self._chosen(starts, goal)
-        points: list[np.ndarray] = []
-        for start in starts:
-            points.append(self.solve(start, goal, known=points))
-        return self._chosen(points, goal)
+        return self._chosen(self.solve(starts, goal), goal)
 
     def _none_built(self, u: np.ndarray) -> str:
         """Message that no design u (k, m) can be built, with the most frequent reason."""
@@ -221,7 +245,9 @@ class _Search(Descent):
         keeps = over <= 0.0
         is_inside = bool(((self.nominal >= 0.0) & (self.nominal <= 1.0)).all())
         nominal_is_feasible = is_inside and bool(keeps[-1]) and self.design == self.study.base
-        order = [int(i) for i in np.argsort(np.where(keeps[:-1], goals[:-1], np.inf)) if keeps[i]]
+        worth = np.where(keeps[:-1], goals[:-1], np.inf)
+        equal = worth <= worth.min() + EQUAL * np.abs(worth.min())
+        order = [int(i) for i in np.argsort(np.where(equal, worth.min(), worth), kind="stable") if keeps[i]]
         if not order and not nominal_is_feasible:
             return self._optimum(points[int(np.argmin(over[:-1]))], len(points), 0, is_feasible=False)
         check = FindingsCheck(self.study.base, waived=waived(self.study.file))
@@ -308,10 +334,8 @@ class _Search(Descent):
         """
         from scipy.optimize import nnls
 
-        terms = [*self.terms, goal]
-        peaked = [term for term in terms if term.peaks]
-        peaks: Peaks = {}
-        if peaked and not self._add_peaks(peaks, peaked, u):
+        search = LocalSearch(self, [*self.terms, goal], goal, lambda question: self.answers({0: question})[0])
+        if not search.add_peaks(u):
             return []
         k = u.size
         names: list[str] = []
@@ -319,7 +343,7 @@ class _Search(Descent):
         weights_of_limits: list[float] = []
         rows = [
             (term, float(value), slope)
-            for term, values, slopes in self._linear(u, terms, peaks)
+            for term, values, slopes in search.linear(u)
             for value, slope in zip(values, slopes, strict=True)
             if np.isfinite(slope).all()
         ]
@@ -333,13 +357,13 @@ class _Search(Descent):
                     names.append("")
                     columns.append(np.append(slope / size, 1.0))
                     weights_of_limits.append(0.0)
-            elif self._smoothed_bound(term) - value <= BINDING * self._scale(term):
+            elif self.smoothed_bound(term) - value <= BINDING * self.scale(term):
                 b = term.bound or 0.0
-                step = self._smoothed_bound(replace(term, bound=b * (1.0 + 1e-6))) - self._smoothed_bound(term)
+                step = self.smoothed_bound(replace(term, bound=b * (1.0 + 1e-6))) - self.smoothed_bound(term)
                 rate = abs(step) / (abs(b) * 1e-6 or 1.0)
                 names.append(term.row.column)
-                columns.append(np.append(slope / self._scale(term), 0.0))
-                weights_of_limits.append(abs(b) * rate / self._scale(term))
+                columns.append(np.append(slope / self.scale(term), 0.0))
+                weights_of_limits.append(abs(b) * rate / self.scale(term))
         for i, path in enumerate(self.paths):
             for at, sign, end in ((0.0, -1.0, float(self.low[i])), (1.0, 1.0, float(self.high[i]))):
                 if abs(u[i] - at) < 1e-7:
@@ -368,13 +392,13 @@ class _Search(Descent):
         starts = self.starts()
         ends = []
         for i, goal in enumerate(self.goals):
-            points = [self.solve(start, goal) for start in starts[:3]]
+            points = self.solve(starts[:3], goal)
             ends.append(min(points, key=lambda u, i=i: self._merit(u, i)))  # type: ignore[misc]
         rows, _ = self.values(np.array(ends).T)
         levels = rows[len(self.terms) + 1]
         points, u = [ends[0]], ends[0]
         for level in np.linspace(levels[0], levels[1], FRONT)[1:-1]:
-            u = self.solve(u, first, (replace(second, bound=float(level)),))
+            (u,) = self.solve([u], first, (replace(second, bound=float(level)),))
             points.append(u)
         points.append(ends[1])
         rows, good = self.values(np.array(points).T)

@@ -440,6 +440,7 @@ class StudyView(BackgroundView):
         """Show the path of the search on the map, or across the axes."""
         paths = list(self.request.spans)
         steps = [step for step in self.best.path if all(path in step[0] for path in paths)]
+        steps.sort(key=lambda step: step[2])  # all starts advance in step
         rows = np.array([[step[0][path] for path in paths] for step in steps], dtype=float)
         starts = np.array([step[2] for step in steps], dtype=int)
         for plot in (self.map, self.parallel):

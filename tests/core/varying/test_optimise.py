@@ -4,6 +4,9 @@ import itertools
 import json
 import re
 import shutil
+import subprocess
+import sys
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -12,11 +15,24 @@ from sampled import stressed
 
 from core.__main__ import main
 from core.design import Tolerance, edited, get, only, put
+from core.numerics.lazy import Cancelled
 from core.process import resources
 from core.project import load
 from core.study import Study, extremes_of, findings_of, many
+from core.study.batch import design_block
 from core.study.quantities import quantity
-from core.varying import Goal, StudyFile, StudyLimit, VariedField, load_study, optimise, remarks, study_of, with_words
+from core.varying import (
+    Goal,
+    StudyFile,
+    StudyLimit,
+    VariedField,
+    descent,
+    load_study,
+    optimise,
+    remarks,
+    study_of,
+    with_words,
+)
 from core.varying.descent import epigraph
 
 
@@ -240,6 +256,59 @@ def test_a_small_torque_is_named_with_its_digits_and_a_limit_that_none_keeps_wit
     reached = extremes_of(Study(missed.design), "cam", ("pressure_angle",))["pressure_angle"].high.value
     (said,) = remarks(strict, missed)
     assert said == f"pressure_angle_deg:max = {np.rad2deg(reached):.7g}, most 5"
+
+
+def two_numbers(design):
+    """The smallest cam within 30°, by base radius and offset."""
+    vary = (VariedField("cam.base_radius_mm", 5.0, 120.0), VariedField("follower.offset_mm", -10.0, 10.0))
+    limits, goals = (StudyLimit("pressure_angle_deg", "max", max=30.0),), (Goal("radius_mm", "max"),)
+    return study_of(StudyFile(design="", vary=vary, limits=limits, goals=goals), design)
+
+
+def test_six_starts_advance_in_step_and_hardly_need_more_solutions_than_one(monkeypatch):
+    blocks, steps, study = [], [], two_numbers(translating())
+    monkeypatch.setattr(descent, "design_block", lambda *rows: blocks.append(rows[2].shape[1]) or design_block(*rows))
+    single = optimise(study, starts=1)
+    count = len(blocks)
+    blocks.clear()
+    found = optimise(study, lambda fields, goal, start: steps.append((start, fields)), starts=6)
+    assert (found.starts, found.agreeing) == (6, 6)
+    assert list(found.answer.values()) == pytest.approx(list(single.answer.values()), rel=1e-8)
+    assert len(blocks) < 2 * count
+    assert [start for start, _ in steps[:6]] == [1, 2, 3, 4, 5, 6]
+    ends = [dict(steps)[start] for start in range(1, 7)]
+    assert all(np.allclose(list(end.values()), list(found.answer.values()), atol=0.2) for end in ends)
+
+
+@pytest.mark.stress
+def test_of_equally_good_designs_that_of_the_first_start_is_chosen():
+    """The largest contact force depends on the sum of base radius and roller radius: the starts end at different radii."""
+    study = load_study(resources() / "studies" / "lift_all_lengths.toml")
+    found, first = optimise(study), optimise(study, starts=1)
+    assert found.agreeing == 6
+    assert list(found.answer.values()) == pytest.approx(list(first.answer.values()), rel=1e-9)
+
+
+def test_a_search_that_is_stopped_stops_all_starts():
+    study, steps = two_numbers(translating()), []
+
+    def stop(fields, goal, start):
+        steps.append(start)
+        if len(steps) == 8:
+            raise Cancelled
+
+    before = threading.active_count()
+    with pytest.raises(Cancelled):
+        optimise(study, stop)
+    assert len(steps) == 8
+    assert threading.active_count() == before
+
+
+def test_the_statistics_of_scipy_are_not_loaded():
+    code = "import sys; from core.__main__ import main; main(sys.argv[1:]); print('scipy.stats' in sys.modules)"
+    words = [sys.executable, "-c", code, "optimise", str(resources() / "studies" / "lift_smallest_cam.toml"), "--json"]
+    told = subprocess.run(words, capture_output=True, text=True, check=True, cwd=resources().parent).stdout
+    assert told.endswith("}\nFalse\n")
 
 
 def front_and_grid(count):
