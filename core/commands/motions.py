@@ -52,7 +52,7 @@ from core.find import (
 from core.find.ranking import Candidate
 from core.frozen import frozen
 from core.laws import LAWS, Peaks, peaks
-from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
+from core.motion.new_motions import FlyingShear, Indexer, flying_shear, indexer
 from core.motion.split import shift_motion
 from core.output.channels import new_design_text
 from core.output.lines import columns, digits

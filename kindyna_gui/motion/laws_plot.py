@@ -27,7 +27,7 @@ from core.find import RankingColumn, RankingRow, ranking_columns, ranking_row, s
 from core.find.ranking import Candidate
 from core.frozen import frozen
 from core.laws import LAWS, Law
-from core.motion.curves import FlyingShear, Indexer, flying_shear, indexer
+from core.motion.new_motions import FlyingShear, Indexer, flying_shear, indexer
 from core.numerics.lazy import Cancelled
 from core.output.channels import new_design_text
 from core.requests import command_words

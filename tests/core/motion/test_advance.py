@@ -16,7 +16,7 @@ from core.__main__ import main
 from core.design import Motion, NamedCurve, Segment, SplineCurve, SplinePoint, edited, faults, turns_on
 from core.errors import DesignError, NoSuchStage
 from core.motion import findings, program
-from core.motion.curves import Indexer, indexer
+from core.motion.new_motions import Indexer, indexer
 from core.output.channels import motion_stops
 from core.project import dumps, load, loads
 from core.study import Study
