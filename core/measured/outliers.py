@@ -87,18 +87,52 @@ def precision_matrix(x: np.ndarray, order: int, change: np.ndarray, error: float
     -------
     ndarray (n, n) [1/(unit of the values)²]
     """
-    from scipy.linalg import solveh_banded
-    from scipy.sparse import csr_array
-
     differences, changes = contrasts(x, order)
-    sparse = csr_array(differences)
     size = np.where(differences != 0.0, change, 0.0).max(axis=1)
-    spread = error**2 * (sparse @ sparse.T).toarray() + np.diag(np.where(changes, size**2, 0.0))
-    row, column = np.nonzero(spread)
-    bands = np.zeros((int((row - column).max()) + 1, len(spread)))
-    for diagonal in range(len(bands)):
-        bands[diagonal, : len(spread) - diagonal] = spread.diagonal(-diagonal)
-    return sparse.T @ solveh_banded(bands, differences, lower=True, check_finite=False)
+    reach = [np.flatnonzero(row) for row in differences]
+    first, last = (np.array([columns[end] for columns in reach]) for end in (0, -1))
+    width = int((np.searchsorted(first, last, "right") - np.arange(first.size)).max())
+    spread = np.zeros((first.size, first.size))
+    for distance in range(width):
+        products = (differences[: first.size - distance] * differences[distance:]).sum(axis=1)
+        row = np.arange(products.size)
+        spread[row, row + distance] = spread[row + distance, row] = error**2 * products
+    spread[np.diag_indices_from(spread)] += np.where(changes, size**2, 0.0)
+    solution = solve_banded(spread, differences, width)
+    result = np.zeros((x.size, x.size))
+    for columns, row, solved in zip(reach, differences, solution, strict=True):
+        result[columns] += row[columns, None] * solved
+    return result
+
+
+def solve_banded(matrix: np.ndarray, right: np.ndarray, width: int) -> np.ndarray:
+    """Solution X of A X = B with a symmetric positive definite band matrix A, by elimination.
+
+    For the few rows of a block it takes as long as LAPACK, whose import takes longer than a table to be searched.
+
+    Parameters
+    ----------
+    matrix : ndarray (r, r) [any unit]
+        Matrix A, zero from the diagonal number ``width`` on.
+    right : ndarray (r, n) [any unit]
+        Right sides B.
+    width : int
+        Number of the first diagonal that is zero, for A is symmetric on either side.
+
+    Returns
+    -------
+    ndarray (r, n) [unit of B by that of A]
+    """
+    upper, solution = matrix.copy(), right.copy()
+    for i in range(len(upper)):
+        below = slice(i + 1, i + width)
+        factors = upper[below, i, None] / upper[i, i]
+        upper[below, i : i + width] -= factors * upper[i, i : i + width]
+        solution[below] -= factors * solution[i]
+    for i in reversed(range(len(upper))):
+        beyond = slice(i + 1, i + width)
+        solution[i] = (solution[i] - upper[i, beyond] @ solution[beyond]) / upper[i, i]
+    return solution
 
 
 def quadratic_forms(precision: np.ndarray, pull: np.ndarray, run: np.ndarray) -> np.ndarray:

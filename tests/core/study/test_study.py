@@ -267,6 +267,23 @@ def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path) -> None:
     assert not {f"core.{name}" for name in others} & loaded, "of other commands"
 
 
+REPORTED = """
+import sys
+from core.__main__ import main
+
+assert main(["report", "resources/examples/transfer_lift.toml", "--out", sys.argv[1]]) == 0
+print("LOADED", *sorted({name.split(".")[0] for name in sys.modules}))
+"""
+
+
+def test_the_claims_of_a_paper_in_a_report_load_no_scipy(tmp_path: Path) -> None:
+    """One of them reads the lift's motion from a table of its values, and searches that for wrong rows."""
+    words = [sys.executable, "-c", REPORTED, str(tmp_path / "lift.html")]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "FILEIO.C" in (tmp_path / "lift.html").read_text("utf-8")
+    assert "scipy" not in done.stdout.splitlines()[-1].split()
+
+
 CHECKED = """
 import gc
 collected = []
