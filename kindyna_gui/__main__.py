@@ -61,6 +61,7 @@ def paint(drawn: Drawn) -> Mapping[str, bytes]:
     """Return the images of a study, a chart or a figure by file name; none, with a line on stderr, where Qt cannot be loaded."""
     try:
         with importing():
+            import_qt()
             from kindyna_gui.pictures.film import paint as painted
     except ImportError as error:
         if not _of_qt(error):
@@ -76,7 +77,7 @@ def _with_qt(run: Run) -> Run:
     def guarded(arguments: Any, painter: Painter | None) -> int:
         try:
             with importing():  # Qt cannot be interrupted there
-                from PySide6 import QtWidgets  # noqa: F401
+                import_qt()
             return run(arguments, painter)
         except ImportError as error:
             if not _of_qt(error):
@@ -110,11 +111,27 @@ def without_window(path: Path, why: str) -> int:
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in findings_of(study)) else DONE
 
 
+def import_qt() -> None:
+    """Import Qt; later modules are then imported as without it. Raises ImportError where a library is missing.
+
+    Qt for Python reads the source of every module that is imported after it, to know whether the optional names of its
+    methods, which this program does not use, could be switched on there: a tenth of the start. It compiles the patterns
+    of the generator of its stub files, too.
+    """
+    import builtins
+
+    generator = "shibokensupport.signature.lib.pyi_generator"
+    sys.modules.setdefault(generator, ModuleType(generator))
+    from PySide6 import QtWidgets  # noqa: F401
+
+    builtins.__import__ = getattr(builtins, "__orig_import__", builtins.__import__)
+
+
 def window_module() -> ModuleType:
-    """Import ``kindyna_gui.window.main_window`` in the quickest order. Raises ImportError where a library is missing."""
-    # before Qt, which reads the source of every module imported after it
-    from core import project, study  # noqa: F401
-    from kindyna_gui.window import main_window
+    """Import ``kindyna_gui.window.main_window``. Raises ImportError where a library is missing."""
+    with importing():
+        import_qt()
+        from kindyna_gui.window import main_window
 
     return main_window
 
@@ -125,8 +142,7 @@ def window(path: Path | None) -> int:
     try:
         trouble = missing_library()
         if not trouble:
-            with importing():
-                main_window = window_module()
+            main_window = window_module()
     except ImportError as error:
         if not _of_qt(error):
             raise

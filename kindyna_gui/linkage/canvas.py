@@ -163,6 +163,8 @@ class Canvas(QGraphicsView):
         self._scene.show_region(visible, scale, keep_labels)
         if keep_labels:
             self.rest.start()
+        else:  # they have just been placed
+            self.rest.stop()
 
     def fit(self, keep_labels: bool = False) -> None:
         """Show the whole mechanism."""

@@ -13,14 +13,14 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 OPEN = """
-import json, sys, time
-from PySide6.QtCore import QEvent, QObject
-from kindyna_gui import __main__
-from kindyna_gui.window.main_window import open_window
-from kindyna_gui.pictures.app import ensure_app
+import json, linecache, sys, time
+from kindyna_gui.__main__ import window_module
 
-app = ensure_app()
-window = open_window(app)
+main_window = window_module()
+from PySide6.QtCore import QEvent, QObject
+
+app = main_window.ensure_app()
+window = main_window.open_window(app)
 told = {}
 
 class Watch(QObject):
@@ -46,6 +46,7 @@ else:
     sys.exit("the window was never drawn")
 told["last"] = sorted(sys.modules)
 told["widgets"] = len(app.allWidgets())
+told["sources"] = sorted(name for name in linecache.cache if name.endswith(".py"))
 print(json.dumps(told))
 """
 
@@ -169,6 +170,12 @@ def test_the_mechanism_is_painted_first_and_little_is_imported_for_it(told: dict
 
 def test_the_window_has_few_widgets_before_its_pages_are_shown(told: dict[str, Any]) -> None:
     assert told["widgets"] <= WIDGETS
+
+
+def test_no_source_is_read(told: dict[str, Any]) -> None:
+    """Qt for Python reads that of every module that is imported after it, unless its import is replaced."""
+    places = (f"{ROOT}/core", f"{ROOT}/kindyna_gui")
+    assert [name for name in told["sources"] if name.startswith(places) or "pyqtgraph" in name] == []
 
 
 def test_the_docks_load_few_modules_more(loaded: set[str]) -> None:
