@@ -182,8 +182,10 @@ def relative_motion(kinematics: Kinematics, rotation_sign: float) -> Derivatives
     r = kinematics.follower.origin
 
     def row(order: int) -> np.ndarray:
-        terms = [c * (-1j * rotation_sign) ** (order - k) * r[k] for k, c in enumerate(BINOMIAL[order][:-1])]
-        return np.asarray(sum(terms, r[order]))
+        total = r[order]
+        for k, c in enumerate(BINOMIAL[order][:-1]):
+            total = total + c * (-1j * rotation_sign) ** (order - k) * r[k]
+        return np.asarray(total)
 
     return Derivatives(row)
 
@@ -438,9 +440,9 @@ def round_envelope(
     """
     motion, side = relative_motion(kinematics, rotation_sign), 1.0 if name != OUTER else -1.0
     reference, t = motion[0], motion[1]
-    entry = _SECOND_ROLLER if name == SECOND else (face.noun, *size_entry(cam, face.noun, face.radius_mm))
-    _require_cam(kinematics, reference, t, 1e-3 * face.radius_mm, *entry)
     speed = np.abs(t)
+    entry = _SECOND_ROLLER if name == SECOND else (face.noun, *size_entry(cam, face.noun, face.radius_mm))
+    _require_cam(kinematics, reference, speed, 1e-3 * face.radius_mm, *entry)
     normal = np.empty(t.shape, dtype=complex)  # -i d t/|t|
     np.divide(t.imag, rotation_sign * speed, out=normal.real)
     np.divide(t.real, -rotation_sign * speed, out=normal.imag)
@@ -474,9 +476,12 @@ def _offset_curvature(pitch_curvature: np.ndarray, offset: float) -> np.ndarray:
 
 
 def _require_cam(
-    kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, name: str, field: str, hint: str
+    kinematics: Kinematics, reference: np.ndarray, speed: np.ndarray, radius: float, name: str, field: str, hint: str
 ) -> None:
-    """Raise NoCam; name: the round face in words; field, hint: the entry that makes the cam larger, and how to change it."""
+    """Raise NoCam.
+
+    speed: |t| (n,) [m/rad]; name: the round face in words; field, hint: the entry that makes the cam larger, and how to change it.
+    """
     distance = np.abs(reference)
     covered = distance <= radius
     NoCam.raise_where(
@@ -489,7 +494,7 @@ def _require_cam(
             angle_ranges(kinematics.theta, covered),
         ),
     )
-    still = t == 0.0
+    still = speed == 0.0
     NoCam.raise_where(
         still,
         lambda: NoCam(

@@ -292,8 +292,8 @@ class CompiledMotion:
             Whether each jump exceeds rounding.
         """
         segment = self.segment.reshape(turns, -1)
-        first = np.flatnonzero(np.diff(segment, axis=1, prepend=-1))
-        last = np.flatnonzero(np.diff(segment, axis=1, append=-1))
+        edge, differs = np.ones((turns, 1), dtype=bool), segment[:, 1:] != segment[:, :-1]
+        first, last = (np.concatenate(row, axis=1).ravel().nonzero()[0] for row in ((edge, differs), (differs, edge)))
 
         def at_next(rows: np.ndarray) -> np.ndarray:
             of_turns = rows.reshape(*rows.shape[:-1], turns, -1)
@@ -303,10 +303,11 @@ class CompiledMotion:
         first_motion = slice(first.size // self._copies)  # the motions share their curves
         curve = self.curve(Angles(ends[:, first_motion].ravel(), pieces[:, first_motion].ravel()))
 
-        def tiled(order: int) -> np.ndarray:
-            return np.tile(curve(order).reshape(2, -1), self._copies).ravel()
+        def of_motions(order: int) -> np.ndarray:
+            row = curve(order)
+            return row if self._copies == 1 else np.tile(row.reshape(2, -1), self._copies).ravel()
 
-        displacement = self.state_from_curve(tiled, Angles(ends.ravel(), pieces.ravel())).displacement
+        displacement = self.state_from_curve(of_motions, Angles(ends.ravel(), pieces.ravel())).displacement
         begin, end = np.array([displacement[order] for order in range(orders)]).reshape(orders, 2, -1).swapaxes(0, 1)
         jump = at_next(begin) - end
         jump[0].reshape(turns, -1)[:, -1] += self._gains  # the advance of the next turn

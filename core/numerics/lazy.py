@@ -275,12 +275,12 @@ class Lazy(Generic[T]):
             if self._otherwise is None:
                 raise AttributeError(self._name)  # so that a dataclass finds no default
             return cast(T, self._otherwise)
-        values = instance.__dict__
-        value = values[self._name]
+        values: dict[str, Any] = instance.__dict__
+        value: T = values[self._name]
         if callable(value):
             otherwise: Any = self._otherwise
             value = values[self._name] = locked(value(instance) if value is otherwise else value())
-        return cast(T, value)
+        return value
 
     def __set__(self, instance: Any, value: T | Callable[[], T]) -> None:
         vars(instance)[self._name] = value
