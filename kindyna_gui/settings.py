@@ -406,6 +406,15 @@ class Settings:
         self._store.setValue("window/welcome", "1" if shown else "0")
 
     @property
+    def as_in_paper(self) -> bool:
+        """Whether the stability is shown by η and Q, with the verdicts of all models."""
+        return stored_text(self._store, "stability/as_in_paper") == "1"
+
+    @as_in_paper.setter
+    def as_in_paper(self, shown: bool) -> None:
+        self._store.setValue("stability/as_in_paper", "1" if shown else "0")
+
+    @property
     def recent(self) -> list[Path]:
         """Files opened or saved, the latest first."""
         return [Path(name) for name in self._texts("files/recent")[:MOST_RECENT]]

@@ -34,6 +34,8 @@ from core.stability import (
     coefficients_plot,
     contact_marks,
     harmonics_plot,
+    margin_text,
+    nearest_bands,
     steady_plots,
 )
 from kindyna_gui.forms.fields import UnitLabel
@@ -165,6 +167,13 @@ def tongue_of(tongues: Tongues, eta: float, row: int = 0) -> int | None:
     return None
 
 
+def speed_text(eta: float, q: float, machine: Machine, verdicts: Sequence[Verdict]) -> str:
+    """Speed, masses and the verdict of the exact linear model at a point, in one line."""
+    verdict = verdicts[-1]
+    state = "clear of every band" if verdict.stable else f"inside a band, the twist grows by {percent(verdict.growth)}"
+    return f"{speed(machine.rpm(eta))} rpm with {digits(q / machine.q, 3)} × the moving masses: {state}"
+
+
 def point_text(eta: float, q: float, machine: Machine | None, verdicts: Sequence[Verdict], tongue: int | None) -> str:
     """Position, tongue and verdicts of a point, in one line."""
     at = f"η = {eta:.4g}, Q = {q:.4g}"
@@ -245,22 +254,25 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
     return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 
 
-def bands_table(rows: Sequence[ForbiddenBand], rpm: float) -> str:
-    """Table of the forbidden bands of speed; the band at the speed of the machine is red."""
+def bands_table(rows: Sequence[ForbiddenBand], rpm: float, in_paper: bool = False) -> str:
+    """Table of the forbidden bands of speed, with η where it is that of the paper; the band at the machine's speed is red."""
     lines = []
     for band in rows:
         colour = SCREEN.limit if band.contains(rpm) else ""
+        ratios = (f"{band.eta_lo:.5f} … {band.eta_hi:.5f}",) if in_paper else ()
         cells = (
-            str(band.n),
             speeds(band),
-            f"{band.eta_lo:.5f} … {band.eta_hi:.5f}",
+            str(band.n),
+            *ratios,
             percent(band.growth),
             f"{digits(band.rate, 3)} /s",
+            margin_text(band, rpm),
         )
         lines.append("".join(_cell(text, colour, right=True) for text in cells))
     if not lines:
         return "<p>No forbidden speeds.</p>"
-    return _table(("tongue", "speeds, rpm", "η", "twist grows by", "rate"), lines)
+    titles = ("rpm", "tongue", "η") if in_paper else ("rpm", "order")
+    return _table((*titles, "twist grows by", "rate", "margin"), lines)
 
 
 def shaft_text(stiffness: Stiffness) -> str:
@@ -307,6 +319,7 @@ def machine_text(stability: Stability) -> str:
 
 # -- pages -----------------------------------------------------------------------------------------------
 
+SPEEDS, VERDICTS = "Speeds", "Verdicts"
 POINTS = 6000  # drawn points of a history
 LEAST_WIDTH = 596  # of the table of verdicts, pixels
 KILO = 10e3  # force from which the axis is in kN [N]
@@ -355,8 +368,9 @@ class StabilityPages(QTabWidget):
         self.verdicts, self.speeds = _text(), _text()
         # a line for each drive: it wraps, which the table above does not
         self.steady = QLabel(wordWrap=True, margin=8, textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.addTab(_scrolled(self.verdicts, self.steady), "Verdicts")
-        self.addTab(self._speeds_page(), "Speeds")
+        self._in_paper = True
+        self.addTab(self._speeds_page(), SPEEDS)
+        self.addTab(_scrolled(self.verdicts, self.steady), VERDICTS)
         self.plots: dict[str, tuple[XYPlot, ...]] = {}
         for name, row in PLOTS.items():
             self.plots[name] = tuple(XYPlot(across, upwards) for across, upwards in row.axes)
@@ -381,6 +395,16 @@ class StabilityPages(QTabWidget):
         return _scrolled(row, self.speeds)
 
     # -- content --------------------------------------------------------------------------------------------
+
+    def show_as_in_paper(self, on: bool) -> None:
+        """Show all pages, or only those that answer a designer."""
+        self._in_paper = on
+        for index in range(self.count()):
+            row = PLOTS.get(self.tabText(index))
+            self.setTabVisible(index, on or (row is not None and not row.in_paper) or self.tabText(index) == SPEEDS)
+        if not on:
+            self.show_page(SPEEDS)
+        self.redraw()
 
     def show_shaft(self, stability: Stability, point: ChartPoint) -> None:
         """Show another shaft, and the selected point of its chart."""
@@ -423,9 +447,9 @@ class StabilityPages(QTabWidget):
             return
         self._drawn.add(index)
         name = self.tabText(index)
-        if name == "Verdicts":
+        if name == VERDICTS:
             self._show_verdicts(self.stability, self.chosen)
-        elif name == "Speeds":
+        elif name == SPEEDS:
             self._show_speeds(self.stability)
         else:
             self._show_plots(self.stability, self.chosen, name)
@@ -452,7 +476,8 @@ class StabilityPages(QTabWidget):
     def _show_speeds(self, stability: Stability) -> None:
         if "bands" in vars(stability):
             machine = stability.machine
-            self.speeds.setText(bands_table(stability.bands, machine.rpm(machine.eta)))
+            rows = stability.bands if self._in_paper else nearest_bands(stability, len(stability.bands))
+            self.speeds.setText(bands_table(rows, machine.rpm(machine.eta), self._in_paper))
             if self.speed.value is not None:
                 self._show_needed(self.speed.value)
         else:
@@ -577,13 +602,14 @@ class StabilityPage:
     """A page of plots: the titles of their axes, and the function that draws them.
 
     ``result``: result of the point that the page shows, a key of ``WAITING``, or empty. ``needs``: cached property of
-    ``Stability`` that the page shows, or empty.
+    ``Stability`` that the page shows, or empty. ``in_paper``: whether it is shown only as in the paper.
     """
 
     axes: tuple[tuple[str, str], ...]
     draw: Callable[[tuple[XYPlot, ...], Stability, ChartPoint], None]
     result: str = "history"
     needs: str = ""
+    in_paper: bool = False
 
 
 WAITING: Mapping[str, Callable[[ChartPoint], str]] = MappingProxyType(
@@ -597,12 +623,12 @@ WAITING: Mapping[str, Callable[[ChartPoint], str]] = MappingProxyType(
 PLOTS: Mapping[str, StabilityPage] = MappingProxyType(
     {
         "Wind-up": StabilityPage((("Turns of the input", "Twist, °"),), _wind_up),
-        "Phase": StabilityPage((("Twist, °", "Rate, °/turn"),), _phase),
-        "Spectrum": StabilityPage((("Order, × shaft speed", "Twist, °"),), _spectrum),
+        "Phase": StabilityPage((("Twist, °", "Rate, °/turn"),), _phase, in_paper=True),
+        "Spectrum": StabilityPage((("Order, × shaft speed", "Twist, °"),), _spectrum, in_paper=True),
         "Contact": StabilityPage((("Turns of the input", "Force, N"),), _contact),
         "Steady": StabilityPage((("", ""), ("", ""), ("", "")), _steady, result="steady"),
-        "Harmonics": StabilityPage((("", ""),), _harmonics, result="steady"),
-        "Averages": StabilityPage((("", ""), ("", "")), _averages, result="", needs="first_turn"),
-        "Terms": StabilityPage((("", ""),), _terms, result=""),
+        "Harmonics": StabilityPage((("", ""),), _harmonics, result="steady", in_paper=True),
+        "Averages": StabilityPage((("", ""), ("", "")), _averages, result="", needs="first_turn", in_paper=True),
+        "Terms": StabilityPage((("", ""),), _terms, result="", in_paper=True),
     }
 )

@@ -12,11 +12,20 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QHideEvent, QPalette, QShowEvent
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QSplitter,
+    QVBoxLayout,
+)
 
 from core.design import with_elastic
 from core.errors import KindynaError
-from core.stability import EDGE_ERROR, EXACT, Chart, Stability, Verdict, chart
+from core.stability import EDGE_ERROR, EXACT, Chart, Stability, Verdict, chart, nearest_bands, speed_sentence
 from core.study import Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
@@ -27,6 +36,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
+from kindyna_gui.settings import Settings
 from kindyna_gui.stability_pages import (
     ChartPoint,
     PointFields,
@@ -34,6 +44,7 @@ from kindyna_gui.stability_pages import (
     machine_text,
     needed_shaft_text,
     point_text,
+    speed_text,
     steady_turns,
     tongue_of,
     waiting_text,
@@ -50,7 +61,7 @@ class StabilityChart(DraggablePoint, ChartPlot):
         return ChartPlot.point_at(self, pixel)
 
     def own_pixel(self) -> QPointF | None:
-        machine = self.chart.machine if self.chart is not None else None
+        machine = self.chart.machine if self.chart is not None and not self.is_plain else None
         return None if machine is None or not self.machine_point.isVisible() else self.pixel(machine.eta, machine.q)
 
 
@@ -127,6 +138,9 @@ class PointReading(QLabel):
         self._stability, self.point = stability, point
         eta, q = point
         self.verdicts = stability.linear_at(eta, q)
+        if self._chart.is_plain:
+            self._write(speed_text(eta, q, stability.machine, self.verdicts))
+            return
         self._tongue = tongue_of(stability.tongues(EXACT, max(eta + 0.5, 1.0), q, EDGE_TOLERANCE), eta)
         self._pause.start()
         self._show()
@@ -165,6 +179,7 @@ SHARES = (9, 4)  # height of chart and pages
 PAUSE_MS = 150  # pause in editing before slow results are calculated
 SOON_MS = 15  # after an edit, so that the window is painted first
 UPDATING = "Calculating the chart …"
+NEAREST = 5  # forbidden bands in the chart over the speed
 
 
 class StabilityView(View):
@@ -206,8 +221,19 @@ class StabilityView(View):
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        self.header = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.header, self.verdict = (
+            QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse) for _ in range(2)
+        )
         self.header.setMinimumWidth(1)
+        self.verdict.setWordWrap(True)
+        bold = self.verdict.font()
+        bold.setBold(True)
+        self.verdict.setFont(bold)
+        self.as_paper = described(
+            QCheckBox("As in the paper"),
+            tip="Show frequency ratio η, inertia ratio Q, and the verdicts of all models, as in Kim 1990",
+        )
+        self.as_paper.setChecked(Settings().as_in_paper)
         self.progress = described(QProgressBar(textVisible=False, minimum=0, maximum=0), name="Computing")
         self.progress.setFixedSize(70, 8)
         self.progress.hide()
@@ -217,12 +243,16 @@ class StabilityView(View):
             tip="Use the stiffness and inertia of this point in the design (one undo step)",
         )
         self.use.hide()
-        tools = fill(QHBoxLayout(), self.fields, 8, (self.header, 1), 8, self.progress, self.use, margins=(8, 2, 8, 0))
+        answer = fill(
+            QHBoxLayout(), (self.verdict, 1), 8, self.progress, self.use, 8, self.as_paper, margins=(8, 6, 8, 2)
+        )
+        row = fill(QHBoxLayout(), self.fields, 8, (self.header, 1), margins=(8, 2, 8, 0))
         for text, box in (("across", self.across), ("upwards", self.upwards)):
             name = coloured(QLabel(text), SCREEN.quiet)
-            tools.addWidget(name)
-            tools.addWidget(box)
-        upper = widget_with(fill(QVBoxLayout(), tools, (self.chart, 1), margins=0, spacing=2))
+            row.addWidget(name)
+            row.addWidget(box)
+        self.tools = widget_with(row)
+        upper = widget_with(fill(QVBoxLayout(), answer, self.tools, (self.chart, 1), margins=0, spacing=2))
         splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         splitter.addWidget(upper)
         splitter.addWidget(self.pages)
@@ -230,6 +260,8 @@ class StabilityView(View):
             splitter.setStretchFactor(index, share)
         splitter.setSizes([1000 * share for share in SHARES])
         self.set_column(splitter, grows=splitter)
+        self.tools.setVisible(self.as_paper.isChecked())
+        self.pages.show_as_in_paper(self.as_paper.isChecked())
 
     @staticmethod
     def _choice(rows: Any) -> QComboBox:
@@ -256,8 +288,18 @@ class StabilityView(View):
             (self.across.currentIndexChanged, self._draw_chart),
             (self.upwards.currentIndexChanged, self._draw_chart),
             (self.use.clicked, self.use_target),
+            (self.as_paper.toggled, self._switch),
             (self.session.started, self._forget_design),
         )
+
+    def _switch(self, in_paper: bool) -> None:
+        """Show the stability as in the paper, or as a designer reads it; the next start does the same."""
+        Settings().as_in_paper = in_paper
+        self.tools.setVisible(in_paper)
+        self.pages.show_as_in_paper(in_paper)
+        self.reading.show_text("")
+        self.look_at_machine()
+        self._draw_chart()
 
     # -- content --------------------------------------------------------------------------------------------
 
@@ -278,15 +320,16 @@ class StabilityView(View):
         self._soon_update.start()
 
     def _computed(self, study: Study) -> tuple[Stability, Chart, str]:
-        """Compute the shaft, its coarse chart and the text of the header. Raises NoStability, NoSolution."""
+        """Compute the shaft, its coarse chart and the verdict on its speed. Raises NoStability, NoSolution."""
         stability = study.flexible_shaft()
         drawn = self._chart(stability, study.design.name, COARSE, CHART_TOLERANCE, coarse=True)()
-        return stability, drawn, machine_text(stability)
+        return stability, drawn, speed_sentence(stability)
 
-    def _show(self, stability: Stability, drawn: Chart, text: str) -> None:
+    def _show(self, stability: Stability, drawn: Chart, verdict: str) -> None:
         self.stability, self.drawn = stability, drawn
         self._mark("")
-        self.header.setText(text)
+        self.verdict.setText(verdict)
+        self.header.setText(machine_text(stability))
         self.chosen = self._new_point(stability)
         self._draw_chart()
         self._pause.start()
@@ -296,7 +339,7 @@ class StabilityView(View):
     def _mark(self, text: str) -> None:
         """Grey out the results of the previous design while a text is shown; empty: show the results."""
         if text:
-            self.header.setText(text)
+            self.verdict.setText(text)
             self.reading.show_text("")
         self.chart.fade(bool(text))
         self.pages.fade(bool(text))
@@ -344,7 +387,10 @@ class StabilityView(View):
     def _draw_chart(self, *_: object) -> None:
         if self.drawn is None:
             return
-        self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
+        if self.as_paper.isChecked():
+            self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
+        elif self.stability is not None:
+            self.chart.show_speeds(self.drawn, nearest_bands(self.stability, NEAREST))
         self.chart.ring_point(*(self.picked or (None,)))
 
     # -- slow results ---------------------------------------------------------------------------------------
@@ -463,7 +509,9 @@ class StabilityView(View):
         self._choose(None)
 
     def _pick(self, eta: float, q: float) -> None:
-        """Select a point by the mouse, rounded to the resolution of a pixel."""
+        """Select a point by the mouse, rounded to the resolution of a pixel; only as in the paper, where it is typed too."""
+        if not self.as_paper.isChecked():
+            return
         self.look_at(float(f"{eta:.5g}"), float(f"{q:.5g}"))
 
     def _choose(self, point: tuple[float, float] | None) -> None:

@@ -15,9 +15,12 @@ TURNS = 3.0  # a shaft is followed from rest
 
 
 def page(user: User, rest: bool = True) -> StabilityView:
+    """The page as in the paper."""
     user.choose("Stability", "Chart")
     view = user.window.view("stability")
     assert isinstance(view, StabilityView)
+    view.as_paper.setChecked(True)
+    view.pages.show_page("Verdicts")
     wait_for(lambda: view.stability is not None)
     assert view.stability.turns == TURNS
     if rest:

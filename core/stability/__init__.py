@@ -41,6 +41,9 @@ from core.stability.stage import (
     Verdict,
     contact_forces,
     findings,
+    margin_text,
+    nearest_bands,
+    speed_sentence,
     stability,
 )
 from core.stability.steady import Follower, SteadyTurn, branch, fourier_sum, shoot, steady_response, steady_turn
@@ -53,7 +56,8 @@ __all__ = [
     "ForbiddenBand", "History", "Machine", "Plot", "PlotCurve", "Stability", "SteadyTurn", "Stiffness", "Tongues",
     "Verdict", "averages_plots", "bands", "branch", "chart", "coefficients", "coefficients_plot", "contact_forces",
     "contact_marks", "count_up_to", "driven_sizes", "findings", "first_guess", "fourier_sum", "harmonic_tongues",
-    "harmonics_plot", "histories", "history", "history_plot", "kim_edges", "kim_matrix", "mean_wind_up", "monodromy",
-    "refined", "shaft_coefficients", "shoot", "stability", "steady_plots", "steady_response", "steady_turn",
-    "stiffness_for", "tongues", "tongues_of_order", "with_flexible_shaft",
+    "harmonics_plot", "histories", "history", "history_plot", "kim_edges", "kim_matrix", "margin_text",
+    "mean_wind_up", "monodromy", "nearest_bands", "refined", "shaft_coefficients", "shoot", "speed_sentence",
+    "stability", "steady_plots", "steady_response", "steady_turn", "stiffness_for", "tongues", "tongues_of_order",
+    "with_flexible_shaft",
 ]  # fmt: skip

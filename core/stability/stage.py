@@ -12,7 +12,7 @@ import numpy as np
 
 from core.design import ElasticShaft, si
 from core.errors import NoSolution, NoStability
-from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
+from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual, distinct_texts
 from core.frozen import frozen
 from core.numerics.lazy import postpone
 from core.stability.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
@@ -395,6 +395,69 @@ def contact_forces(
 # -- limits: running in a forbidden band of speed, or near one ---------------------------------------------
 
 FIELD = "shaft.stiffness_nm_per_rad"
+SPEED_DIGITS = 5
+FAR = 1.0  # relative distance, or growth, from which on it is a factor instead of a percentage
+
+
+def speed_sentence(shaft: Stability) -> str:
+    """Whether the machine's speed is clear of the forbidden bands, and the nearest one, as a sentence.
+
+    The nearest band is one with noticeable growth where there is such a band: the smallest damping closes the others.
+    """
+    rpm = shaft.machine.omega * RPM
+    if rpm >= shaft.top_rpm:
+        speed, top = distinct_texts((rpm, shaft.top_rpm), SPEED_DIGITS)
+        return f"{speed} rpm is inside the unstable range: above {top} rpm no speed is stable."
+    inside = [band for band in shaft.bands if band.contains(rpm)]
+    if inside:
+        band = max(inside, key=lambda b: b.growth)
+        closed = "" if band.growth >= NOTICEABLE else ", which the smallest damping prevents"
+        where, speed = speed_range(band, rpm)
+        return (
+            f"{speed} rpm is inside a forbidden band, {where} rpm: the twist of the shaft grows by up to "
+            f"{growth_text(band.growth)} a turn{closed}."
+        )
+    if shaft.linear[-1].growth > TOLERANCE:  # above the computed bands
+        grows = growth_text(shaft.linear[-1].growth)
+        return (
+            f"{rpm:.{SPEED_DIGITS}g} rpm is inside an unstable range: the twist of the shaft grows by {grows} a turn."
+        )
+    nearest = min(shaft.bands, key=lambda b: (b.growth < NOTICEABLE, b.distance(rpm)), default=None)
+    if nearest is None:
+        return f"{rpm:.{SPEED_DIGITS}g} rpm is clear: the shaft has no forbidden speeds."
+    where, speed = speed_range(nearest, rpm)
+    clear = "keeps clear of every band" if nearest.distance(rpm) > CLEAR else "is clear of every band, but close to one"
+    return f"{speed} rpm {clear}; the nearest is {where} rpm, {margin_text(nearest, rpm)}."
+
+
+def speed_range(band: ForbiddenBand, rpm: float) -> tuple[str, str]:
+    """The speeds [1/min] of a band, and another speed, with enough digits to tell them apart."""
+    if math.isinf(band.rpm_hi):
+        low, speed = distinct_texts((band.rpm_lo, rpm), SPEED_DIGITS)
+        return f"{low} … ∞", speed
+    low, high, speed = distinct_texts((band.rpm_lo, band.rpm_hi, rpm), SPEED_DIGITS)
+    return f"{low} … {high}", speed
+
+
+def margin_text(band: ForbiddenBand, rpm: float) -> str:
+    """Distance of a band from a speed [1/min]: `4.7 % above`, `inside`."""
+    if band.contains(rpm):
+        return "inside"
+    part = band.distance(rpm)
+    side = "above" if band.rpm_lo > rpm else "below"
+    return f"{100.0 * part:.2g} % {side}" if part < FAR else f"{1.0 + part:.3g} times as fast"
+
+
+def growth_text(growth: float) -> str:
+    """Growth per turn from its logarithm: `2.3 %`, `a factor of 12`."""
+    part = math.expm1(growth)
+    return f"{100.0 * part:.2g} %" if part < FAR else f"a factor of {1.0 + part:.3g}"
+
+
+def nearest_bands(shaft: Stability, count: int) -> tuple[ForbiddenBand, ...]:
+    """The forbidden bands nearest to the machine's own speed, the nearest first."""
+    rpm = shaft.machine.omega * RPM
+    return tuple(sorted(shaft.bands, key=lambda band: band.distance(rpm))[:count])
 
 
 def findings(shaft: Stability) -> list[Finding]:

@@ -31,7 +31,7 @@ from core.study.cam_checks import limit_rows, pressure_angles
 from core.study.study import shaft_in_chart
 
 if TYPE_CHECKING:
-    from core.stability import SteadyTurn
+    from core.stability import Stability, SteadyTurn
 
 
 # -- several drives on a shaft --------------------------------------------------------------------------------
@@ -171,16 +171,24 @@ def shaft_stability(study: Study) -> list[Section]:
         ("Harmonics", str(values["harmonics"]), ""),
         ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
     ]
-    turn = study.stability.steady_turn if study.stability is not None and "steady" in values else None
+    shaft = study.stability
+    turn = shaft.steady_turn if shaft is not None and "steady" in values else None
     hidden = {"largest_wind_up_deg": math.nan} if turn is not None else {}  # listed with the steady response
     return section(
         "Stability of the flexible shaft",
+        *([] if shaft is None else [Sentences((_speed_sentence(shaft),))]),
         table((), rows, slug="stability", keys=("eta", "q", "natural_rpm", "", "")),
         _forbidden(values),
         verdicts("At the speed of the machine", [{**row, **hidden} for row in values["verdicts"]]),
         _needed(study, values),
         *(_steady(turn, values["steady"]) if turn is not None else []),
     )
+
+
+def _speed_sentence(shaft: Stability) -> str:
+    from core.stability import speed_sentence  # no design without a flexible shaft loads it
+
+    return speed_sentence(shaft)
 
 
 def _forbidden(values: Mapping[str, Any]) -> ReportTable | Sentences:
@@ -226,7 +234,7 @@ def _needed(study: Study, values: Mapping[str, Any]) -> Sentences:
     if needed is None:
         return Sentences(("The shaft vibrates so often in a turn that tongues are not computed near this speed.",))
     if elastic is None or needed["allowed"]:
-        return Sentences(("At this speed the shaft keeps clear of the forbidden bands.",))
+        return Sentences(("The present stiffness keeps clear of the forbidden bands.",))
     softer = needed["greatest_softer_nm_per_rad"]
     stiffer = f"a stiffness from {digits(needed['least_stiffer_nm_per_rad'])} N·m/rad on"
     up_to = f", or up to {digits(softer)} N·m/rad" if softer else ""

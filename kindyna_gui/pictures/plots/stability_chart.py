@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
 from types import MappingProxyType
 
 import numpy as np
@@ -11,7 +12,7 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QWidget
 
 from core.frozen import frozen
-from core.stability import APPROXIMATE, EXACT, Chart, Machine
+from core.stability import APPROXIMATE, EXACT, Chart, ForbiddenBand, Machine
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.lines import Entry
 from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, value_ticks
@@ -27,6 +28,8 @@ NAMES = (
     Entry(VERMILION, "unstable: linearised, exact (21)"),
     Entry(BLUE, "edges: linearised, approximate (22)", "– –"),
 )
+PLAIN_NAMES = (Entry(VERMILION, "forbidden: the twist of the shaft grows"),)
+BESIDE, LEAST_ROOM = 0.08, 0.01  # room beside the nearest bands, as a share of their range, and of the machine's speed
 
 
 @frozen
@@ -54,7 +57,7 @@ def _rpm(eta: np.ndarray, machine: Machine) -> np.ndarray:
 ACROSS: Mapping[str, AxisQuantity] = MappingProxyType(
     {
         "eta": AxisQuantity("η", "Frequency ratio η = ω₀/ω", lambda e, m: e, lambda x, m: x),
-        "rpm": AxisQuantity("rpm", "Camshaft speed, rpm", _rpm, lambda x, m: m.rpm(1.0) / max(x, 1e-300)),
+        "rpm": AxisQuantity("rpm", "Speed, rpm", _rpm, lambda x, m: m.rpm(1.0) / max(x, 1e-300)),
     }
 )
 UPWARDS: Mapping[str, AxisQuantity] = MappingProxyType(
@@ -73,6 +76,7 @@ class ChartPlot(FixedPlot):
     chart : chart that is drawn, None before the first one
     machine_point : dot at the machine's operating point
     ring : circle around the selected point
+    is_plain : whether it is drawn over the machine's speed, without the ratios of the paper
     """
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
@@ -81,6 +85,8 @@ class ChartPlot(FixedPlot):
         self.setAccessibleName("Chart of stability")
         self.chart: Chart | None = None
         self._across, self._upwards = "eta", "q"
+        self.is_plain = False
+        self._orders: tuple[int, ...] = ()  # numbers of the bands that are named; empty: all
         exact, approximate = theme.seen(VERMILION), theme.seen(BLUE)
         self._hull = self._outline(exact, Z_TONGUE - 1.0, fill=brush(exact, 0.12))
         self._exact = self._outline(exact, Z_TONGUE, fill=brush(exact, 0.22))
@@ -109,20 +115,39 @@ class ChartPlot(FixedPlot):
 
     def show_chart(self, chart: Chart, across: str = "eta", upwards: str = "q") -> None:
         """Draw a chart with the axes ``across`` and ``upwards``, keys of ``ACROSS`` and ``UPWARDS``."""
-        self.chart = chart
         if chart.machine is None:
             across, upwards = "eta", "q"
-        self._across, self._upwards = across, upwards
+        self._across, self._upwards, self.is_plain, self.chart = across, upwards, False, chart
+        self._orders = ()
+        last = self._x(np.array([chart.eta_max]))[0] if across == "eta" else self._fastest(chart)
+        self._name(NAMES)
+        self._show((0.0, float(last)))
+
+    def show_speeds(self, chart: Chart, bands: Sequence[ForbiddenBand]) -> None:
+        """Draw the chart of a machine over its speed, from the lowest to the highest of some bands and the machine's speed."""
+        assert chart.machine is not None
+        self._across, self._upwards, self.is_plain, self.chart = "rpm", "mass", True, chart
+        self._orders = tuple(sorted(band.n for band in bands))
+        speed = chart.machine.rpm(chart.machine.eta)
+        speeds = [speed, *(end for band in bands for end in (band.rpm_lo, band.rpm_hi) if isfinite(end))]
+        low, high = (min(speeds), max(speeds)) if len(speeds) > 1 else (0.0, 2.0 * speed)
+        room = max(BESIDE * (high - low), LEAST_ROOM * speed)
+        self._name(PLAIN_NAMES)
+        self._show((max(low - room, 0.0), high + room))
+
+    def _show(self, across: tuple[float, float]) -> None:
+        """Draw the chart over this range of the horizontal axis."""
+        chart = self.chart
+        assert chart is not None
         top = float(chart.q[-1]) if chart.q.size > 1 else 1.2 * float(chart.q[0])
-        x = self._x(np.array([chart.eta_max]))[0] if across == "eta" else self._fastest(chart)
-        self._view.setRange(xRange=(0.0, float(x)), yRange=(0.0, float(self._y(np.array([top]))[0])), padding=0.0)
+        self._view.setRange(xRange=across, yRange=(0.0, float(self._y(np.array([top]))[0])), padding=0.0)
         self._exact.redraw(self._tongues(chart, EXACT))
-        self._approximate.redraw(self._tongues(chart, APPROXIMATE))
+        self._approximate.redraw(QPainterPath() if self.is_plain else self._tongues(chart, APPROXIMATE))
         self._hull.redraw(self._bottom(chart))
         self._marked.redraw(self._rows(chart))
         self._draw_machine(chart.machine)
         self.setAccessibleDescription(
-            f"{ACROSS[across].title} across, {UPWARDS[upwards].title} upwards; {self._tag.text}"
+            f"{ACROSS[self._across].title} across, {UPWARDS[self._upwards].title} upwards; {self._tag.text}"
         )
         self._lay()
 
@@ -200,9 +225,8 @@ class ChartPlot(FixedPlot):
             self.machine_point.setPos(at)
             self.machine_point.setVisible(low <= at.x() <= high and at.y() <= top)
             beyond = " →" if at.x() > high else " ↑" if at.y() > top else ""
-            self._tag.set_text(
-                f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}"
-            )
+            ratios = "" if self.is_plain else f", η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}"
+            self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm{ratios}")
             right = (high - at.x()) / (high - low) * self._view.width() > self._tag.size[0] + 14.0
             self._tag.set_lean(0.0 if right else 1.0, 1.0)
             self._tag.shift(7.0 if right else -7.0, -6.0)
@@ -254,12 +278,13 @@ class ChartPlot(FixedPlot):
             self._draw_machine(self.chart.machine)
 
     def _numbers(self, low: float, high: float, width: float) -> list[tuple[float, str]]:
-        """Ticks with the numbers of the tongues over their tips, where there is room."""
+        """Ticks with the numbers of the tongues, or of the nearest bands, over their tips, where there is room."""
         if self.chart is None or EXACT not in self.chart.tongues:
             return []
         rows: list[tuple[float, str]] = []
-        for n in range(1, self.chart.tongues[EXACT].count + 1):
-            x, text = float(self._x(np.array([0.5 * n]))[0]), f"n = {n}" if n == 1 else str(n)
+        for n in self._orders or range(1, self.chart.tongues[EXACT].count + 1):
+            x = float(self._x(np.array([0.5 * n]))[0])
+            text = str(n) if n > 1 else f"order {n}" if self.is_plain else f"n = {n}"
             half = 0.5 * text_size(text)[0] * (high - low) / width
             is_free = all(abs(x - previous) > 2.6 * half for previous, _ in rows)
             if low + half < x < high - half and is_free:

@@ -15,11 +15,13 @@ from PySide6.QtTest import QTest
 from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
 from window_user import Open, User, settle, wait_for
 
+from core.errors import NoSolution
 from core.project import load, save
 from core.stability import EXACT, Chart, Stability, chart
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
 from kindyna_gui.pictures.painter import chart_file
+from kindyna_gui.settings import Settings
 from kindyna_gui.stability_view import StabilityView
 
 
@@ -36,6 +38,80 @@ def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
     return open_user(KIM, size=(1440, 900))
 
 
+def plain(user: User) -> StabilityView:
+    """The page as a designer finds it."""
+    user.choose("Stability", "Chart")
+    view = user.window.view("stability")
+    assert isinstance(view, StabilityView)
+    view.as_paper.setChecked(False)
+    wait_for(lambda: view.stability is not None and view.up_to_date)
+    return view
+
+
+def test_the_first_line_says_whether_the_speed_is_clear_before_anything_slow_is_known(
+    kim: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
+
+    def never(*_: object, **__: object) -> None:
+        raise NoSolution("slow", "shaft.speed_rpm", "none")
+
+    for slow in ("history", "steady_turn_at"):
+        monkeypatch.setattr(Stability, slow, never)
+    view = plain(kim)
+    said = view.verdict.text(), view.pages.speeds.text(), view.chart.accessibleDescription()
+    assert said[0] == "1500 rpm keeps clear of every band; the nearest is 1388.7 … 1389.2 rpm, 7.4 % below."
+    assert "η" not in "".join(said)
+
+
+@pytest.mark.parametrize(
+    ("rpm", "said"),
+    [
+        (
+            "4800",
+            "4800 rpm is inside a forbidden band, 4776.4 … 4954.1 rpm: the twist of the shaft grows by up to 12 % a turn.",
+        ),
+        (
+            "1385",
+            "1385 rpm is clear of every band, but close to one; the nearest is 1388.7 … 1389.2 rpm, 0.27 % above.",
+        ),
+    ],
+)
+def test_the_first_line_follows_the_speed(kim: User, rpm: str, said: str) -> None:
+    view = plain(kim)
+    kim.enter("shaft.speed_rpm", rpm)
+    wait_for(lambda: view.verdict.text() == said)
+
+
+def test_the_chart_shows_the_nearest_bands_over_the_speed_and_the_machines_own(kim: User) -> None:
+    view = plain(kim)
+    frame = view.chart.frame()
+    assert view.stability is not None
+    seen = [band.n for band in view.stability.bands if frame.first <= band.rpm_lo and band.rpm_hi <= frame.last]
+    assert seen == [5, 6, 7, 8, 9]
+    assert "Speed, rpm across" in view.chart.accessibleDescription()
+    assert view.chart.accessibleDescription().endswith("; 1500 rpm")
+    wait_for(lambda: "margin" in view.pages.speeds.text())
+    assert ">rpm<" in view.pages.speeds.text().replace("&nbsp;", "")
+    for rpm in ("30", "60000"):  # far outside of every band
+        kim.enter("shaft.speed_rpm", rpm)
+        wait_for(lambda rpm=rpm: view.verdict.text().startswith(rpm))  # type: ignore[misc]
+        assert view.chart.machine_point.isVisible()
+
+
+def test_the_switch_to_the_paper_is_remembered(kim: User) -> None:
+    view = plain(kim)
+    assert not view.fields.isVisible()
+    QTest.mouseClick(view.as_paper, LEFT)
+    settle()
+    assert view.fields.isVisible()
+    assert "η = " in view.chart.accessibleDescription()
+    shown = [view.pages.tabText(i) for i in range(view.pages.count()) if view.pages.isTabVisible(i)]
+    assert shown[:2] == ["Speeds", "Verdicts"]
+    assert Settings().as_in_paper
+    QTest.mouseClick(view.as_paper, LEFT)
+    assert not Settings().as_in_paper
+
+
 def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User) -> None:
     kim.choose("Stability", "Chart")
     view = kim.window.view("stability")
@@ -46,7 +122,7 @@ def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User) -> No
     rows = view.drawn.q.size
     assert rows > 4 * few
     assert not view.progress.isVisible()
-    assert "1500 rpm" in view.header.text()
+    assert "1500 rpm" in view.verdict.text()
     found = kim.session.study.stability
     assert found is not None
     exact = chart(found.coefficients, found.machine, rows=rows).tongues[EXACT]
@@ -177,7 +253,7 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
         assert view.drawn is before
         assert evaluations["stability"] == count
         assert not threads
-        assert "Calculating" in view.header.text()
+        assert "Calculating" in view.verdict.text()
         assert view.busy
     wait_for(lambda: not view.busy)
     assert current_thread() not in threads
