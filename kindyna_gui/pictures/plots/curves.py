@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import degrees, radians
+from math import ceil, degrees, floor, log2, radians
 from types import MappingProxyType
 from typing import Any
 
@@ -60,6 +60,7 @@ from kindyna_gui.pictures.units import (
 from kindyna_gui.settings import point, sized, symbol_of
 
 UNNAMED = 4  # height of the axis at the top without names, pixels
+STEPS = 6  # power of two of the steps, by whose number the range of an axis is divided at least
 MOST_FREE = 0.13  # of the height, for the texts of extremes
 NO_BANDS: Mapping[str, np.ndarray] = MappingProxyType({})
 CLIP_RANGES = 50.0  # values are cut off at so many ranges of the axis beyond its ends
@@ -330,10 +331,15 @@ class CurvePlot(TurnCurves, FixedPlot):
         return [mark.extreme for mark in self._extreme_marks]
 
     def _reach(self, core: tuple[float, float]) -> tuple[float, float]:
-        """Set the axis to these values, with room for a text above and below; returns the range shown."""
+        """Set the axis to these values, with room for a text above and below; returns the range shown.
+
+        Its ends are at whole steps, so that small edits leave it: a new range draws the axis and all curves again.
+        """
         part = min(sized(self.text_room) / max(self._view.height(), 1.0), MOST_FREE)
-        room = max(FREE, part / (1.0 - 2.0 * part)) * (core[1] - core[0])
-        shown = (core[0] - room, core[1] + room)
+        size = core[1] - core[0]
+        room = max(FREE, part / (1.0 - 2.0 * part)) * size
+        step = 2.0 ** (floor(log2(size)) - STEPS)
+        shown = (step * floor((core[0] - room) / step), step * ceil((core[1] + room) / step))
         if tuple(self._view.viewRange()[1]) != shown:
             self._view.setRange(yRange=shown, padding=0.0)
         return shown

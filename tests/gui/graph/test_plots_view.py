@@ -72,6 +72,20 @@ def test_an_edit_is_drawn_at_once(show: Show) -> None:
     assert view.plot.readings() == before
 
 
+def test_a_small_edit_leaves_the_axis_and_a_large_one_does_not(show: Show) -> None:
+    """The curve is another one each time, within its axis; little of that is empty."""
+    view = show("contact_force")
+    ranges = []
+    for mass in (200.0, 200.5, 201.0, 600.0):
+        view.session.edit("loads.slider_mass_kg", mass, "a")
+        values = channel(LIFT, "contact_force_n").values(view.session.study) / 1e3
+        low, high = view.plot.getViewBox().viewRange()[1]
+        assert low < min(values.min(), 0.0)
+        assert values.max() < high < 1.3 * values.max()
+        ranges.append((low, high))
+    assert ranges[0] == ranges[1] == ranges[2] != ranges[3]
+
+
 @pytest.mark.parametrize("slug", ["velocity_mm_s", "pressure_angle_deg", "contact_force_n", "drive_torque_nm"])
 def test_the_value_at_the_cursor_is_exact(slug: str, show: Show) -> None:
     """Not that of the nearest sample: a tenth of a degree beside it the velocity is another."""
