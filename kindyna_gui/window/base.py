@@ -7,9 +7,10 @@ from typing import Any, Protocol
 
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMainWindow, QTabBar, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QMainWindow, QMenu, QTabBar, QTabWidget, QVBoxLayout, QWidget
 
 from core.design import Design
+from core.study import names_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.export import Exports
 from kindyna_gui.files.file_actions import Documents
@@ -20,7 +21,7 @@ from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, DockShares
-from kindyna_gui.window.status_line import StatusLine
+from kindyna_gui.window.status_line import PAUSE_MS, StatusLine
 
 # -- pages in the middle ---------------------------------------------------------------------------------
 
@@ -239,13 +240,19 @@ class Titles(QObject):
     def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._session = window, window.session
+        self._named: tuple[object, ...] = ()  # what the titles of the docks depend on
         self._entries: dict[str, tuple[str, str]] = {}  # text and tip of menu entries as in MENUS
         self._soon = single_shot(self, self._show_or_hide)
         self._session.file_changed.connect(self.name_window)
         self._session.design_changed.connect(self.name_docks)
         self._session.drag_ended.connect(self.name_steps)
+        self._pause = single_shot(self, self.name_steps, PAUSE_MS)
+        for menu in self._window.actions_by_key["undo"].associatedObjects():
+            if isinstance(menu, QMenu):
+                menu.aboutToShow.connect(self.name_steps)
         self.name_window()
         self.name_docks()
+        self.steps_changed()
         self.name_steps()
 
     def name_window(self) -> None:
@@ -258,8 +265,13 @@ class Titles(QObject):
         """Update titles of docks and pages to the design's names of quantities."""
         if self._session.drag_source:  # a drag with the mouse never changes the kind of design
             return
+        design = self._session.design
+        kind = names_of(design), design.drive.cam is None, self._session.study.angle_name
+        if kind == self._named:
+            return
+        self._named = kind
         for name, dock in self._window.docks.items():
-            title = title_of(name, self._session.design)
+            title = title_of(name, design)
             if title != dock.windowTitle():
                 dock.setWindowTitle(title)
             self._name_entry(name, title)
@@ -283,17 +295,23 @@ class Titles(QObject):
         action.setToolTip(action.statusTip())
         action.setEnabled(not why)
 
+    def steps_changed(self) -> None:
+        """Enable Undo and Redo now, and name their steps once editing pauses.
+
+        Each text would lay out the toolbar and paint the window.
+        """
+        stack = self._session.stack
+        for key, able in (("undo", stack.canUndo()), ("redo", stack.canRedo())):
+            self._window.actions_by_key[key].setEnabled(able)
+        if self._session.drag_source is None:
+            self._pause.start()
+
     def name_steps(self) -> None:
         """Name the steps that Undo and Redo would change in their entries."""
-        stack, is_dragged = self._session.stack, self._session.drag_source is not None
-        for key, able, text in (
-            ("undo", stack.canUndo(), stack.undoText()),
-            ("redo", stack.canRedo(), stack.redoText()),
-        ):
+        self._pause.stop()
+        stack = self._session.stack
+        for key, text in (("undo", stack.undoText()), ("redo", stack.redoText())):
             action, word = self._window.actions_by_key[key], key.capitalize()
-            action.setEnabled(able)
-            if is_dragged:  # each text would lay out the toolbar and paint the window; ``drag_ended`` follows
-                continue
             action.setText(f"&{word} {text}".rstrip().replace(" &", " &&"))
             action.setToolTip(f"{word} {text}".rstrip())
 

@@ -481,7 +481,7 @@ class MainWindow(Window):
         self.status.refuse(f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}")
 
     def _steps_changed(self, *_: object) -> None:
-        self.titles.name_steps()
+        self.titles.steps_changed()
         self.titles.name_window()
 
     def reverse(self, on: bool) -> None:

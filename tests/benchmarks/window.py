@@ -299,6 +299,7 @@ def _timed(window: MainWindow, runs: Mapping[str, Callable[[int], None]], rounds
             for view in window.findChildren(View):
                 if view.on_screen():
                     view.pull()
+            window.titles.name_steps()
             _process()
     return {name: statistics.median(taken) for name, taken in times.items()}
 

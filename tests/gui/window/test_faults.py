@@ -84,7 +84,7 @@ def test_an_undo_that_fails_is_taken_back_too(user: User) -> None:
 def test_a_view_that_fails_says_so_in_its_place_and_shows_again_when_asked(
     user: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    view = user.see("displacement")
+    view = user.see("contact_force")
     before = user.design
     right = PlotView.refresh
 
@@ -96,7 +96,7 @@ def test_a_view_that_fails_says_so_in_its_place_and_shows_again_when_asked(
     monkeypatch.setattr(PlotView, "refresh", wrong)
     user.enter(ROD, "846")
     wait_for(lambda: "failed" in said(user))
-    assert said(user).startswith("Change rod L2 to 846 mm failed in Displacement (IndexError: no such row")
+    assert said(user).startswith("Change rod L2 to 846 mm failed in Contact force (IndexError: no such row")
     assert user.design == before
     assert any("This view has failed (IndexError: no such row)" in label.text() for label in view.findChildren(QLabel))
     user.choose("Edit", "Redo Change rod L2 to 846 mm")

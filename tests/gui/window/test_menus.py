@@ -4,11 +4,11 @@ from collections import Counter
 from collections.abc import Iterator
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QToolButton, QWidget
-from window_user import Open, User, plain, settle, wait_for
+from window_user import Open, User, end_pauses, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from core.study import findings_of
@@ -178,6 +178,37 @@ def test_undo_and_redo_name_their_step(user: User) -> None:
     assert user.entries("Edit")[:2] == ["Undo", "Redo Change rod L2 to 850 mm"]
     user.choose("Edit", "Redo Change rod L2 to 850 mm")
     assert user.entries("Edit")[0] == "Undo Change rod L2 to 850 mm"
+
+
+class Layouts(QObject):
+    """Number of times that the toolbar is laid out or painted."""
+
+    count = 0
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() in (QEvent.Type.Paint, QEvent.Type.LayoutRequest)
+        return False
+
+
+def test_keys_in_a_field_do_not_lay_out_the_toolbar_and_the_menu_names_the_last_step(user: User) -> None:
+    """Undo can be chosen at once; its entry has the step when the menu opens, or once editing pauses."""
+    user.enter("follower.rod_mm", "850")
+    box, bar = user.number("follower.rod_mm"), user.window.findChild(QWidget, "toolbar")
+    assert bar is not None
+    layouts = Layouts()
+    bar.installEventFilter(layouts)
+    for _ in range(3):
+        QTest.keyClick(box, Qt.Key.Key_Up)
+        QApplication.sendPostedEvents()
+    assert layouts.count == 0
+    undo = user.window.actions_by_key["undo"]
+    assert undo.isEnabled()
+    menu = next(widget for widget in undo.associatedObjects() if isinstance(widget, QMenu))
+    menu.aboutToShow.emit()
+    assert undo.text() == f"&Undo {user.steps[-1]}" == "&Undo Change rod L2 to 880 mm"
+    QTest.keyClick(box, Qt.Key.Key_Up)
+    end_pauses()
+    assert undo.text() == "&Undo Change rod L2 to 890 mm"
 
 
 def test_an_ampersand_in_a_name_stays(user: User) -> None:
