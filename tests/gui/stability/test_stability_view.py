@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from threading import current_thread
 from threading import enumerate as enumerate_threads
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from core.stability import EXACT, Chart, Stability, chart
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
 from kindyna_gui.pictures.painter import chart_file
+from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.settings import Settings
 from kindyna_gui.stability_view import StabilityView
 
@@ -46,6 +48,28 @@ def plain(user: User) -> StabilityView:
     view.as_paper.setChecked(False)
     wait_for(lambda: view.stability is not None and view.up_to_date)
     return view
+
+
+def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+    usual = ChartPlot.show_speeds
+
+    def counted(plot: ChartPlot, drawn: Chart, *rest: Any) -> None:
+        sizes.append(drawn.q.size)
+        usual(plot, drawn, *rest)
+
+    monkeypatch.setattr(ChartPlot, "show_speeds", counted)
+    view = plain(kim)
+    wait_for(lambda: not view.busy)
+    rows = view.drawn.q.size
+    assert rows == sizes[-1]
+    assert rows > 4 * min(sizes)
+    assert not view.progress.isVisible()
+    assert "1500 rpm" in view.verdict.text()
+    found = kim.session.study.stability
+    assert found is not None
+    exact = chart(found.coefficients, found.machine, rows=rows).tongues[EXACT]
+    assert np.array_equal(view.drawn.tongues[EXACT].edges, exact.edges)
 
 
 def test_the_first_line_says_whether_the_speed_is_clear_before_anything_slow_is_known(
@@ -110,23 +134,6 @@ def test_the_switch_to_the_paper_is_remembered(kim: User) -> None:
     assert Settings().as_in_paper
     QTest.mouseClick(view.as_paper, LEFT)
     assert not Settings().as_in_paper
-
-
-def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User) -> None:
-    kim.choose("Stability", "Chart")
-    view = kim.window.view("stability")
-    assert isinstance(view, StabilityView)
-    wait_for(lambda: view.stability is not None)
-    few = view.drawn.q.size
-    wait_for(lambda: not view.busy)
-    rows = view.drawn.q.size
-    assert rows > 4 * few
-    assert not view.progress.isVisible()
-    assert "1500 rpm" in view.verdict.text()
-    found = kim.session.study.stability
-    assert found is not None
-    exact = chart(found.coefficients, found.machine, rows=rows).tongues[EXACT]
-    assert np.array_equal(view.drawn.tongues[EXACT].edges, exact.edges)
 
 
 def test_every_point_of_the_chart_is_where_the_axes_say(kim: User) -> None:
