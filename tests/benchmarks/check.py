@@ -33,7 +33,9 @@ WORSE = 1.3  # times what it takes today: of a row that does not keep its limit 
 TRIES = 6
 SECONDS = 0.6  # for one row
 ROUNDS = 7  # of the window
+STARTS = 9  # of it, and of an empty one
 
+START = "start with the lift, settled, by an empty window"
 RANK = "rank of a drawing: twelve links"
 FINDINGS = "findings: a new lift"
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
@@ -57,6 +59,7 @@ def keys() -> dict[str, Callable[[], float]]:
         RANK: look_at_rank,
         FINDINGS: look_at_findings,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
+        START: partial(processes.start, STARTS),
         **windows(),
     }
 

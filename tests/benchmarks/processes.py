@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import statistics
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -21,6 +22,33 @@ DOCUMENTS = {
     "hand-over": (*HEADLESS, "handover", LIFT, "--out", "lift.zip"),
 }
 """Document of the lift -> the command that writes it; the last word is its file."""
+START = """
+import time
+from kindyna_gui.__main__ import window_module
+
+main_window = window_module()
+app = main_window.ensure_app(offscreen=True)
+window = main_window.open_window(app)
+window.show()
+quiet = 0
+while quiet < 3:
+    app.processEvents()
+    views = [window.view(name) for name in ("mechanism", "motion", "parameters", "findings")]
+    settled = all(view is not None and view.up_to_date and not view.busy for view in views)
+    quiet = quiet + 1 if settled and not views[0].canvas.rest.isActive() else 0
+    time.sleep(0.0 if quiet else 0.005)
+"""
+"""The window with the lift, in the layout of the first start, until nothing in sight waits for anything."""
+EMPTY = """
+from PySide6.QtWidgets import QApplication, QMainWindow
+
+app = QApplication([])
+window = QMainWindow()
+window.resize(1440, 900)
+window.show()
+for _ in range(4):
+    app.processEvents()
+"""
 # what a process holds at most includes what its parent held when it was made: so that has a small one of its own
 BESIDE = """
 import os, subprocess, sys
@@ -46,16 +74,16 @@ class Checked:
     bare: float
 
 
-def _output(words: Sequence[str]) -> list[str]:
+def _output(words: Sequence[str], **settings: str) -> list[str]:
     """The last line that Python prints with these words, its compiled modules kept from run to run."""
-    env = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | settings
     told = subprocess.check_output([sys.executable, *words], cwd=ROOT, env=env, text=True)
     return told.splitlines()[-1].split()
 
 
-def used(words: Sequence[str]) -> Used:
-    """By Python with these words. Raises RuntimeError where it fails."""
-    code, seconds, peak = _output(("-c", BESIDE, *words))
+def used(words: Sequence[str], **settings: str) -> Used:
+    """By Python with these words, and these variables of the environment. Raises RuntimeError where it fails."""
+    code, seconds, peak = _output(("-c", BESIDE, *words), **settings)
     if code != "0":
         raise RuntimeError(f"{' '.join(words)}: exit code {code}")
     return Used(float(seconds), float(peak))
@@ -65,6 +93,15 @@ def check(times: int) -> Checked:
     """Least of several, in turn, the first of each not counted."""
     rows = [tuple(used(words).seconds for words in (CHECK, NUMPY)) for _ in range(times + 1)]
     return Checked(*map(min, zip(*rows[1:], strict=True)))
+
+
+def start(times: int) -> float:
+    """Seconds of the window with the lift by those of an empty window: the median of pairs, the first not counted."""
+    with TemporaryDirectory() as folder:
+        settings = {"QT_QPA_PLATFORM": "offscreen", "XDG_CONFIG_HOME": folder, "XDG_STATE_HOME": folder}
+        settings["QT_LOGGING_RULES"] = "default.warning=false"  # sizes that no desktop takes
+        rows = [[used(("-c", script), **settings).seconds for script in (START, EMPTY)] for _ in range(times + 1)]
+    return statistics.median(ours / bare for ours, bare in rows[1:])
 
 
 def export(angles: int) -> Used:

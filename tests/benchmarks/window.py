@@ -45,9 +45,11 @@ from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.headless import quiet
 from kindyna_gui.linkage.canvas import draggable_joints
 from kindyna_gui.linkage.mechanism_view import MechanismView
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
+from kindyna_gui.settings import Preferences
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import LEFT, RIGHT, VIEWS, Dock, ViewRow, lazily
 from kindyna_gui.window.main_window import MainWindow
@@ -69,6 +71,7 @@ EDITS = (
 BARE, FRAME, DRAG, TABLES = "bare repaint", "frame", "a join in the motion editor", "findings, certificate, flywheel"
 EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to paint", "animation", "start"
 TABLE_KERNEL = "tables to paint, after a pause"
+THEME_KERNEL, THEME = "theme to paint, by every widget", "light and dark"
 PIN_KERNEL, PINNED = "edit to paint, by one without a pin", "a variant pinned"
 SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
 EIGHT_BAR_KERNEL = "drag to paint, eight-bar"
@@ -115,6 +118,7 @@ def names() -> tuple[str, ...]:
         f"{FRAME_KERNEL}: {FRAME}",
         f"{DRAG_KERNEL}: {DRAG}",
         f"{TABLE_KERNEL}: {TABLES}",
+        f"{THEME_KERNEL}: {THEME}",
         *linkage,
         f"{EIGHT_BAR_KERNEL}: {JOINT}",
     )
@@ -157,6 +161,7 @@ def _measured(plots: int, rounds: int) -> list[Row]:
             rest(window)
             with _drawing(window) as drag:
                 rows += _rows(DRAG_KERNEL, plots, _drawn(window, {DRAG: drag, BARE: runs[BARE]}, rounds))
+            rows += _rows(THEME_KERNEL, plots, _timed(window, _themes(window), rounds))
         return rows
     finally:
         dismiss(window)
@@ -281,6 +286,18 @@ def _tables(window: MainWindow) -> dict[str, Callable[[int], None]]:
         assert not any(view is not None and view.up_to_date for view in views)
 
     return {TABLES: Run(edited, painted), BARE: Run(None, painted)}
+
+
+def _themes(window: MainWindow) -> dict[str, Callable[[int], None]]:
+    """A change of the theme, and a bare repaint of every widget in sight. An even number of rounds ends in the light."""
+    app = QApplication.instance()
+    assert isinstance(app, QApplication)
+    seen = [widget for widget in window.findChildren(QWidget) if not widget.visibleRegion().isEmpty()]
+
+    def change(count: int) -> None:
+        apply_preferences(Preferences(theme=("dark", "light")[count % 2]), app)
+
+    return {THEME: change, BARE: _bare(seen)}
 
 
 def _timed(window: MainWindow, runs: Mapping[str, Callable[[int], None]], rounds: int) -> dict[str, float]:
