@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from counting import calls
 
 from core.design import edited, get
 from core.output.channels import channels, existing
@@ -39,6 +40,15 @@ def test_a_further_quantity_is_refined_at_nodes_that_are_solved() -> None:
     further = extremes_of(study, "cam", ("pressure_angle", "instant_centre"))
     assert solutions() == solved + 1, "one pass, at the tops of the further quantity alone"
     assert further["pressure_angle"].low == low
+
+
+def test_findings_of_another_length_call_few_functions() -> None:
+    """What follows from the kind of design alone is built once; the force of the guide needs no other reaction."""
+    design = load(EXAMPLES / "transfer_lift.toml")
+    rod = get(design, "follower.rod_mm")
+    findings_of(Study(edited(design, "follower.rod_mm", rod + 0.001)))
+    study = Study(edited(design, "follower.rod_mm", rod + 0.002))
+    assert calls(lambda: findings_of(study)) <= 9_500
 
 
 def test_other_loads_solve_the_linkage_at_the_tops_of_the_forces_alone() -> None:
