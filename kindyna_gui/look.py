@@ -508,6 +508,15 @@ def bold_label(text: str) -> QLabel:
     return label
 
 
+def answer_label() -> QLabel:
+    """Label for the first words of a view: its verdict, and the number to act on."""
+    label = bold_label("")
+    label.setWordWrap(True)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    label.setContentsMargins(8, 6, 8, 2)
+    return label
+
+
 class Note(MessageLabel):
     """Message below a drawing or plot that says what is omitted and why; it does not widen its parent."""
 

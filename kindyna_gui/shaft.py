@@ -25,11 +25,11 @@ from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
-from kindyna_gui.look import Note, described
+from kindyna_gui.look import Note, answer_label, described
 from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
-from kindyna_gui.pictures.units import digits, measure, readable
+from kindyna_gui.pictures.units import digits, measure, readable, with_unit
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.requirements import NO_SERVO, NO_WHEEL, ONE_DRIVE_TORQUE, Unavailable, require_list, turned_shaft
@@ -128,6 +128,24 @@ LEAST, MOST, COUNT = 0.25, 2.0, 36  # lowest and highest speed, as a multiple of
 POLL_MS = 25
 
 
+def speed_text(curves: AgainstSpeed, rpm: float, allowed: float) -> str:
+    """Peak torque at the machine's speed, and the speeds at which the fluctuation is allowed, as a sentence."""
+    peak = float(np.interp(rpm, curves.rpm, curves.peak))
+    unit = readable(TORQUE, abs(peak))
+    torque = f"{digits(rpm, 4)} rpm: peak torque {with_unit(digits(peak / unit.size, 4), unit.symbol)}"
+    reached = np.where(np.isfinite(curves.fluctuation), curves.fluctuation, np.inf)
+    if not np.isfinite(reached).any():
+        return f"{torque}; the motor stalls at all these speeds."
+    fits = curves.rpm[reached <= allowed]
+    percent = f"{100.0 * allowed:g} %"
+    if not fits.size:
+        return f"{torque}; the speed varies by more than {percent} at all these speeds."
+    first = f"from {digits(fits[0], 3)} rpm on" if fits[0] > curves.rpm[0] else ""
+    last = f"up to {digits(fits[-1], 3)} rpm" if fits[-1] < curves.rpm[-1] else ""
+    where = " and ".join(filter(None, (first, last))) or "at all these speeds"
+    return f"{torque}; the speed varies by at most {percent} {where}."
+
+
 class AgainstSpeedView(BackgroundView):
     """Plots of torque and speed fluctuation over the machine speed, calculated in the background."""
 
@@ -138,6 +156,7 @@ class AgainstSpeedView(BackgroundView):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player, POLL_MS)
         self.curves: AgainstSpeed | None = None
+        self.answer = answer_label()
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
         for plot in (self.torque, self.fluctuation):
             plot.setMinimumSize(220, 70)
@@ -148,7 +167,7 @@ class AgainstSpeedView(BackgroundView):
         splitter.addWidget(self.torque)
         splitter.addWidget(self.fluctuation)
         splitter.setSizes([3000, 2000])
-        self.set_column(splitter, self.bar, grows=splitter)
+        self.set_column(self.answer, splitter, self.bar, grows=splitter)
         self._work.result.connect(self._show_result)
 
     def refresh(self, study: Study) -> None:
@@ -169,7 +188,9 @@ class AgainstSpeedView(BackgroundView):
             self.torque.show_message(reason(self.session.full_design, result))
 
     def _draw(self, curves: AgainstSpeed) -> None:
-        present = ((self.session.full_design.camshaft.speed_rpm, "now"),)
+        shaft = self.session.full_design.camshaft
+        self.answer.setText(speed_text(curves, shaft.speed_rpm, shaft.speed_fluctuation))
+        present = ((shaft.speed_rpm, "now"),)
         display_unit = readable("N·m", float(np.abs(curves.peak).max()))
         self.torque.name_axes(SPEED, f"Torque, {display_unit.symbol}")
         has_motor_curve = bool(np.any(curves.motor_peak != curves.peak))
@@ -180,7 +201,7 @@ class AgainstSpeedView(BackgroundView):
         )
         if np.isfinite(curves.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
-            allowed = 100.0 * self.session.full_design.camshaft.speed_fluctuation
+            allowed = 100.0 * shaft.speed_fluctuation
             ends = Line(curves.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
             reached = Line(curves.rpm, 100.0 * curves.fluctuation, SCREEN.family("speed"), "reached")
             self.fluctuation.show_lines(

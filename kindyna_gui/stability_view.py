@@ -29,7 +29,7 @@ from core.stability import EDGE_ERROR, EXACT, Chart, Stability, Verdict, chart, 
 from core.study import Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
-from kindyna_gui.look import coloured, described
+from kindyna_gui.look import answer_label, coloured, described
 from kindyna_gui.pictures.plots.mouse import DraggablePoint
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
 from kindyna_gui.pictures.style import SCREEN
@@ -221,14 +221,9 @@ class StabilityView(View):
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        self.header, self.verdict = (
-            QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse) for _ in range(2)
-        )
+        self.header = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
         self.header.setMinimumWidth(1)
-        self.verdict.setWordWrap(True)
-        bold = self.verdict.font()
-        bold.setBold(True)
-        self.verdict.setFont(bold)
+        self.verdict = answer_label()
         self.as_paper = described(
             QCheckBox("As in the paper"),
             tip="Show frequency ratio η, inertia ratio Q, and the verdicts of all models, as in Kim 1990",
@@ -244,7 +239,7 @@ class StabilityView(View):
         )
         self.use.hide()
         answer = fill(
-            QHBoxLayout(), (self.verdict, 1), 8, self.progress, self.use, 8, self.as_paper, margins=(8, 6, 8, 2)
+            QHBoxLayout(), (self.verdict, 1), 8, self.progress, self.use, 8, self.as_paper, margins=(0, 0, 8, 0)
         )
         row = fill(QHBoxLayout(), self.fields, 8, (self.header, 1), margins=(8, 2, 8, 0))
         for text, box in (("across", self.across), ("upwards", self.upwards)):

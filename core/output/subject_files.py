@@ -212,7 +212,10 @@ def contact_map_csv(contact: ContactMap) -> str:
 
 
 def lift_off_lines(study: Study) -> list[str]:
-    """Speed from which the follower leaves the cam, in one line; empty where it cannot leave it."""
+    """Whether the follower stays on the cam at the design's speed, and the speed from which it leaves it, in one line.
+
+    Empty where it cannot leave it.
+    """
     try:
         lift_off = study.lift_off
     except NoSolution:
@@ -222,7 +225,12 @@ def lift_off_lines(study: Study) -> list[str]:
     rpm, angle = digits(lift_off.omega / RPM), digits(math.degrees(lift_off.theta))
     if not lift_off.omega:
         return [f"No force presses the follower on the cam at {angle}°, even at standstill"]
-    return [f"The follower leaves the cam at {rpm} rpm and above, at cam angle {angle}°"]
+    own = digits(abs(study.omega) / RPM)
+    if abs(study.omega) < lift_off.omega:
+        return [
+            f"At {own} rpm the follower stays on the cam; it leaves the cam at {rpm} rpm and above, at cam angle {angle}°"
+        ]
+    return [f"At {own} rpm the follower leaves the cam: it does at {rpm} rpm and above, first at cam angle {angle}°"]
 
 
 def flight_lines(study: Study, result: Flights) -> list[str]:

@@ -31,7 +31,7 @@ from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, step_text
-from kindyna_gui.look import row_with_text
+from kindyna_gui.look import answer_label, row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
 from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short, with_unit
@@ -84,6 +84,29 @@ WAIT_S = 30.0
 # -- flywheel --------------------------------------------------------------------------------------------
 
 
+def flywheel_text(wheel: Flywheel, needed: float, allowed: str) -> str:
+    """Whether the flywheel suffices, and the inertia that does, as a sentence.
+
+    needed : least inertia that keeps the speed within the allowed fluctuation [kg m²], 0 where it needs none
+    """
+    if not needed:
+        return f"No flywheel is needed: the speed stays within {allowed} without one."
+    keeps = f"{_inertia(needed)} keep the speed within {allowed}"
+    if not has_flywheel(wheel.shaft):
+        return f"No flywheel, and the speed is taken as constant: {keeps}."
+    own = _inertia(wheel.shaft.flywheel_inertia_kg_m2)
+    if not wheel.runs:
+        return f"The motor stalls with {own}: {_inertia(wheel.least_inertia)} prevent it, {keeps}."
+    state = f"With {own} the speed varies by {digits(100.0 * wheel.fluctuation, 4)} %, {allowed} are allowed"
+    if wheel.fluctuation <= wheel.shaft.speed_fluctuation:
+        return f"{state}: the flywheel suffices, the least is {_inertia(needed)}."
+    return f"{state}: too much, {keeps}."
+
+
+def _inertia(value: float) -> str:
+    return measure(value, "kg·m²")
+
+
 def _shaft_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
     """Rows of the extremes of the shaft's total torque, and of the motor's torque."""
     torques = {("Shaft torque", "torque_nm"): shaft.peaks}
@@ -115,6 +138,7 @@ class FlywheelView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
+        self.answer = answer_label()
         self.table = RowsTable(FLYWHEEL_HEADINGS)
         self.offer_explanation(self.table)
         self.use_button = QPushButton("Use this flywheel")
@@ -124,7 +148,7 @@ class FlywheelView(View):
         row.setContentsMargins(6, 4, 6, 4)
         row.addWidget(self.use_button)
         row.addStretch(1)
-        self.set_column(self.table, row, grows=self.table)
+        self.set_column(self.answer, self.table, row, grows=self.table)
 
     def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
@@ -144,9 +168,11 @@ class FlywheelView(View):
         floor = ROUNDING * max(torque_size(drive) for drive in full_study.drives.values())
         inertia_floor = floor / (shaft.speed_fluctuation * study.omega**2)
         self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
-        percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
+        allowed = f"{100 * shaft.speed_fluctuation:g} %"
+        percent = f"{allowed} fluctuation of speed"
         self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
         self.use_button.setToolTip(f"Set the inertia to {digits(self._needed, DIGITS)} kg·m², required for {percent}")
+        self.answer.setText(flywheel_text(wheel, self._needed, allowed))
         swing_tip = "Largest surplus of energy that the flywheel stores"
         inertia_tip = "Least inertia whose calculated speed, with the motor's slope, fluctuates no more than this"
         self.table.show_rows(
@@ -399,7 +425,8 @@ class VibrationView(PagedView):
         periods = short(follower.natural_frequency / abs(study.omega), 4)
         frequency = measure(follower.natural_frequency / math.tau, "Hz")
         damping = short(follower.damping_ratio, 3)
-        self._summary = f"Natural frequency {frequency}, {periods} periods a turn, damping ratio {damping}"
+        own = f"Natural frequency {frequency}, {periods} periods a turn, damping ratio {damping}"
+        self._summary = f"{_largest_text(study, residuals)}{own}"
         self.table.show_rows([_residual_row(study, residual) for residual in residuals])
         self._draw(study, page, residuals, spectrum)
         self._show_values(self.plot.cursor_at)
@@ -467,6 +494,16 @@ def _span(residual: ResidualVibration) -> str:
 def _in_mm(value: float) -> str:
     display_unit = readable("mm", value)
     return measure(value / display_unit.size, display_unit.symbol, 3)
+
+
+def _largest_text(study: Study, residuals: Sequence[ResidualVibration]) -> str:
+    """Largest residual vibration in a dwell at the design's speed; empty without a dwell."""
+    if not residuals:
+        return ""
+    worst = max(residuals, key=lambda residual: residual.steady)
+    (_, size), *_ = vibration_units(study)
+    rpm = digits(abs(study.omega) / RPM, 4)
+    return f"At {rpm} rpm the follower vibrates by {_in_mm(worst.steady * size)} in the dwell {_span(worst)}. "
 
 
 def _residual_row(study: Study, residual: ResidualVibration) -> TableRow:

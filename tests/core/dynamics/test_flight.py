@@ -215,4 +215,4 @@ def test_the_command_names_the_speed_the_flights_and_writes_the_map(
     assert main(["contact", str(EXAMPLES / "groove.toml")]) == 2
     assert "holds the follower from both sides" in capsys.readouterr().err
     assert main(["report", str(file)]) == 1
-    assert "The follower leaves the cam at" in capsys.readouterr().out
+    assert "the follower leaves the cam: it does at" in capsys.readouterr().out

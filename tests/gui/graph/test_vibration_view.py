@@ -60,7 +60,8 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
         f"{90.0 * one.steady:.3f} mm",
         f"{math.degrees(one.steady):.3f}°",
     )
-    assert view.text.text().startswith("Natural frequency 59.94 Hz, 11.99 periods a turn, damping ratio 0.03")
+    assert view.text.text().startswith("At 300.0 rpm the follower vibrates by ")
+    assert view.text.text().endswith("Natural frequency 59.94 Hz, 11.99 periods a turn, damping ratio 0.03")
     (rpm, first), (_, second) = view.plot.lines
     assert view.page.currentText() == "Residual, from rest"
     view.plot.setFixedHeight(90)

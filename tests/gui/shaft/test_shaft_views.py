@@ -17,6 +17,7 @@ from core.design import Tolerance
 from core.project import load
 from core.study import Study, evaluations
 from core.varying import motor_bands, shaft_bands
+from kindyna_gui.graph.flywheel_view import FlywheelView
 from kindyna_gui.places import example
 from kindyna_gui.shaft import AgainstSpeedView, ShaftFiguresView, ShaftTorqueView
 from kindyna_gui.stability_view import StabilityView
@@ -116,3 +117,25 @@ def test_against_speed_computes_nothing_while_it_cannot_be_seen(unit: User) -> N
         view.settle()
         assert not view.busy
         assert evaluations["against speed"] == count
+
+
+def test_the_first_words_of_the_flywheel_are_whether_it_suffices(unit: User) -> None:
+    view = unit.see("flywheel")
+    assert isinstance(view, FlywheelView)
+    wait_for(lambda: view.answer.text().startswith("With 2250 kg·m² the speed varies by 1.974 %"))
+    assert view.answer.text().endswith("the flywheel suffices, the least is 2212 kg·m².")
+    unit.enter(FLYWHEEL, "1500")
+    wait_for(lambda: "too much, 2212 kg·m² keep the speed within 2 %" in view.answer.text())
+    QTest.mouseClick(view.use_button, Qt.MouseButton.LeftButton)
+    wait_for(lambda: "the flywheel suffices" in view.answer.text())
+
+
+def test_the_first_words_against_speed_are_the_torque_and_the_speeds_allowed(unit: User) -> None:
+    view = unit.see("against_speed")
+    assert isinstance(view, AgainstSpeedView)
+    wait_for(lambda: view.curves is not None)
+    assert view.answer.text().startswith("20.00 rpm: peak torque 483.9 N·m; the speed varies by at most 2 % from ")
+    rpm = float(view.answer.text().rpartition("from ")[2].split()[0])
+    assert view.curves is not None
+    allowed = view.curves.rpm[view.curves.fluctuation <= 0.02]
+    assert rpm == pytest.approx(allowed.min(), rel=0.01)
