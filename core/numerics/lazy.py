@@ -148,23 +148,30 @@ def part_mapper(part: Any) -> PartMapper | None:
     if isinstance(part, np.ndarray):
         return lambda f, cache: cache[id(part)] if id(part) in cache else cache.setdefault(id(part), f(part))
     if isinstance(part, Mapping):
-        rows = _part_mappers(part)
+        rows = _part_mappers(part.items())
         return rows and (lambda f, cache: MappingProxyType({**part, **{k: m(f, cache) for k, m in rows.items()}}))
     if isinstance(part, tuple):
-        items, kind = _part_mappers(dict(enumerate(part))), getattr(type(part), "_make", tuple)
+        items, kind = _part_mappers(enumerate(part)), getattr(type(part), "_make", tuple)
         return items and (lambda f, cache: kind([items[i](f, cache) if i in items else x for i, x in enumerate(part)]))
-    if is_dataclass(part) and not isinstance(part, type):
-        values = {field.name: vars(part)[field.name] for field in fields(part)}
-        changed = _part_mappers(values)
-        return changed and (
-            lambda f, cache: type(part)(**{**values, **{name: m(f, cache) for name, m in changed.items()}})
-        )
-    return None
+    names, values = _field_names(part.__class__), getattr(part, "__dict__", {})
+    changed = _part_mappers([(name, values[name]) for name in names])
+    rest = changed and {name: values[name] for name in names if name not in changed}
+    return changed and (lambda f, cache: type(part)(**rest, **{name: m(f, cache) for name, m in changed.items()}))
 
 
-def _part_mappers(parts: Mapping[Any, Any]) -> Any:
+def _part_mappers(parts: Iterable[tuple[Any, Any]]) -> Any:
     """Mappers of the parts that have columns, by key; None where no part has columns."""
-    return {key: mapper for key, part in parts.items() if (mapper := part_mapper(part)) is not None} or None
+    return {
+        key: mapper
+        for key, part in parts
+        if type(part) not in _PLAIN_TYPES and (mapper := part_mapper(part)) is not None
+    } or None
+
+
+@lru_cache(maxsize=1024)
+def _field_names(kind: Any) -> tuple[str, ...]:
+    """Names of the fields of a dataclass; empty for another type."""
+    return tuple(field.name for field in fields(kind)) if is_dataclass(kind) else ()
 
 
 def map_columns(part: Any, column_map: ColumnMap) -> Any:

@@ -389,11 +389,12 @@ class Descent:
         values = {name: np.where(failed[owner], np.nan, row) for name, row in values.items()}
         result, first = [], 0
         for q, (theta, _, _) in zip(questions, rows, strict=True):
-            ends, part = np.cumsum([at.size for at, _ in q.angles]), slice(first, first + theta.size)
-            result.append([
-                np.split(values[term.request.name][part].reshape(q.u.shape[1], -1), ends, axis=1)[i] / term.request.unit
-                for i, term in enumerate(q.terms)
-            ])  # fmt: skip
+            every, start = [], 0
+            for term, (at, _) in zip(q.terms, q.angles, strict=True):
+                row = values[term.request.name][first : first + theta.size].reshape(q.u.shape[1], -1)
+                every.append(row[:, start : start + at.size] / term.request.unit)
+                start += at.size
+            result.append(every)
             first += theta.size
         return result
 

@@ -490,6 +490,7 @@ def _robust(
 TORQUE, POWER = "drive_torque", "power.load"
 PEAKS = ("max", "abs")
 MIN_GAIN = 0.01  # of the goal: by which another law must improve it to be mentioned
+AT_NODES = 0.01  # of the goal: more than the error of a goal that is not refined
 NO_DECIMALS = 1000.0  # N·m, from which on a torque has no decimals
 DWELL = "dwell"
 
@@ -497,7 +498,7 @@ DWELL = "dwell"
 def remarks(study: StudyOfMany, optimum: Optimum) -> tuple[str, ...]:
     """Remarks on the best design: the limits it violates; else the fixed part of a peak torque, and a better motion law.
 
-    One design is computed for every motion law.
+    One design is computed for every motion law, and refined where it may be the best.
     """
     if not optimum.is_feasible:
         return tuple(_violated_limits(study, optimum))
@@ -549,28 +550,35 @@ def _better_law(study: StudyOfMany, optimum: Optimum) -> str:
     if not moving or any(row.field in laws for row in study.file.vary):
         return ""
     side, best = goal_sign(goal), optimum.goals[goal.key]
-    check = FindingsCheck(design, waived=waived(study.file))
+    check, least = FindingsCheck(design, waived=waived(study.file)), side * best - MIN_GAIN * abs(best)
+    better = ""
     for value, law, variant in sorted(_law_variants(study, design, moving), key=lambda row: side * row[0]):
-        if side * (best - value) <= MIN_GAIN * abs(best):
+        if side * value >= least + AT_NODES * abs(best):
             break
-        if not check.new(with_flywheel(variant, design)[0]):
-            label, unit = LAWS[law].label, split_unit(goal.quantity)[1].symbol
-            return (
+        value = _kept_goal(study, variant)
+        if side * value < least and not check.new(with_flywheel(variant, design)[0]):
+            label, unit, least = LAWS[law].label, split_unit(goal.quantity)[1].symbol, side * value
+            better = (
                 f"Another law, {label} ({law}), with the same numbers brings the first goal to {value:.5g}"
                 f"{f' {unit}' if unit else ''} ({100.0 * (value / best - 1.0):+.1f} %)"
             )
-    return ""
+    return better
 
 
 def _law_variants(study: StudyOfMany, design: Design, paths: Sequence[str]) -> Iterator[tuple[float, str, Design]]:
-    """First goal, law and design of every motion law that keeps the limits."""
-    keys = [row.key for row in study.quantities]
+    """First goal between the nodes, law and design of every motion law."""
     for law in LAWS:
         variant = with_words(design, dict.fromkeys(paths, law)) if law != DWELL else None
         if variant is None:
             continue
-        value = many(variant, constant_column(variant, 1), keys).value
-        if all(side * value[limit.key][0] <= side * bound for limit, side, bound in bounds_of(study.file.limits)):
-            goal = float(value[study.file.goals[0].key][0])
-            if math.isfinite(goal):
-                yield goal, law, variant
+        goal = study.file.goals[0].key
+        value = float(many(variant, constant_column(variant, 1), [goal], polish=False).value[goal][0])
+        if math.isfinite(value):
+            yield value, law, variant
+
+
+def _kept_goal(study: StudyOfMany, design: Design) -> float:
+    """First goal of a design; NaN where it violates a limit."""
+    value = many(design, constant_column(design, 1), [row.key for row in study.quantities]).value
+    keeps = all(side * value[limit.key][0] <= side * bound for limit, side, bound in bounds_of(study.file.limits))
+    return float(value[study.file.goals[0].key][0]) if keeps else math.nan

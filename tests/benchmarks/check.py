@@ -60,6 +60,10 @@ def keys() -> dict[str, Callable[[], float]]:
         FINDINGS: look_at_findings,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
+        **{
+            f"optimise: {name}, by import numpy": partial(processes.by_numpy, command, 4)
+            for name, command in processes.OPTIMA.items()
+        },
         **windows(),
     }
 

@@ -49,6 +49,12 @@ window.show()
 for _ in range(4):
     app.processEvents()
 """
+STUDIES = ROOT / "resources" / "studies"
+OPTIMA = {
+    "smallest cam": ("-m", "core", "optimise", str(STUDIES / "lift_smallest_cam.toml")),
+    "least torque": ("-m", "core", "optimise", str(STUDIES / "lift_least_torque.toml")),
+}
+"""Best design of the lift -> the command that searches it."""
 # what a process holds at most includes what its parent held when it was made: so that has a small one of its own
 BESIDE = """
 import os, subprocess, sys
@@ -111,13 +117,17 @@ def export(angles: int) -> Used:
 
 
 def document(name: str, times: int) -> float:
-    """Seconds of the command that writes a document, by those of Python with numpy alone: least of several, in turn.
-
-    The first run, which typesets the equations, is not counted.
-    """
+    """Of the command that writes a document, by Python with numpy alone."""
     with TemporaryDirectory() as folder:
         *words, file = DOCUMENTS[name]
-        command = (*words, str(Path(folder, file)))
-        rows = [tuple(used(run).seconds for run in (command, NUMPY)) for _ in range(times + 1)]
+        return by_numpy((*words, str(Path(folder, file))), times)
+
+
+def by_numpy(command: Sequence[str], times: int) -> float:
+    """Seconds of a command by those of Python with numpy alone: least of several, in turn.
+
+    The first run, which typesets the equations of a document, is not counted.
+    """
+    rows = [tuple(used(run).seconds for run in (command, NUMPY)) for _ in range(times + 1)]
     ours, bare = map(min, zip(*rows[1:], strict=True))
     return ours / bare
