@@ -13,6 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.frozen import frozen
+from core.motion import Angles
 from core.study import Study
 from core.units import display_units
 from kindyna_gui.settings import point, size_of, symbol_of
@@ -102,17 +103,22 @@ class TurnSamples:
 
     def alike(self, other: TurnSamples | None) -> bool:
         """Whether other samples have the same angles."""
-        return other is not None and np.array_equal(self.angles, other.angles)
+        return other is self or (other is not None and np.array_equal(self.angles, other.angles))
 
 
 def line_of(study: Study) -> TurnSamples:
     """Points of a study's curves, closed over the turn, with gaps where the mechanism has no position."""
-    degrees, n = np.rad2deg(study.theta), study.theta.size
-    if n == study.samples:
+    return _line_at(study.angles, study.samples)
+
+
+@lru_cache(maxsize=8)  # most studies share their angles
+def _line_at(at: Angles, samples_per_turn: int) -> TurnSamples:
+    degrees, n = np.rad2deg(at.theta), at.theta.size
+    if n == samples_per_turn:
         return TurnSamples(np.append(degrees, 360.0), np.append(np.arange(n), 0))
-    cuts = np.flatnonzero(np.diff(degrees) > 1.5 * 360.0 / study.samples) + 1
+    cuts = np.flatnonzero(np.diff(degrees) > 1.5 * 360.0 / samples_per_turn) + 1
     angles, samples = degrees, np.arange(n)
-    if n and degrees[0] == 0.0 and 360.0 - degrees[-1] < 1.5 * 360.0 / study.samples:
+    if n and degrees[0] == 0.0 and 360.0 - degrees[-1] < 1.5 * 360.0 / samples_per_turn:
         angles, samples = np.append(angles, 360.0), np.append(samples, 0)
     return TurnSamples(np.insert(angles, cuts, degrees[cuts]), np.insert(samples, cuts, -1))
 

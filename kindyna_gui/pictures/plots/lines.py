@@ -232,7 +232,7 @@ class CurveLine(Outline):
 
     def show_points(self, x: np.ndarray, y: np.ndarray, pen: QPen, z: float) -> None:
         """Set the points (n,); there is a gap where y is NaN. ``lay`` draws them, unless they are the same as before."""
-        if not (np.array_equal(x, self.x) and np.array_equal(y, self.y, equal_nan=True)):
+        if not ((x is self.x or np.array_equal(x, self.x)) and np.array_equal(y, self.y, equal_nan=True)):
             self.x, self.y, self._is_finite = x, y, bool(np.isfinite(y).all())
             self._layout = ()
         if pen != self.pen():
