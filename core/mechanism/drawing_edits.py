@@ -1,9 +1,9 @@
-"""Edits of a linkage that is drawn: links, pins, sliders, the driver, and copies of links with their loads."""
+"""Edits of a linkage that is drawn: links, pins, sliders, and the driver."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
@@ -23,14 +23,13 @@ from core.design.linkage import (
     LinkPoint,
     Slider,
 )
-from core.design.loads import Attachment
 from core.design.parts import Motion, Segment
-from core.design.paths import all_paths
 from core.design.topology import driver_pair, input_slides, is_pin, pins
+from core.mechanism.drawing_references import loads_of, pruned, renamed
+from core.mechanism.drawing_targets import JOINED, DrawingTarget, coincident_point, joined, links_with
 from core.mechanism.drawn import (
     DECIMALS,
     SAME,
-    DrawingTarget,
     PointPositions,
     angle_degrees,
     checked,
@@ -48,192 +47,7 @@ from core.mechanism.drawn import (
     without_bare_pins,
 )
 
-# -- loads, marks and cam that refer to points and links --------------------------------------------------------
-
-
-_Names = Callable[[int, str], tuple[int, str]]
-
-
-def loads_of(design: Design, names: _Names, at: Callable[[int, complex], complex] | None = None) -> Any:
-    """The loads of a design with new references.
-
-    names: new link and point from the old ones; at: new coordinates [mm] in a link's frame from link and old coordinates.
-    """
-    loads = design.drive.loads
-    move = at or (lambda _, position: position)
-
-    def attachment(end: Attachment) -> Attachment:
-        if end.point is None and end.x_mm is not None and end.y_mm is not None:
-            old = complex(end.x_mm, end.y_mm)
-            new = move(end.link, old)
-            if new != old:
-                rounded = link_point("", new)
-                end = replace(end, x_mm=rounded.x_mm, y_mm=rounded.y_mm)
-        number, point = names(end.link, end.point or "")
-        return replace(end, link=number, point=point or None)
-
-    def mass(row: LinkMass) -> LinkMass:
-        old = complex(row.centre_x_mm, row.centre_y_mm)
-        new = move(row.link, old)
-        rounded = link_point("", new)
-        centre = {} if new == old else {"centre_x_mm": rounded.x_mm, "centre_y_mm": rounded.y_mm}
-        return replace(row, link=names(row.link, "")[0], **centre)
-
-    def force(row: Any) -> Any:
-        if row.link is None:
-            return row
-        number, point = names(row.link, row.point or "")
-        return replace(row, link=number, point=point or row.point)
-
-    number = lambda n: n if n is None else names(n, "")[0]  # noqa: E731
-    return replace(
-        loads,
-        masses=tuple(map(mass, loads.masses)),
-        forces=tuple(map(force, loads.forces)),
-        process=tuple(map(force, loads.process)),
-        springs=tuple(replace(s, from_=attachment(s.from_), to=attachment(s.to)) for s in loads.springs),
-        torsion_springs=tuple(replace(s, link=number(s.link), on=number(s.on)) for s in loads.torsion_springs),
-        pair_friction=tuple(
-            replace(
-                row,
-                pair=row.pair if is_pin(row.pair) else str(number(int(row.pair))),
-                link=number(row.link),
-                other=number(row.other),
-            )
-            for row in loads.pair_friction
-        ),
-    )
-
-
-def pruned(design: Design) -> Design:
-    """The design without the loads, the cam and the marks whose link or point is missing."""
-    drive = design.drive
-    points = {link.number: set(link.places) for link in drive.linkage.links}
-    pairs = {name for names in points.values() for name in names} | {str(s.link) for s in drive.linkage.sliders}
-
-    def exists(number: int | None, point: str | None = None) -> bool:
-        return number is None or (number in points and (point is None or point in points[number]))
-
-    loads = drive.loads
-    remaining = replace(
-        loads,
-        masses=tuple(m for m in loads.masses if exists(m.link)),
-        forces=tuple(f for f in loads.forces if exists(f.link, f.point)),
-        process=tuple(p for p in loads.process if exists(p.link, p.point)),
-        springs=tuple(s for s in loads.springs if all(exists(e.link, e.point) for e in (s.from_, s.to))),
-        torsion_springs=tuple(s for s in loads.torsion_springs if exists(s.link) and exists(s.on) and s.link != s.on),
-        pair_friction=tuple(r for r in loads.pair_friction if r.pair in pairs and exists(r.link) and exists(r.other)),
-    )
-    cam = drive.cam if drive.cam is not None and exists(drive.cam.link, drive.cam.point) else None
-    result = with_drive(design, loads=remaining, cam=cam)
-    if not design.assumed:
-        return result
-    paths = set(all_paths(result)) if remaining == loads and len(points) else set(_unchanged_paths(design, result))
-    return replace(result, assumed=tuple(mark for mark in design.assumed if mark in paths))
-
-
-def _unchanged_paths(before: Design, after: Design) -> Iterator[str]:
-    """Paths with the same value as before; rows behind a removed one have new numbers."""
-    from core.design.paths import get
-
-    old = set(all_paths(before))
-    for path in all_paths(after):
-        if path in old and get(before, path) == get(after, path):
-            yield path
-
-
-def renamed(design: Design, names: Mapping[str, str]) -> Design:
-    """The design with points renamed, old name -> new name, wherever they occur."""
-    linkage, cam = design.drive.linkage, design.drive.cam
-    links = tuple(
-        replace(link, points=tuple(replace(p, name=names.get(p.name, p.name)) for p in link.points))
-        for link in linkage.links
-    )
-    branch = tuple(replace(side, joint=names.get(side.joint, side.joint)) for side in linkage.branch)
-    drawn = linkage.drawn
-    if drawn is not None:
-        points = {names.get(p.name, p.name): replace(p, name=names.get(p.name, p.name)) for p in reversed(drawn.points)}
-        drawn = replace(drawn, points=tuple(points.values())[::-1])
-    loads = loads_of(design, lambda number, point: (number, names.get(point, point)))
-    if cam is not None:
-        cam = replace(cam, point=names.get(cam.point, cam.point))
-        second = getattr(cam.form, "second", None)
-        if second is not None:
-            cam = replace(
-                cam, form=replace(cam.form, second=replace(second, point=names.get(second.point, second.point)))
-            )
-    friction = tuple(replace(row, pair=names.get(row.pair, row.pair)) for row in loads.pair_friction)
-    marks = tuple(_mark_renamed(mark, names) for mark in design.assumed)
-    linkage = replace(linkage, links=links, branch=branch, drawn=drawn)
-    return with_drive(design, mechanism=linkage, cam=cam, loads=replace(loads, pair_friction=friction), assumed=marks)
-
-
-def _mark_renamed(mark: str, names: Mapping[str, str]) -> str:
-    link, separator, name = mark.rpartition(".points.")
-    return f"{link}{separator}{names.get(name, name)}" if link.startswith("linkage.links") else mark
-
-
-# -- copies of links --------------------------------------------------------------------------------------------
-
-
-def part_of(design: Design, links: Collection[int]) -> Design:
-    """Some links of a design as a separate design, with their pivots on the frame, the lines of their sliders, and their loads."""
-    linkage = design.drive.linkage
-    chosen = set(links) - {FRAME_LINK}
-    names = {name for n in chosen for name in linkage.by_number[n].places}
-    frame = Link(FRAME_LINK, tuple(p for p in frame_link(linkage).points if p.name in names))
-    part = replace(
-        linkage,
-        links=(frame, *(link for link in linkage.links if link.number in chosen)),
-        sliders=tuple(s for s in linkage.sliders if s.link in chosen and s.on in {*chosen, FRAME_LINK}),
-        drivers=(),
-    )
-    places = {name: at for name, at in point_positions(linkage).items() if name in names}
-    bare = replace(with_drive(design, motion=None, cam=None), assumed=())
-    return pruned(with_positions(bare, places, part))
-
-
-def with_part(design: Design, part: Design, shift: complex = 0j) -> tuple[Design, tuple[int, ...]]:
-    """The design with the links and loads of another one added, shifted [mm]; and the numbers of the added links."""
-    linkage, other = design.drive.linkage, part.drive.linkage
-    places, part_places = point_positions(linkage), point_positions(other)
-    fixed, names, numbers = frame_link(other).places, dict[str, str](), {FRAME_LINK: FRAME_LINK}
-    for name in part_places:
-        names[name] = new_name(linkage, name in fixed, (*places, *names.values()))
-    for link in other.links:
-        if link.number != FRAME_LINK:
-            numbers[link.number] = new_number(linkage) + len(numbers) - 1
-    copy = renamed(part, names)
-    places |= {names[name]: at + shift for name, at in part_places.items()}
-    links = tuple(
-        Link(numbers[link.number], link.points) for link in copy.drive.linkage.links if link.number != FRAME_LINK
-    )
-    frame = Link(
-        FRAME_LINK, (*frame_link(linkage).points, *(link_point(names[n], at + shift) for n, at in fixed.items()))
-    )
-    sliders = tuple(
-        replace(
-            s,
-            link=numbers[s.link],
-            on=numbers[s.on],
-            through_x_mm=s.through_x_mm + (shift.real if s.on == FRAME_LINK else 0.0),
-            through_y_mm=s.through_y_mm + (shift.imag if s.on == FRAME_LINK else 0.0),
-        )
-        for s in other.sliders
-    )
-    with_frame = with_links(linkage, {FRAME_LINK: frame})
-    combined = replace(with_frame, links=(*with_frame.links, *links), sliders=(*linkage.sliders, *sliders))
-    added = loads_of(copy, lambda n, p: (numbers[n], p), lambda n, at: at + shift if n == FRAME_LINK else at)
-    loads = design.drive.loads
-    lists = {
-        name: (*getattr(loads, name), *getattr(added, name))
-        for name in ("masses", "forces", "springs", "torsion_springs", "pair_friction", "process")
-    }
-    result = with_positions(with_drive(design, loads=replace(loads, **lists)), places, combined)
-    return result, tuple(n for n in numbers.values() if n != FRAME_LINK)
-
-
-# -- edits ------------------------------------------------------------------------------------------------------
+# -- new links, pins and points ---------------------------------------------------------------------------------
 
 
 def empty_linkage() -> Linkage:
@@ -244,7 +58,8 @@ def empty_linkage() -> Linkage:
 def with_link(design: Design, targets: Sequence[DrawingTarget], length_mm: float | None = None) -> Design:
     """The design with a bar between two targets, or a plate through more.
 
-    The frame of the link has the first point as origin and the second on the x axis. A target on a link becomes a pin there.
+    The frame of the link has the first point as origin and the second on the x axis. A target on a pin is that pin, a target on
+    a link becomes a pin there.
     length_mm: typed length of a bar; by default it is measured.
 
     Raises
@@ -253,9 +68,9 @@ def with_link(design: Design, targets: Sequence[DrawingTarget], length_mm: float
         Two points coincide, or two links would share two pins.
     """
     linkage = design.drive.linkage
-    places, names = point_positions(linkage), []
+    places, names = point_positions(linkage), list[str]()
     for target in targets:
-        linkage, name = _with_target(linkage, places, target)
+        linkage, name = _with_target(linkage, places, target, links_with(linkage, names))
         names.append(name)
     if len(set(names)) < len(names) or len(names) < 2:
         raise fault("a link needs two different points", "another position of its end")
@@ -268,8 +83,11 @@ def with_link(design: Design, targets: Sequence[DrawingTarget], length_mm: float
     return checked(with_positions(design, places, without_bare_pins(replace(linkage, links=(*linkage.links, link)))))
 
 
-def _with_target(linkage: Linkage, places: dict[str, complex], target: DrawingTarget) -> tuple[Linkage, str]:
-    """Name of the point at a target; a new point is added to the target's link, and its position to `places`."""
+def _with_target(
+    linkage: Linkage, places: dict[str, complex], target: DrawingTarget, barred: Collection[int] = ()
+) -> tuple[Linkage, str]:
+    """Name of the point at a target; a new point is added to the link that it joins, and its position to `places`."""
+    target = joined(linkage, places, target, barred)
     if target.point:
         return linkage, target.point
     name = new_name(linkage, fixed=target.link == FRAME_LINK, taken=places)
@@ -318,6 +136,7 @@ def with_ground(design: Design, target: DrawingTarget) -> Design:
     """The design with a pivot of the frame at a target, joined to the links that have the point."""
     linkage = design.drive.linkage
     places = point_positions(linkage)
+    target = joined(linkage, places, target, links_with(linkage, frame_link(linkage).places))
     on = FRAME_LINK if target.link is None else target.link
     linkage, name = _with_target(linkage, places, replace(target, link=on))
     if name not in frame_link(linkage).places:
@@ -329,6 +148,7 @@ def with_pin(design: Design, target: DrawingTarget, links: Sequence[int] = ()) -
     """The design with a pin that joins links at a target; on empty paper a bare pin, which a link can take later."""
     linkage = design.drive.linkage
     places = point_positions(linkage)
+    target = joined(linkage, places, target)
     if not target.point and not links and target.link is None:
         name = new_name(linkage, taken=places)
         places[name] = target.at
@@ -351,10 +171,11 @@ def with_traced_point(design: Design, target: DrawingTarget) -> Design:
     DesignError
         The target is not a free position on a link.
     """
-    if target.link is None or target.point:
-        raise fault("a point must be on a link, away from the points of the link", "a position on the face of a link")
     linkage = design.drive.linkage
     places = point_positions(linkage)
+    target = joined(linkage, places, target)
+    if target.link is None or target.point:
+        raise fault("a point must be on a link, away from its pins", "a position on the face of a link")
     linkage, _ = _with_target(linkage, places, target)
     return with_positions(design, places, linkage)
 
@@ -395,16 +216,52 @@ def with_driving_link(design: Design, number: int, speed_rpm: float | None = Non
     return with_drive(drawn, motion=Motion(start or 0.0, (Segment(360.0, 0.0),), unit))
 
 
+# -- other positions, lengths and names ---------------------------------------------------------------------------
+
+
 def with_moved(design: Design, to: PointPositions) -> Design:
     """The design with points at new positions: only the links that have them change.
 
-    A block stays on its line; a point of the frame moves on the frame.
+    A block stays on its line; a point of the frame moves on the frame. A point that comes to lie on another joins it.
 
     Raises
     ------
     DesignError
-        Two points of a link would coincide.
+        Two points of a link would coincide, or two links would share two pins.
     """
+    return _with_coincident_joined(_moved(design, to), to, point_positions(design.drive.linkage))
+
+
+def with_local_point(design: Design, number: int, name: str, at: complex) -> Design:
+    """The design with a point of one link at new coordinates [mm] in the frame of the link; on another point it joins that one.
+
+    Raises
+    ------
+    DesignError
+        Two points of the link would coincide.
+    """
+    linkage = design.drive.linkage
+    before = point_positions(linkage)
+    origin, axis = link_pose(linkage, number, before)
+    link = linkage.by_number[number]
+    points = tuple(LinkPoint(name, at.real, at.imag) if p.name == name else p for p in link.points)
+    changed = with_links(linkage, {number: replace(link, points=points)})
+    result = with_positions(design, {**before, name: origin + at * axis}, changed)
+    return _with_coincident_joined(result, [name], before)
+
+
+def _with_coincident_joined(design: Design, moved: Collection[str], before: PointPositions) -> Design:
+    """The design with moved points joined to the points on which they are now, but were not before."""
+    for name in moved:
+        places = point_positions(design.drive.linkage)
+        if name in places:
+            apart = {n: at for n, at in places.items() if abs(before[n] - before[name]) > JOINED}
+            if other := coincident_point(apart, places[name]):
+                design = with_joined(design, other, name)
+    return design
+
+
+def _moved(design: Design, to: PointPositions) -> Design:
     linkage = design.drive.linkage
     before = point_positions(linkage)
     to = {name: _on_lines(linkage, name, at, before) for name, at in to.items() if name in before}
@@ -549,11 +406,11 @@ def with_joined(design: Design, first: str, second: str) -> Design:
         if link.number != FRAME_LINK and {first, second} <= set(link.places):
             raise fault(f"{first} and {second} are both on link {link.number}", "pins of two links")
     frame = replace(frame_link(linkage), points=tuple(p for p in frame_link(linkage).points if p.name != second))
-    moved = with_moved(design, {second: before[first]})
-    joined = with_drive(moved, mechanism=with_links(moved.drive.linkage, {FRAME_LINK: frame}))
-    joined = renamed(joined, {second: first})
-    places = {**point_positions(joined.drive.linkage), first: before[first]}
-    return checked(with_positions(joined, places, without_bare_pins(joined.drive.linkage)))
+    moved = _moved(design, {second: before[first]})
+    one = with_drive(moved, mechanism=with_links(moved.drive.linkage, {FRAME_LINK: frame}))
+    one = renamed(one, {second: first})
+    places = {**point_positions(one.drive.linkage), first: before[first]}
+    return checked(with_positions(one, places, without_bare_pins(one.drive.linkage)))
 
 
 def with_split(design: Design, name: str) -> Design:
@@ -687,4 +544,5 @@ def with_mirrored(design: Design, links: Collection[int], through: complex, alon
         sliders.append(s)
     loads = loads_of(design, lambda n, p: (n, p), lambda n, at: at.conjugate() if n in moving else at)
     after = {**before, **to}
-    return with_positions(with_drive(design, loads=loads), after, replace(mirrored, sliders=tuple(sliders)))
+    result = with_positions(with_drive(design, loads=loads), after, replace(mirrored, sliders=tuple(sliders)))
+    return _with_coincident_joined(result, to, before)

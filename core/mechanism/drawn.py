@@ -16,7 +16,6 @@ from core.design.design import with_drive
 from core.design.linkage import NO_DRIVER, RACK, Link, SecondDriver, Slider
 from core.design.topology import SolutionStep, driver_pair, driver_turns, input_slides, is_pin, pins, slider_of
 from core.errors import DesignError, Fault, NoPosition
-from core.frozen import frozen
 from core.mechanism.branches import Branch
 from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan
@@ -33,15 +32,6 @@ LinkPose = tuple[complex, complex]
 
 DECIMALS = 9  # of measured coordinates [mm], so that a loop of them closes within rounding
 SAME = 1e-9  # [mm] positions nearer to each other are equal
-
-
-@frozen
-class DrawingTarget:
-    """Target of a drawing tool: a position [mm], with the point or the link that is there."""
-
-    at: complex
-    point: str = ""
-    link: int | None = None
 
 
 def point_positions(linkage: Linkage) -> dict[str, complex]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 
 from core.design import Attachment, Design, put, with_new_row
-from core.design.linkage import FRAME_LINK, NO_DRIVER, Link, Linkage
+from core.design.linkage import FRAME_LINK, NO_DRIVER, Linkage
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.mechanism.drawing_edits import (
@@ -22,11 +22,21 @@ from core.mechanism.drawing_edits import (
     with_slider,
     with_traced_point,
 )
-from core.mechanism.drawn import DrawingTarget, PointPositions, frame_link, link_pose, point_positions, slider_line
-from kindyna_gui.linkage.picking import nearest_on_segment
+from core.mechanism.drawing_targets import (
+    DrawingTarget,
+    crossing,
+    edges,
+    faces_at,
+    joined,
+    links_with,
+    nearest_on_segment,
+    outline,
+)
+from core.mechanism.drawn import PointPositions, frame_link, link_pose, point_positions, slider_line
 
 POINT, LINE, PERPENDICULAR, ANGLE, GRID, FREE = "point", "line", "perpendicular", "angle", "grid", ""
 NEAR, ALONG, TURN = 10.0, 7.0, 6.0  # snap distances from a point, a line and a ray, pixels
+TOUCH = 8.0  # pins nearer to each other would overlap in the drawing, pixels
 STEP_DEG = 15.0  # step of the angles that a new line snaps to
 CELL = 14.0  # smallest cell of the grid, pixels
 FACE = 7.0  # half width of the face of a bar, pixels
@@ -40,7 +50,7 @@ MANY = 100
 
 @frozen
 class Snap:
-    """Position that the mouse snaps to [mm], the kind of snap, and the point or link at it."""
+    """Position that the mouse snaps to [mm], the kind of snap, and the point or link that a click there joins."""
 
     at: complex
     mark: str = FREE
@@ -52,6 +62,20 @@ class Snap:
     def target(self) -> DrawingTarget:
         """The position, point and link as a target of an edit."""
         return DrawingTarget(self.at, self.point, self.link)
+
+    @property
+    def label(self) -> str:
+        """Text next to the mark: the kind of snap, and what a click joins."""
+        return ", ".join(
+            filter(None, (self.text, f"on link {self.link}" if self.link not in (None, FRAME_LINK) else ""))
+        )
+
+
+def snap_at(linkage: Linkage, positions: PointPositions, at: complex, barred: Collection[int] = ()) -> Snap:
+    """Return the snap of an exact position, with the point or link that it joins; ``barred`` links are not joined."""
+    target = joined(linkage, positions, DrawingTarget(at), barred)
+    mark = POINT if target.point else FREE if target.link is None else LINE
+    return Snap(target.at, mark, target.point, target.point, target.link)
 
 
 def grid_step(scale: float) -> float:
@@ -68,50 +92,11 @@ def grid_point(at: complex, scale: float) -> complex:
     return complex(round(round(at.real / step) * step, digits) + 0.0, round(round(at.imag / step) * step, digits) + 0.0)
 
 
-def outline(link: Link, positions: PointPositions) -> list[complex]:
-    """Corners of the face of a link [mm], for a plate in order around it."""
-    corners = [positions[name] for name in link.places if name in positions]
-    if len(corners) < 3:
-        return corners
-    centre = sum(corners) / len(corners)
-    return sorted(corners, key=lambda at: cmath.phase(at - centre) if at != centre else 0.0)
-
-
-def edges(corners: Sequence[complex]) -> Iterator[tuple[complex, complex]]:
-    """Yield the edges of a face, one for a bar."""
-    if len(corners) == 2:
-        yield corners[0], corners[1]
-    elif len(corners) > 2:
-        yield from zip(corners, [*corners[1:], corners[0]], strict=True)
-
-
-def is_inside(at: complex, corners: Sequence[complex]) -> bool:
-    """Whether a position is inside a face."""
-    odd = False
-    for first, second in edges(corners) if len(corners) > 2 else ():
-        if (first.imag > at.imag) != (second.imag > at.imag):
-            odd ^= at.real < first.real + (at.imag - first.imag) * (second.real - first.real) / (
-                second.imag - first.imag
-            )
-    return odd
-
-
-def faces_at(linkage: Linkage, positions: PointPositions, at: complex, scale: float) -> list[int]:
-    """Return the links whose face is at a position, uppermost first."""
-    numbers = []
-    for link in reversed(linkage.links):
-        corners = outline(link, positions)
-        near = any(abs(at - nearest_on_segment(at, first, second)) * scale <= FACE for first, second in edges(corners))
-        if link.number != FRAME_LINK and (near or is_inside(at, corners)):
-            numbers.append(link.number)
-    return numbers
-
-
-def point_at(positions: PointPositions, at: complex, scale: float, without: Collection[str] = ()) -> str:
-    """Return the nearest point within the snap distance; empty if there is none."""
-    near = {name: abs(position - at) * scale for name, position in positions.items() if name not in without}
+def point_at(positions: PointPositions, at: complex, scale: float, reach: float = NEAR) -> str:
+    """Return the nearest point within a distance in pixels; empty if there is none."""
+    near = {name: abs(position - at) * scale for name, position in positions.items()}
     best = min(near, key=lambda name: near[name], default="")
-    return best if best and near[best] <= NEAR else ""
+    return best if best and near[best] <= reach else ""
 
 
 def nearest_mark(marks: Sequence[complex], at: complex, scale: float) -> complex | None:
@@ -132,59 +117,97 @@ def snap_to(
     without: Collection[str] = (),
     free: bool = False,
     marks: Sequence[complex] = (),
+    barred: Collection[int] = (),
 ) -> Snap:
     """Snap a position of the mouse [mm] to the drawing, at a scale in pixels per mm.
 
+    A point has priority within ``NEAR`` pixels, over its cell of the grid, and wherever a new pin would overlap it.
+
     start    where the line to the mouse begins
     without  points that the mouse is moving
-    free     no snapping
+    free     no snapping, but to what is exactly there
     marks    corners and centres of the underlay
+    barred   links that a click does not join
     """
+    points = {name: position for name, position in positions.items() if name not in without}
+    numbers = {*linkage.by_number} - {FRAME_LINK, *barred} - links_with(linkage, without)
     if free:
-        return Snap(at, link=_first(faces_at(linkage, positions, at, scale)))
-    if name := point_at(positions, at, scale, without):
-        return Snap(positions[name], POINT, name, point=name)
+        snap = snap_at(linkage, points, at, barred)
+    elif name := point_at(points, at, scale) or point_at(points, grid_point(at, scale), scale, TOUCH):
+        return Snap(points[name], POINT, name, name)
+    else:
+        links = [link for link in linkage.links if link.number in numbers]
+        lines = [(*edge, link.number) for link in links for edge in edges(outline(link, positions))]
+        snap = _aligned(linkage, positions, lines, at, scale, start, marks)
+        if name := point_at(points, snap.at, scale, TOUCH):
+            return Snap(points[name], POINT, name, name)
+    if snap.point or snap.link is not None:
+        return snap
+    faces = faces_at(linkage, positions, snap.at, FACE / scale)
+    return replace(snap, link=next((n for n in faces if n in numbers), None))
+
+
+_Line = tuple[complex, complex, int]
+"""Ends [mm] of an edge of a link, and the number of the link."""
+
+
+def _aligned(
+    linkage: Linkage,
+    positions: PointPositions,
+    lines: Sequence[_Line],
+    at: complex,
+    scale: float,
+    start: complex | None,
+    marks: Sequence[complex],
+) -> Snap:
+    """Snap to a mark of the underlay, the line of a link or a slider, a ray from ``start``, or the grid."""
     if (mark := nearest_mark(marks, at, scale)) is not None:
-        return Snap(mark, POINT, "of the underlay", link=_first(faces_at(linkage, positions, mark, scale)))
-    moving_links = {link.number for link in linkage.links if set(link.places) & set(without)}
-    lines = [
-        (first, second, link.number)
-        for link in linkage.links
-        if link.number not in {*moving_links, FRAME_LINK}
-        for first, second in edges(outline(link, positions))
-    ]
-    for first, second, number in lines:
-        on = nearest_on_segment(at, first, second)
-        if abs(at - on) * scale <= ALONG:
-            if start is not None:
-                foot_point = nearest_on_segment(start, first, second)
-                if abs(foot_point - at) * scale <= NEAR and foot_point not in (first, second, start):
-                    return Snap(foot_point, PERPENDICULAR, "perpendicular", link=number)
-            return Snap(on, LINE, f"on link {number}", link=number)
-    face = _first([n for n in faces_at(linkage, positions, at, scale) if n not in moving_links])
+        return Snap(mark, GRID, "on the underlay")
+    if (snap := _on_line(lines, at, scale, start)) is not None:
+        return snap
     for slider in linkage.sliders:
         if slider.on in linkage.by_number:
             through, along = slider_line(linkage, slider, positions)
             on = through + along * ((at - through) * along.conjugate()).real
             if abs(at - on) * scale <= ALONG:
-                return Snap(on, LINE, "on the line", link=face)
+                return Snap(on, ANGLE, f"on the line of link {slider.link}")
     grid = grid_point(at, scale)
     # close to a crossing of the grid the crossing has priority over a ray
-    if start is None or abs(at - start) * scale < NEAR or abs(grid - at) * scale <= 0.25 * CELL:
-        return Snap(grid, GRID, link=face)
-    angle = math.degrees(cmath.phase(at - start))
-    step = round(angle / STEP_DEG) * STEP_DEG
-    ray = cmath.rect(1.0, math.radians(step))
-    on = start + ray * ((at - start) * ray.conjugate()).real
-    if abs(on - at) * scale <= TURN:
-        length = abs(grid_point(complex(abs(on - start), 0.0), scale))
-        end = start + ray * length
-        return Snap(complex(round(end.real, 9), round(end.imag, 9)), ANGLE, f"{step % 360.0:g}°", link=face)
-    return Snap(grid, GRID, link=face)
+    if start is not None and abs(at - start) * scale >= NEAR and abs(grid - at) * scale > 0.25 * CELL:
+        step = round(math.degrees(cmath.phase(at - start)) / STEP_DEG) * STEP_DEG
+        ray = cmath.rect(1.0, math.radians(step))
+        on = start + ray * ((at - start) * ray.conjugate()).real
+        if abs(on - at) * scale <= TURN:
+            return _on_ray(lines, start, ray, on, scale, f"{step % 360.0:g}°")
+    return _on_line(lines, grid, scale) or Snap(grid, GRID)
 
 
-def _first(numbers: Sequence[int]) -> int | None:
-    return numbers[0] if numbers else None
+def _on_line(lines: Sequence[_Line], at: complex, scale: float, start: complex | None = None) -> Snap | None:
+    """Snap to the nearest line of a link: to its crossing with another, to the foot of the perpendicular, or to the line."""
+    near = [(abs(at - nearest_on_segment(at, first, second)), first, second, n) for first, second, n in lines]
+    near = sorted((row for row in near if row[0] * scale <= ALONG), key=lambda row: row[0])
+    if not near:
+        return None
+    _, first, second, number = near[0]
+    for _, *other, _ in near[1:]:
+        cross = crossing(first, second - first, *other)
+        if cross is not None and cross not in (first, second) and abs(cross - at) * scale <= NEAR:
+            return Snap(cross, LINE, "crossing", link=number)
+    if start is not None:
+        foot = nearest_on_segment(start, first, second)
+        if abs(foot - at) * scale <= NEAR and foot not in (first, second, start):
+            return Snap(foot, PERPENDICULAR, "perpendicular", link=number)
+    return Snap(nearest_on_segment(at, first, second), LINE, link=number)
+
+
+def _on_ray(lines: Sequence[_Line], start: complex, ray: complex, on: complex, scale: float, text: str) -> Snap:
+    """Snap to a ray: where it crosses the line of a link, else at a length of whole cells of the grid."""
+    end = start + ray * abs(grid_point(complex(abs(on - start), 0.0), scale))
+    for first, second, number in lines:
+        cross = crossing(start, ray, first, second)
+        if cross is not None and abs(cross - end) * scale <= NEAR and cross != start:
+            return Snap(cross, LINE, text, link=number)
+    return _on_line(lines, end, scale) or Snap(complex(round(end.real, 9), round(end.imag, 9)), ANGLE, text)
 
 
 # -- what a tool works on and returns -------------------------------------------------------------------
@@ -225,7 +248,10 @@ class DrawingEdit:
 
 @frozen
 class DrawTool:
-    """One tool: label, key, tip, a prompt for each click, number of clicks, function that edits the design."""
+    """One tool: label, key, tip, a prompt for each click, number of clicks, function that edits the design.
+
+    adds_link: the clicks are the points of a new link.
+    """
 
     name: str
     text: str
@@ -234,6 +260,7 @@ class DrawTool:
     prompts: tuple[str, ...]
     clicks: int = 0
     apply: Callable[[Drawing], DrawingEdit] | None = None
+    adds_link: bool = False
 
 
 def row_index(path: str) -> int:
@@ -271,7 +298,7 @@ def _plate(drawing: Drawing) -> DrawingEdit:
 
 def _pin(drawing: Drawing) -> DrawingEdit:
     (snap,) = drawing.snaps
-    links = faces_at(drawing.linkage, drawing.positions, snap.at, drawing.scale)
+    links = faces_at(drawing.linkage, drawing.positions, snap.at, FACE / drawing.scale)
     design = with_pin(drawing.design, snap.target, links)
     names = _new_points(drawing.design, design) or (snap.point,)
     return DrawingEdit(design, f"Pin {names[0]}", points=names)
@@ -429,9 +456,9 @@ TOOLS: Mapping[str, DrawTool] = MappingProxyType(
                      ("click where links cross, or an empty position",), 1, _pin),
             DrawTool("bar", "Bar", "B", "A bar between two pins; a click on a pin joins to it, a click on a bar makes the bar a plate",
                      ("start of the bar: a pin, a link, or an empty position", _END), 2,
-                     lambda drawing: _link(drawing, "bar")),
+                     lambda drawing: _link(drawing, "bar"), adds_link=True),
             DrawTool("plate", "Plate", "L", "A plate through three pins or more; double click or Enter ends it",
-                     ("the first corner of the plate", "the next corner", "the next corner; Enter ends"), MANY, _plate),
+                     ("the first corner of the plate", "the next corner", "the next corner; Enter ends"), MANY, _plate, adds_link=True),
             DrawTool("slider", "Slider on a line", "S", "A block that slides on the ground",
                      ("the pin or the position of the block", "a point along its line, or type the angle"), 2, _slider),
             DrawTool("slider_on", "Slider on a link", "Shift+S", "A block that slides along a link",

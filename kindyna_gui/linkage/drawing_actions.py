@@ -11,17 +11,16 @@ from core.design.linkage import FRAME_LINK
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.drawing_edits import (
-    part_of,
     with_driving_link,
     with_ground,
     with_joined,
     with_mirrored,
-    with_part,
     with_split,
     with_welded,
     without,
 )
-from core.mechanism.drawn import DrawingTarget
+from core.mechanism.drawing_references import part_of, with_part
+from core.mechanism.drawing_targets import DrawingTarget
 from core.project import dumps, loads
 from kindyna_gui.linkage.draw_tools import DrawingEdit, grid_step
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage

@@ -214,8 +214,9 @@ class DrawingMode(DrawnLinkage):
         for first, second in zip(self.tool_input.snaps, self.tool_input.snaps[1:], strict=False):
             painter.setPen(QPen(QColor(SCREEN.chosen), 2.0))
             painter.drawLine(sketch.to(first.at), sketch.to(second.at))
-        if self.snap is not None and self.tool.name != CHOOSE:
-            sketch.paint_snap(painter, self.snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
+        snap = self.selection_input.snap if self.tool.name == CHOOSE else self.snap
+        if snap is not None:
+            sketch.paint_snap(painter, snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
 
     def fit(self) -> None:
         """Show the whole drawing; an empty one with the width of a small machine."""

@@ -12,8 +12,19 @@ from core.design import Design, put
 from core.design.linkage import FRAME_LINK
 from core.errors import DesignError, Fault
 from core.mechanism.drawing_edits import with_moved
-from core.mechanism.drawn import PointPositions, link_pose
-from kindyna_gui.linkage.draw_tools import CHOOSE, TOOLS, Drawing, DrawTool, Snap, grid_step, row_index, snap_to
+from core.mechanism.drawing_targets import coincident_point, links_with
+from core.mechanism.drawn import PointPositions, link_pose, point_positions
+from kindyna_gui.linkage.draw_tools import (
+    CHOOSE,
+    TOOLS,
+    Drawing,
+    DrawingEdit,
+    DrawTool,
+    Snap,
+    grid_step,
+    row_index,
+    snap_to,
+)
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, links_within
 
 DRAG = 4.0  # distance from which on a press is a drag, pixels
@@ -75,18 +86,25 @@ class ToolInput:
 
     def _snap(self, event: QMouseEvent) -> Snap:
         design, positions = self.drawn.layout
-        start = self.snaps[-1].at if self.snaps else None
-        free = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
         return snap_to(
             design.drive.linkage,
             positions,
             self.drawn.canvas.position_at(event.position()),
             self.drawn.canvas.scale_now,
-            start,
-            (),
-            free,
-            self.drawn.canvas.marks,
+            start=self.snaps[-1].at if self.snaps else None,
+            free=bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier),
+            marks=self.drawn.canvas.marks,
+            barred=self.barred,
         )
+
+    @property
+    def barred(self) -> set[int]:
+        """Links that have a point of the link that is being drawn: a second one would make them one body."""
+        if not self.tool.adds_link:
+            return set()
+        linkage = self.drawn.layout[0].drive.linkage
+        names = {snap.point for snap in self.snaps if snap.point}
+        return links_with(linkage, names) | {snap.link for snap in self.snaps if snap.link is not None}
 
     def set(self, snap: Snap, length_mm: float | None = None, typed: bool = False) -> bool:
         """Add a position to the clicks of the tool; the last one finishes it."""
@@ -121,7 +139,10 @@ class ToolInput:
 
 
 class SelectionInput:
-    """Selecting and dragging; ``edit_length`` is called with the link and the points of a clicked length."""
+    """Selecting and dragging; ``edit_length`` is called with the link and the points of a clicked length.
+
+    snap    pin that the dragged point joins
+    """
 
     def __init__(self, drawn: DrawnLinkage, edit_length: Callable[[int, str, str], None]) -> None:
         self.drawn, self._edit_length = drawn, edit_length
@@ -130,6 +151,8 @@ class SelectionInput:
         self._pixel = QPointF()
         self._grabbed = 0j
         self._moved_from: tuple[Design, PointPositions] | None = None
+        self._selected: set[str] = set()  # points before the drag, as one that joins a pin may lose its name
+        self.snap: Snap | None = None
         self._before: tuple[object, float] = None, 0.0  # work of the session and cam angle before the drag
 
     @property
@@ -141,7 +164,7 @@ class SelectionInput:
 
     def drop(self) -> None:
         """End the drag; the parts stay where they are."""
-        self.pressed, self._dragged, self._moved_from = None, "", None
+        self.pressed, self._dragged, self._moved_from, self.snap = None, "", None, None
 
     def take_back(self) -> bool:
         """Cancel the drag: the parts go back to their positions; False if nothing is dragged."""
@@ -194,34 +217,37 @@ class SelectionInput:
             if (event.position() - self.pressed).manhattanLength() <= DRAG:
                 return
             self._moved_from = self.drawn.layout
+            self._selected = {*self.drawn.points}
             self._before = self.drawn.session.work, self.drawn.player.theta
             self.drawn.session.begin_drag(self.drawn.canvas)
         design, positions = self._moved_from
         if self._dragged == "row":
             self._drag_row(design, positions, event)
             return
-        by_number = design.drive.linkage.by_number
-        loose = self.drawn.points | {name for n in self.drawn.links for name in by_number[n].places}
-        loose -= self.drawn.locked
-        if not loose:
+        linkage = design.drive.linkage
+        moved = self._selected | {name for n in self.drawn.links for name in linkage.by_number[n].places}
+        names = sorted(moved - self.drawn.locked)
+        if not names:
             self.drawn.message.emit(f"Locked: {UNLOCK}")
             return
-        at, every = self.drawn.canvas.position_at(event.position()), tuple(positions)
-        free = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
-        first = next(iter(sorted(loose)))
-        lead = positions[first] if len(loose) == 1 else self._grabbed
         canvas = self.drawn.canvas
-        snap = snap_to(design.drive.linkage, positions, at, canvas.scale_now, None, every, free, canvas.marks)
-        shift = (snap.at if len(loose) == 1 else _rounded(at - self._grabbed, canvas.scale_now, free) + lead) - lead
-        targets = {name: positions[name] + shift for name in loose}
-        text = f"Move {', '.join(sorted(loose))}"
-        path = f"linkage.drawn.{first}"
-        self.drawn.apply(partial(self._with_moved, design, targets), text, path)
+        at, free = canvas.position_at(event.position()), bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
+        if len(names) == 1:
+            own = {p.name for n in links_with(linkage, names) for p in linkage.by_number[n].points} | {*names}
+            snap = snap_to(
+                linkage, positions, at, canvas.scale_now, None, own, free, canvas.marks, barred=linkage.by_number
+            )
+            self.snap, shift = snap if snap.point else None, snap.at - positions[names[0]]
+        else:
+            shift = _rounded(at - self._grabbed, canvas.scale_now, free)
+        targets = {name: positions[name] + shift for name in names}
+        text = f"Move {', '.join(names)}"
+        self.drawn.apply(partial(self._with_moved, design, targets), text, f"linkage.drawn.{names[0]}")
 
     def release(self, event: QMouseEvent) -> None:
         """End the drag, select the parts in the box, or edit the clicked length."""
         pressed, dragged = self.pressed, self._dragged
-        self.pressed, self._dragged = None, ""
+        self.pressed, self._dragged, self.snap = None, "", None
         if pressed is None:
             return
         far = (event.position() - pressed).manhattanLength() > DRAG
@@ -242,8 +268,8 @@ class SelectionInput:
         links = links_within(sketch.design, points)
         self.drawn.choose(tuple(self.drawn.points | points), tuple(self.drawn.links | links))
 
-    def _with_moved(self, design: Design, targets: PointPositions) -> Design:
-        """Move points; raises DesignError if that changes a locked length."""
+    def _with_moved(self, design: Design, targets: PointPositions) -> DrawingEdit:
+        """Move points, and keep them selected; raises DesignError if that changes a locked length."""
         moved_design = with_moved(design, targets)
         for lock in (lock for lock in self.drawn.locked if ":" in lock):
             number, first, second = lock.split(":")
@@ -253,7 +279,9 @@ class SelectionInput:
             old, new = (abs(link.places[first] - link.places[second]) for link in (before, after))
             if abs(old - new) > 1e-9:
                 raise DesignError([Fault("linkage", lock, f"{first}-{second} is locked", UNLOCK)])
-        return moved_design
+        places = point_positions(moved_design.drive.linkage)
+        points = (name if name in places else coincident_point(places, targets[name]) for name in self._selected)
+        return DrawingEdit(moved_design, "", tuple(points), tuple(self.drawn.links))
 
     def _drag_row(self, design: Design, positions: PointPositions, event: QMouseEvent) -> None:
         """Move a centre of mass on its link."""

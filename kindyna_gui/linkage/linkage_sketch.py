@@ -15,21 +15,10 @@ from core.design import Design
 from core.design.linkage import FRAME_LINK, Link, Linkage
 from core.design.topology import driver_turns, input_slides
 from core.frozen import frozen
+from core.mechanism.drawing_targets import edges, faces_at, outline
 from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin, link_pose, slider_line
 from core.mechanism.drivers import wheel_pairs
-from kindyna_gui.linkage.draw_tools import (
-    ANGLE,
-    GRID,
-    LINE,
-    PERPENDICULAR,
-    POINT,
-    Snap,
-    edges,
-    faces_at,
-    grid_step,
-    outline,
-    row_index,
-)
+from kindyna_gui.linkage.draw_tools import ANGLE, FACE, GRID, LINE, PERPENDICULAR, POINT, Snap, grid_step, row_index
 from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
 
 BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half width of a bar, radius of a pin, half sides of a block, pixels
@@ -126,7 +115,7 @@ class LinkageSketch:
         for link in reversed(self.linkage.links):
             if link.number != FRAME_LINK and self.block(link).contains(pixel):
                 return link.number
-        return next(iter(faces_at(self.linkage, self.positions, self.from_pixel(pixel), self.scale)), None)
+        return next(iter(faces_at(self.linkage, self.positions, self.from_pixel(pixel), FACE / self.scale)), None)
 
     def from_pixel(self, pixel: QPointF) -> complex:
         """Position [mm] at a pixel."""
@@ -408,7 +397,7 @@ class LinkageSketch:
         elif snap.mark == GRID:
             painter.drawLine(QPointF(x - 5, y), QPointF(x + 5, y))
             painter.drawLine(QPointF(x, y - 5), QPointF(x, y + 5))
-        parts = [snap.text] if snap.text else []
+        parts = [snap.label] if snap.label else []
         if start is not None and snap.at != start:
             direction = snap.at - start
             parts.insert(0, f"{abs(direction):.4g} mm, {math.degrees(cmath.phase(direction)):.4g}°")

@@ -29,6 +29,7 @@ from core.design import (
 from core.dynamics import Torsion, attachment_point, element_at, pairs_named, row_of_element
 from core.errors import NoSolution
 from core.frozen import frozen
+from core.mechanism.drawing_targets import nearest_on_segment
 from core.output.load_text import attachment_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
@@ -316,14 +317,6 @@ def prompt_text(end: AttachedEnd) -> str:
     if end.what == LINK and end.free:
         return f"{text} where its centre of mass is"
     return f"{text}, or the ground" if end.what == LINK and end.frame else text
-
-
-def nearest_on_segment(at: complex, start: complex, end: complex) -> complex:
-    """Point of a line segment that is nearest to a position."""
-    along = end - start
-    size = abs(along) ** 2
-    share = 0.0 if size == 0.0 else min(max(((at - start) * along.conjugate()).real / size, 0.0), 1.0)
-    return start + share * along
 
 
 def target_positions(geometry: Geometry, target: Target, index: int) -> Iterator[complex]:

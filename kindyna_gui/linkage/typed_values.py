@@ -14,16 +14,16 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QWidget
 
-from core.design import NO_UNIT, UNITS, Design, SecondDriver, Unit, edited, put, with_drive
+from core.design import NO_UNIT, UNITS, Design, SecondDriver, Unit, put
 from core.design.linkage import FRAME_LINK, GEAR, RACK, WHEELS
 from core.design.topology import input_slides
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.mechanism.drawing_edits import with_length, with_moved, with_name
-from core.mechanism.drawn import assembled, point_positions, with_input_values, with_positions
+from core.mechanism.drawing_edits import with_length, with_local_point, with_moved, with_name
+from core.mechanism.drawn import assembled, with_input_values
 from core.output.lines import shortest
 from kindyna_gui.forms.number_box import parsed
-from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index
+from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index, snap_at
 from kindyna_gui.linkage.drawing_mouse import ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
 from kindyna_gui.look import described
@@ -215,25 +215,21 @@ class TypedValues:
         straight = {0.0: 1.0 + 0j, 90.0: 1j, 180.0: -1.0 + 0j, -90.0: -1j, 270.0: -1j}
         end = start + length * straight.get(angle, cmath.exp(1j * math.radians(angle)))
         self.boxes.close_all()
-        snap = Snap(end)
-        if mouse.point and values[1] is None:  # the pin under the mouse, at the typed length
-            snap = mouse
-        elif near := self._point_at(end):
-            snap = Snap(self.drawn.layout[1][near], point=near)
+        # without a typed angle the pin under the mouse is joined, at the typed length
+        snap = mouse if mouse.point and values[1] is None else self._snap_at(end)
         self.tool_input.set(snap, exact if self.tool_input.tool.name == "bar" else None, typed=True)
         return ""
 
     def _set_position(self, values: Sequence[Typed]) -> str:
         x, y = (value if isinstance(value, float) else 0.0 for value in values)
-        point = self._point_at(complex(x, y))
         self.boxes.close_all()
-        self.tool_input.set(Snap(complex(x, y), point=point), typed=True)
+        self.tool_input.set(self._snap_at(complex(x, y)), typed=True)
         return ""
 
-    def _point_at(self, position: complex) -> str:
-        """Name of the point at a typed position; empty if there is none."""
-        _, positions = self.drawn.layout
-        return next((name for name, at in positions.items() if abs(at - position) < 1e-6), "")
+    def _snap_at(self, position: complex) -> Snap:
+        """Snap of a typed position."""
+        design, positions = self.drawn.layout
+        return snap_at(design.drive.linkage, positions, position, self.tool_input.barred)
 
     def _apply(self, edit: Callable[[], DrawingEdit | Design], text: str = "") -> str:
         """Close the boxes and apply an edit; returns an empty text, as the values are valid."""
@@ -327,18 +323,8 @@ class TypedValues:
         )
         text = f"Put {name} at {shortest(x)}, {shortest(y)} mm"
         if len(links) == 1 and links[0].number != FRAME_LINK:
-            index = linkage.links.index(links[0])
-
-            def changed() -> Design:
-                after = edited(design, f"linkage.links[{index}].points.{name}", (x, y))
-                drawn = after.drive.linkage.drawn
-                assert drawn is not None
-                # without its drawn position the point follows from its link
-                drawn = replace(drawn, points=tuple(p for p in drawn.points if p.name != name))
-                free = with_drive(after, mechanism=replace(after.drive.linkage, drawn=drawn))
-                return with_positions(after, point_positions(free.drive.linkage))
-
-            return self._apply(changed, text)
+            number = links[0].number
+            return self._apply(lambda: with_local_point(design, number, name, complex(x, y)), text)
         return self._apply(lambda: with_moved(design, {name: complex(x, y)}), text)
 
     def ask_length(self, number: int, first: str, second: str) -> None:

@@ -24,7 +24,6 @@ from core.design import (
 from core.errors import DesignError, NoPosition
 from core.mechanism.drawing_edits import (
     empty_linkage,
-    part_of,
     with_driving_link,
     with_ground,
     with_joined,
@@ -33,7 +32,6 @@ from core.mechanism.drawing_edits import (
     with_mirrored,
     with_moved,
     with_name,
-    with_part,
     with_pin,
     with_slider,
     with_split,
@@ -41,7 +39,9 @@ from core.mechanism.drawing_edits import (
     with_welded,
     without,
 )
-from core.mechanism.drawn import DrawingTarget, assembled, link_pose, point_positions, with_positions
+from core.mechanism.drawing_references import part_of, with_part
+from core.mechanism.drawing_targets import DrawingTarget
+from core.mechanism.drawn import assembled, link_pose, point_positions, with_positions
 from core.mechanism.drivers import with_roller
 from core.project import dumps, loads
 
@@ -102,8 +102,51 @@ def test_two_pins_between_two_links_are_refused() -> None:
     design = with_link(SHEET, [DrawingTarget(0j), DrawingTarget(50 + 0j)])
     with pytest.raises(DesignError, match="twice"):
         with_link(design, [DrawingTarget(0j, "A"), DrawingTarget(50 + 0j, "B")])
-    with pytest.raises(DesignError, match="coincide"):
+    with pytest.raises(DesignError, match="two different points"):
         with_link(design, [DrawingTarget(0j, "A"), DrawingTarget(0j)])
+
+
+def test_a_place_within_a_millionth_of_a_pin_is_that_pin() -> None:
+    """By every edit that adds a place; a millionth further away it is another one."""
+    design, near, away = drawn_four_bar(), 80 + 70j + 9e-7j, 80 + 70j + 2e-6j
+    assert list(shape(with_link(design, [DrawingTarget(0 + 99j), DrawingTarget(near)]), 5)) == ["C", "B"]
+    assert list(shape(with_link(design, [DrawingTarget(0 + 99j), DrawingTarget(away)]), 5)) == ["C", "D"]
+    assert list(shape(with_slider(design, DrawingTarget(near), 0 + 70j, 0.0), 5)) == ["B"]
+    bar = with_link(SHEET, [DrawingTarget(0j), DrawingTarget(80 + 70j)])
+    assert shape(with_ground(bar, DrawingTarget(near)), 1) == {"B": 80 + 70j}
+    assert with_pin(design, DrawingTarget(near)) == design
+    with pytest.raises(DesignError, match="away from its pins"):
+        with_traced_point(design, DrawingTarget(near, link=3))
+    twice = with_link(
+        with_link(SHEET, [DrawingTarget(0j), DrawingTarget(40j)]), [DrawingTarget(40j), DrawingTarget(1j)]
+    )
+    assert list(shape(twice, 3)) == ["B", "C"]
+
+
+def test_a_place_on_the_line_of_a_bar_is_on_that_bar() -> None:
+    """A bar, a pivot, or a block; but not a second point of the new link on the same bar, nor off the end of the bar."""
+    design = drawn_four_bar()
+    design = with_link(design, [DrawingTarget(40 + 50j + 5e-7j), DrawingTarget(40 + 99j)])
+    assert shape(design, 3)["C"] == pytest.approx(math.hypot(40, 20), abs=1e-6)
+    assert list(shape(design, 5)) == ["C", "D"]
+    assert "E" not in shape(with_link(design, [DrawingTarget(96 + 84j), DrawingTarget(60 + 99j)]), 3)
+    assert "E" in shape(with_ground(design, DrawingTarget(20 + 40j)), 1)
+    assert "O3" not in shape(with_ground(design, DrawingTarget(0 + 10j)), 2)
+    assert "E" in shape(with_slider(design, DrawingTarget(0 + 10j), 10j, 0.0), 2)
+    along = with_link(design, [DrawingTarget(80 + 70j, "B"), DrawingTarget(20 + 40j)])
+    assert list(shape(along, 6)) == ["B", "E"]
+    assert "E" not in shape(along, 3)
+
+
+def test_a_point_that_is_moved_onto_a_pin_joins_it() -> None:
+    design = with_link(drawn_four_bar(), [DrawingTarget(0 + 99j), DrawingTarget(50 + 99j)])
+    joined = with_moved(design, {"D": 80 + 70j + 5e-7j})
+    assert list(shape(joined, 5)) == ["C", "B"]
+    assert list(shape(with_moved(design, {"D": 100 + 0j}), 5)) == ["C", "O2"]
+    apart = with_split(joined, "B")
+    assert set(point_positions(with_moved(apart, {"A": 5 + 30j, "B": 80 + 70j}).drive.linkage)) >= {"B", "D"}
+    with pytest.raises(DesignError, match="coincide"):
+        with_moved(design, {"C": 50 + 99j})
 
 
 def test_a_pin_that_waits_is_taken_up_by_the_link_that_comes() -> None:
