@@ -37,9 +37,11 @@ while quiet < 3:
     settled = all(view is not None and view.up_to_date and not view.busy for view in views)
     quiet = quiet + 1 if settled and not views[0].canvas.rest.isActive() else 0
     time.sleep(0.0 if quiet else 0.005)
+print(time.process_time())
 """
 """The window with the lift, in the layout of the first start, until nothing in sight waits for anything."""
 EMPTY = """
+import time
 from PySide6.QtWidgets import QApplication, QMainWindow
 
 app = QApplication([])
@@ -48,6 +50,7 @@ window.resize(1440, 900)
 window.show()
 for _ in range(4):
     app.processEvents()
+print(time.process_time())
 """
 STUDIES = ROOT / "resources" / "studies"
 OPTIMA = {
@@ -87,9 +90,9 @@ def _output(words: Sequence[str], **settings: str) -> list[str]:
     return told.splitlines()[-1].split()
 
 
-def used(words: Sequence[str], **settings: str) -> Used:
-    """By Python with these words, and these variables of the environment. Raises RuntimeError where it fails."""
-    code, seconds, peak = _output(("-c", BESIDE, *words), **settings)
+def used(words: Sequence[str]) -> Used:
+    """By Python with these words. Raises RuntimeError where it fails."""
+    code, seconds, peak = _output(("-c", BESIDE, *words))
     if code != "0":
         raise RuntimeError(f"{' '.join(words)}: exit code {code}")
     return Used(float(seconds), float(peak))
@@ -106,7 +109,7 @@ def start(times: int) -> float:
     with TemporaryDirectory() as folder:
         settings = {"QT_QPA_PLATFORM": "offscreen", "XDG_CONFIG_HOME": folder, "XDG_STATE_HOME": folder}
         settings["QT_LOGGING_RULES"] = "default.warning=false"  # sizes that no desktop takes
-        rows = [[used(("-c", script), **settings).seconds for script in (START, EMPTY)] for _ in range(times + 1)]
+        rows = [[float(*_output(("-c", script), **settings)) for script in (START, EMPTY)] for _ in range(times + 1)]
     return statistics.median(ours / bare for ours, bare in rows[1:])
 
 
