@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QMenu, QWidget
 from core.design import Design, get, split_unit
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.study import Study
+from core.study import Study, quantity
 from core.units import Unit
 from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.labels import name_of
@@ -222,9 +222,8 @@ def readout_lines(study: Study, path: str, stages: tuple[str, ...]) -> list[Read
     Pressure angle and undercut are always shown, forces only if ``stages``, the stages on the screen, contain theirs.
     """
     lines: list[ReadoutLine] = [(f"{name_of(study.design, path)} {value_text(study.design, path)}", False)]
-    for row in rows_of(study, READOUT_QUANTITIES):
-        if row.stage not in ("cam", *stages):
-            continue
+    shown = {*study.stages} & {"cam", *stages}
+    for row in rows_of(study, [name for name in READOUT_QUANTITIES if quantity(name).stage in shown]):
         try:
             values = row.values(study)
             limits = [limit.value / row.unit.factor for limit in limits_on(study, row.name)]

@@ -213,6 +213,7 @@ class LoadsPage(QWidget):
             (self.table.moved, self._move),
             (self.table.removed, self._remove),
             (session.load_chosen, self._show_chosen),
+            (session.drag_ended, self._later.start),
         )
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -238,7 +239,8 @@ class LoadsPage(QWidget):
             self._lines = lines
             self._show_lines()
             self.table.setVisible(len(lines) > 1)  # the form shows everything where there is only the first row
-        self._later.start()
+        if self._session.drag_source is None:
+            self._later.start()
         self._show_chosen()
 
     def _show_lines(self) -> None:

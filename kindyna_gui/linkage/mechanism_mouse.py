@@ -129,7 +129,7 @@ class MechanismMouseView(View):
             return None
         self.player.play(False)
         body = geometry.bodies[name]
-        track = body.track((at - complex(body.z[index])) * np.exp(-1j * np.deg2rad(body.angle[index])))
+        track = body.track((at - complex(body.z[index])) * body.turn[index].conjugate())
 
         def run(to: complex) -> None:
             reach = geometry.samples // RUN_PARTS

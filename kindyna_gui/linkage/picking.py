@@ -6,7 +6,6 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import replace
 from math import floor, log10
 
-import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
@@ -240,7 +239,7 @@ class Picker(QObject):
         if name is None:
             return None
         body = geometry.bodies[name]
-        local = (position - body.z[index]) * np.exp(-1j * np.deg2rad(body.angle[index]))
+        local = (position - body.z[index]) * body.turn[index].conjugate()
         target = self._at(links[name], complex(local)) if self._current.free else Attachment(link=links[name])
         return PickCandidate(target, position)
 

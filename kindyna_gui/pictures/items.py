@@ -238,13 +238,13 @@ class DrawnPart:
     move: Move | None = None
 
 
-def riding(item: QGraphicsItem, z: np.ndarray, angle: np.ndarray) -> Move:
-    """Motion of an item with a body: origin z (n,) [mm], angle (n,) [deg]."""
+def riding(item: QGraphicsItem, z: np.ndarray, turn: np.ndarray) -> Move:
+    """Motion of an item with a body: origin z (n,) [mm], unit vector of its x axis (n,)."""
 
     def move(i: int) -> None:
         origin = complex(z[i])
         item.setPos(origin.real, origin.imag)
-        item.setRotation(float(angle[i]))
+        item.setRotation(math.degrees(cmath.phase(turn[i])))
 
     return move
 

@@ -5,8 +5,8 @@ This module only changes units and frames; it contains no case for a particular 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -37,16 +37,26 @@ class Body:
     Attributes
     ----------
     z : origin (n,) [mm]
-    angle : rotation (n,) [deg], counter-clockwise
     turn : unit vector of its x axis (n,)
     points : points in the frame of the body [mm]
+    rotation : function that returns the angle of its x axis without jumps (n,) [rad]
     """
 
     name: str
     z: np.ndarray
-    angle: np.ndarray
     turn: np.ndarray
     points: Mapping[str, complex]
+    rotation: Callable[[], np.ndarray]
+
+    @cached_property
+    def angle(self) -> np.ndarray:
+        """Rotation without jumps (n,) [deg], counter-clockwise; few parts need it."""
+        return np.rad2deg(self.rotation())
+
+    @property
+    def swing(self) -> float:
+        """Angle that the body sweeps over the turn [deg]; where it is above 180, only that it is."""
+        return float(np.ptp(np.rad2deg(np.angle(self.turn * self.turn[0].conjugate()))))
 
     def track(self, local: complex) -> np.ndarray:
         """Path (n,) [mm] of a point that is given in the frame of the body."""
@@ -102,7 +112,9 @@ class Joint:
 
 def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     body, n = bodies[pair.body], bodies[pair.body].z.size
-    on = bodies.get(pair.on) or Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), np.ones(n, dtype=complex), {})
+    on = bodies.get(pair.on) or Body(
+        FRAME, np.zeros(n, dtype=complex), np.ones(n, dtype=complex), {}, partial(np.zeros, n)
+    )
     if pair.kind == SLIDING and pair.on == f"link{pair.point}":  # the sliding link is the block, in either order
         turn = on.turn[0] / body.turn[0]
         return _joint(name, Pair(SLIDING, pair.body, pair.on, pair.point, complex(pair.axis * turn)), bodies)
@@ -135,9 +147,9 @@ class Geometry:
             name: Body(
                 name,
                 pose.origin[0] * MM,
-                np.rad2deg(pose.turn[0]),
                 pose.unit,
                 {k: p * MM for k, p in pose.points.items()},
+                partial(pose.turn.__getitem__, 0),
             )
             for name, pose in self.kinematics.bodies.items()
         }
@@ -202,9 +214,9 @@ class Geometry:
         return radius if radius and radius > 1e-9 * abs(self.pitch[0]) else 0.0
 
     @property
-    def face_angle(self) -> np.ndarray:
-        """Rotation of the body that carries the face (n,) [deg]."""
-        return self.bodies[self.kinematics.follower_body].angle
+    def face_turn(self) -> np.ndarray:
+        """Unit vector of the x axis of the body that carries the face (n,)."""
+        return self.bodies[self.kinematics.follower_body].turn
 
     @property
     def has_rolling_face(self) -> bool:
@@ -241,7 +253,7 @@ class Geometry:
             name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()
         }
         if self.face_attachment:
-            along = 1j * self.face_attachment.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
+            along = 1j * self.face_attachment.imag * self.face_turn[index]
             positions[FACE_PLACE] = complex(self.reference[index] + along)
         for spring, start, end in self.springs:
             positions |= {f"{spring.field}.from": complex(start[index]), f"{spring.field}.to": complex(end[index])}
@@ -269,14 +281,14 @@ class Geometry:
         slides = any(joint.pair.kind == SLIDING and joint.pair.body == body.name for joint in self.joints)
         if body.name != self.kinematics.carrier or slides or not self.face_attachment:
             return body.nodes
-        turn = np.exp(-1j * np.deg2rad(body.angle[0]))
+        turn = body.turn[0].conjugate()
         reference = complex((self.reference[0] - body.z[0]) * turn)
         near = 1e-9 * max(map(abs, (reference, self.face_attachment)))
         paired = {joint.pair.point for joint in self.joints}
         nodes = {name: node for name, node in body.nodes.items() if name in paired or abs(node - reference) > near}
         return {
             **nodes,
-            "face": complex(reference + self.face_attachment * turn * np.exp(1j * np.deg2rad(self.face_angle[0]))),
+            "face": complex(reference + self.face_attachment * turn * self.face_turn[0]),
         }
 
     @cached_property
@@ -325,10 +337,10 @@ class Geometry:
         sweep = float(np.abs(widest).max()) if widest.size else self.base_radius
         sweep = max([sweep, *(float(np.abs(flank.profile).max()) * MM for flank in self.other_flanks)])
         boxes = [(-sweep, -sweep, sweep, sweep)] if self.has_cam else []
-        corners = self.face_outline[:-1] if self.face_outline.size and not self.face_radius else ()
-        turn = np.exp(1j * np.deg2rad(self.face_angle))
-        for track in (*self.tracks(), *(self.reference + corner * turn for corner in corners)):
-            boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))
+        corners = tuple(self.face_outline[:-1]) if self.face_outline.size and not self.face_radius else ()
+        turn = self.face_turn
+        tracks = np.stack((*self.tracks(), *(self.reference + corner * turn for corner in corners)))
+        boxes.append((tracks.real.min(), tracks.imag.min(), tracks.real.max(), tracks.imag.max()))
         rounds = (
             (self.reference, self.face_radius),
             *((track, radius) for _, track, radius in self.other_rollers),

@@ -114,7 +114,7 @@ def _turn(geometry: Geometry, *bodies: str) -> np.ndarray | None:
     """Unit vector (n,) that rotates with the first of the links that turns far; None where none does."""
     for name in bodies if geometry.has_numbered_links else ():
         body = geometry.bodies[name]
-        if np.ptp(body.angle) > FAR_TURN:
+        if body.swing > FAR_TURN:
             return body.turn
     return None
 
@@ -261,7 +261,7 @@ def drawing_dots(
         rows.append((track[samples][:, None] + radius * around, 0.0, 0.8))
         rows.append((track[samples][:, None], unit, 1.5))
     if geometry.face_outline.size and not geometry.face_radius:
-        turn = np.exp(1j * np.deg2rad(geometry.face_angle[samples]))
+        turn = geometry.face_turn[samples]
         corners = [geometry.reference[samples] + corner * turn for corner in geometry.face_outline]
         for start, end in pairwise(corners):
             dots(start, end, 0.0, 1.0)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import partial
-from math import degrees
+from math import degrees, radians
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -219,9 +219,10 @@ class MechanismScene(QGraphicsScene):
         """
         geometry = Geometry(study)
         before, self.geometry = self.geometry, geometry
-        if before is not None:
+        if self._angle is not None:
+            self.index = geometry.nearest(radians(self._angle))
+        elif before is not None:
             self.index = round(self.index / before.samples * geometry.samples) % geometry.samples
-        self._angle = None
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
         had_vectors = bool(self._fields)
         self._drop_vectors()
@@ -244,11 +245,11 @@ class MechanismScene(QGraphicsScene):
             self._make_room()
         self._show()
         if not lay or (self._region is None and keep_labels):
-            self._move(self.index, None)  # the view is not known yet
+            self._move(self.index, self._angle)  # the view is not known yet
         elif not same or self._fields or with_values or not keep_labels:
             self._show_region(*(self._region or self.fit(*DEFAULT_SIZE)), sides)
         else:
-            self._move(self.index, None)
+            self._move(self.index, self._angle)
 
     def _rebuild(self, geometry: Geometry) -> None:
         """Draw all parts again; labels with unchanged texts keep their items."""
@@ -455,7 +456,7 @@ class MechanismScene(QGraphicsScene):
 
     def set_angle(self, theta: float) -> None:
         """Move to the sample nearest to cam angle theta [rad]; the text in the corner shows theta."""
-        if self.geometry is not None:
+        if self.geometry is not None and degrees(theta) != self._angle:
             self._move(self.geometry.nearest(theta), degrees(theta))
 
     # -- values of the profile -------------------------------------------------------------------------

@@ -168,7 +168,7 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
             ("heads", Outline(drawn.heads, None, brush(colour))),
         )
         for name, item in items:
-            move = None if body is None else riding(item, body.z, body.angle)
+            move = None if body is None else riding(item, body.z, body.turn)
             yield DrawnPart(f"{DIMENSIONS}.{number}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
         yield DrawnPart(
             f"{DIMENSIONS}.{number}.text",

@@ -161,7 +161,7 @@ def linkage(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         if pieces:
             item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), fill)
             z = Z_BEHIND if passes_shaft(body, geometry) else Z_BODY
-            yield DrawnPart(f"body.{body.name}", item, ("linkage",), z + 0.1 * number, riding(item, body.z, body.angle))
+            yield DrawnPart(f"body.{body.name}", item, ("linkage",), z + 0.1 * number, riding(item, body.z, body.turn))
     for joint in drawn_joints(geometry):
         yield from JOINTS[joint.pair.kind](joint, geometry, theme)
 
@@ -274,7 +274,7 @@ def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart
     path = scaled(box, unit, body.points[joint.pair.point], joint.body_line)
     item = Outline(path, theme.pen(theme.ink, OUTLINE), brush(theme.slider))
     z = Z_BODY - 0.5 if joint.is_fixed else Z_BODY + 0.8
-    yield DrawnPart(f"block.{joint.name}", item, ("linkage",), z, riding(item, body.z, body.angle))
+    yield DrawnPart(f"block.{joint.name}", item, ("linkage",), z, riding(item, body.z, body.turn))
     low, high = joint.low / unit - half_length - 1.6, joint.high / unit + half_length + 1.6
     yield from _rails(joint, geometry, theme, low, high, half_height)
 
@@ -288,7 +288,7 @@ def _rails(
     item = Outline(lines, theme.pen(theme.ink, THIN))
     if not joint.is_fixed:
         on = geometry.bodies[joint.pair.on]
-        yield DrawnPart(f"rails.{joint.name}", item, ("guide",), Z_BODY + 0.7, riding(item, on.z, on.angle))
+        yield DrawnPart(f"rails.{joint.name}", item, ("guide",), Z_BODY + 0.7, riding(item, on.z, on.turn))
         return
     yield DrawnPart(f"rails.{joint.name}", item, ("guide",), Z_GUIDE)
     upper, lower = ends
@@ -312,7 +312,7 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]
     end = body.points[joint.pair.point] + back * unit * body_line
     pieces = [scaled(path, unit, end, body_line) for path in shapes]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
-    yield DrawnPart(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
+    yield DrawnPart(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.turn))
     walls, strokes = QPainterPath(), QPainterPath()
     for inner, outer in ((half + 0.25, half + BUSH), (-half - BUSH, -half - 0.25)):
         walls.addRect(QRectF(start, inner, length, outer - inner))
@@ -332,7 +332,7 @@ def roller(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         yield from _roller("roller", geometry.reference, geometry.face_radius, geometry, theme)
     elif geometry.face_outline.size:
         item = Outline(outline(geometry.face_outline), theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
-        yield DrawnPart("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
+        yield DrawnPart("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_turn))
     for name, track, radius in geometry.other_rollers:
         yield from _roller(f"roller.{name}", track, radius, geometry, theme)
 
@@ -448,15 +448,15 @@ def wheels(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
             body = geometry.bodies[body_name(wheel.link)]
             item = Outline(_wheel(wheel, body.points[wheel.point]), theme.pen(theme.ink, THIN, CHAIN))
             key = f"wheel{number}.{name}"
-            yield DrawnPart(key, item, ("linkage",), Z_WHEELS, riding(item, body.z, body.angle))
+            yield DrawnPart(key, item, ("linkage",), Z_WHEELS, riding(item, body.z, body.turn))
         if pair.kind == RACK:
             rack = geometry.bodies[body_name(pair.second.link)]
             item = Outline(_rack(pair, geometry), theme.pen(theme.ink, THIN, CHAIN))
-            yield DrawnPart(f"wheel{number}.rack", item, ("linkage",), Z_WHEELS, riding(item, rack.z, rack.angle))
+            yield DrawnPart(f"wheel{number}.rack", item, ("linkage",), Z_WHEELS, riding(item, rack.z, rack.turn))
         if pair.kind == BELT:
             carrier = geometry.bodies[body_name(pair.carrier)]
             item = Outline(_belt(pair, geometry), theme.pen(theme.ink, OUTLINE))
-            yield DrawnPart(f"wheel{number}.belt", item, ("linkage",), Z_WHEELS, riding(item, carrier.z, carrier.angle))
+            yield DrawnPart(f"wheel{number}.belt", item, ("linkage",), Z_WHEELS, riding(item, carrier.z, carrier.turn))
 
 
 def _wheel(wheel: Wheel, centre: complex) -> QPainterPath:
@@ -470,7 +470,7 @@ def _wheel(wheel: Wheel, centre: complex) -> QPainterPath:
 def _belt(pair: WheelPair, geometry: Geometry) -> QPainterPath:
     """Both straight parts of an open belt, in the frame of the wheels' carrier."""
     carrier = geometry.bodies[body_name(pair.carrier)]
-    back = np.exp(-1j * np.deg2rad(carrier.angle[0]))
+    back = carrier.turn[0].conjugate()
     first, second = (
         complex((geometry.centre_of(wheel)[0] - carrier.z[0]) * back) for wheel in (pair.first, pair.second)
     )

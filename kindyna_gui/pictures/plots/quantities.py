@@ -436,8 +436,9 @@ def why_empty(study: Study, default: Sequence[str]) -> str:
 
 def rows_of(study: Study, quantities: Iterable[str]) -> list[Quantity]:
     """Channels of these quantities that this kind of design can have, in the given order."""
-    available = {row.name: row for row in channels(study.design)}
-    return [available[name] for name in quantities if name in available]
+    names = tuple(quantities)
+    available = {row.name: row for row in channels(study.design)} if names else {}
+    return [available[name] for name in names if name in available]
 
 
 def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
