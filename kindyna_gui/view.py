@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtCore import QElapsedTimer, QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QAction, QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -77,6 +77,7 @@ def scroll_to(widget: QWidget | None) -> None:
 
 
 AFTER_DRAG_MS = 50  # from the end of a drag until the views with a pause refresh
+FRAME_MS = 16  # while the mouse drags something: from one drawing of its view, or refresh of another one, to the next
 
 # -- queue of refreshes ----------------------------------------------------------------------------------
 
@@ -84,7 +85,8 @@ AFTER_DRAG_MS = 50  # from the end of a drag until the views with a pause refres
 class RefreshQueue(QObject):
     """Queue of the refreshes that may lag behind a drag of the mouse, one queue for all views of a session.
 
-    The jobs run one at a time, the oldest first. Mouse moves that arrived meanwhile are handled after each job.
+    The jobs run one at a time, the oldest first; while the mouse drags something, ``FRAME_MS`` apart. Mouse moves that
+    arrived meanwhile are handled after each job.
     """
 
     @staticmethod
@@ -94,22 +96,41 @@ class RefreshQueue(QObject):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
+        self._session = session
         self._waiting: dict[Callable[[], None], QObject] = {}
         self._next = single_shot(self, self._run_next)
+        self._last = started_clock()
+        session.drag_ended.connect(self._go_on)
 
     def append(self, owner: QObject, job: Callable[[], None]) -> None:
         """Append a job, which is skipped if its owner is deleted first; a job in the queue keeps its position."""
         self._waiting.setdefault(job, owner)
         if not self._next.isActive():
-            self._next.start()
+            self._go_on()
+
+    def _go_on(self) -> None:
+        if self._waiting:
+            self._next.start(0 if self._session.drag_source is None else rest_of_frame(self._last))
 
     def _run_next(self) -> None:
         job, owner = next(iter(self._waiting.items()))
         del self._waiting[job]
-        if self._waiting:
-            self._next.start()
         if isValid(owner):
             job()
+        self._last.restart()
+        self._go_on()
+
+
+def started_clock() -> QElapsedTimer:
+    """Return a clock that runs."""
+    clock = QElapsedTimer()
+    clock.start()
+    return clock
+
+
+def rest_of_frame(clock: QElapsedTimer) -> int:
+    """Return the time until ``FRAME_MS`` have passed on a clock [ms]."""
+    return max(0, FRAME_MS - clock.elapsed())
 
 
 # -- page in place of a view's content -------------------------------------------------------------------
@@ -270,6 +291,7 @@ class View(ThemedPart):
         self._stack = fill(QStackedLayout(self), self.content, margins=0)
         self._pause = single_shot(self, self._pull_if_seen, self.pause_ms)
         self._soon = single_shot(self, self._pull_if_seen)
+        self._last_pull = started_clock()
         self._queue = RefreshQueue.of(session)
         self._preparing = Background(self)
         self._preparing.result.connect(self._prepared)
@@ -429,8 +451,17 @@ class View(ThemedPart):
         elif self.on_screen():
             if self.pause_ms:
                 self._pause.start(self.pause_ms)
-            else:
+            elif self.session.drag_source is None:
                 self.pull()
+            elif not self._soon.isActive():
+                self._pull_in_time()
+
+    def _pull_in_time(self) -> None:
+        """Refresh during a drag: now, or once the mouse has had its time."""
+        if wait := rest_of_frame(self._last_pull):
+            self._soon.start(wait)
+        else:
+            self.pull()
 
     def _design_changed(self) -> None:
         """Refresh the view, unless the change concerns nothing that it shows."""
@@ -443,8 +474,12 @@ class View(ThemedPart):
             self._catch_up()
 
     def _drag_ended(self) -> None:
-        if self.pause_ms and self._stale and self.on_screen():
+        if not self._stale or not self.on_screen():
+            return
+        if self.pause_ms:
             self._pause.start(AFTER_DRAG_MS)
+        elif self._soon.isActive():
+            self.pull()
 
     def pull(self) -> None:
         """Refresh if the view is out of date."""
@@ -468,6 +503,7 @@ class View(ThemedPart):
         except Exception as error:
             self._fail(error)
             raise
+        self._last_pull.restart()
 
     def _follow(self) -> None:
         """Show the current cam angle."""
@@ -537,9 +573,9 @@ class View(ThemedPart):
         if self._stale and self._is_queued:
             self._queue.append(self, self._refresh_from_queue)
         elif self.pause_ms and self._stale:
-            call_soon(self, self._soon.start)
+            call_soon(self, partial(self._soon.start, 0))
         else:
-            self._soon.start()
+            self._soon.start(0)
 
     def _angle_changed(self, theta: float) -> None:
         # a design with other ranges moves the angle before the views know it; then ``pull`` follows

@@ -1,7 +1,7 @@
 """Planar linkages of links, pins and sliding pairs: decomposed into dyads, solved for all positions at once."""
 
 from core.mechanism.checks import SINGULAR, findings
-from core.mechanism.driver_ranges import ChangePoint, DriverRange, DriverRanges, driver_ranges_of
+from core.mechanism.driver_ranges import ChangePoint, DriverRange, DriverRanges, driver_ranges_of, followed_ranges
 from core.mechanism.drivers import CrankMotion, motion_extent
 from core.mechanism.linkage import SolutionPlan, plan_of
 from core.mechanism.mechanism import (
@@ -35,6 +35,7 @@ __all__ = [
     "driver_ranges_for",
     "driver_ranges_of",
     "findings",
+    "followed_ranges",
     "link_number",
     "mechanism_of",
     "motion_extent",

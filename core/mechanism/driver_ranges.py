@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from math import pi
@@ -278,7 +278,7 @@ def _ranges(plan: SolutionPlan, low: float, high: float, full_turn: bool, drawn:
             break
     if not ranges:
         return DriverRanges(plan, (), (), branch, MappingProxyType({}))
-    angles, is_periodic = _unwrapped_angles(plan, ranges, branch, sampled)
+    angles, is_periodic = _link_angles(plan, ranges, branch, sampled)
     inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
     return DriverRanges(plan, tuple(ranges), inside, branch, MappingProxyType(angles), is_periodic)
 
@@ -307,6 +307,56 @@ def guided_ranges(
     return DriverRanges(plan, (), (), branch, MappingProxyType({link: _LazyAngle(unwrapped, link) for link in angles}))
 
 
+@lru_cache(maxsize=4)
+def followed_ranges(linkage: Linkage, last: DriverRanges) -> DriverRanges | None:
+    """Driver ranges of a linkage that differs a little from another one, without a search: with the branch of the other.
+
+    Its driver is taken to pass the same range. Where a dyad locks, the solution has no position, and the ranges must be searched.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    last : DriverRanges
+        Ranges of the other linkage.
+
+    Returns
+    -------
+    DriverRanges or None
+        None where the other linkage locks or has a group, where the order of solution differs, and where a change point is not
+        found near that of the other linkage.
+    """
+    plan, (r, *others) = plan_of(linkage), last.ranges
+    same_order = [step for step, _ in plan.steps] == [step for step, _ in last.plan.steps]
+    same_driver = (linkage.driver, linkage.turns) == (last.plan.linkage.driver, last.plan.linkage.turns)
+    is_free = r.is_free and not others and not any(step.kind == GROUP for step, _ in plan.steps)
+    if not (same_order and same_driver and is_free and linkage.branch == last.plan.linkage.branch):
+        return None
+    branch, points = Branch(last.branch.start, last.branch.chosen), list[ChangePoint]()
+    for index, near in last.branch.changes.items():
+        changes = _moved_changes(plan, index, branch, near)
+        if changes.size != near.size:
+            return None
+        points += _with_bridges(plan, index, branch, changes.tolist())
+    points.sort(key=lambda point: point.at)
+    at = np.linspace(r.low, r.high, _sample_count(r.high - r.low, r.high - r.low))
+    is_full = r.high - r.low == TURN * last.turns
+    angles = MappingProxyType(_lazy_angles(plan, branch, tuple(last.angles), [at], is_full))
+    return replace(last, plan=plan, changes=tuple(points), branch=branch, angles=angles)
+
+
+def _moved_changes(plan: SolutionPlan, index: int, branch: Branch, near: np.ndarray) -> np.ndarray:
+    """Change points (k,) of a dyad near others (m,); k and m differ where one is not found or two are too near each other."""
+    scale = 1.0 if plan.driver.revolute else plan.size
+    at = (near[:, None] + scale * _AROUND).ravel()
+    if not (np.diff(at) > 0.0).all():
+        return near[:0]
+    gap = _gap(plan, index, branch)
+    return zero_minima(lambda q: np.abs(gap(q)), at, np.abs(gap(at)), _TOUCH * plan.size)
+
+
+_AROUND = np.linspace(
+    -0.2, 0.2, 33
+)  # a dragged joint moves a change point less than this, in units of the driver's scale
 PATH = 65  # positions from the base position on; between two of them no link turns by more than half a turn
 _HALVES = (0.5 * TURN, 4.0 * TURN)  # search on both sides for the range of a swing without a period
 _SHORTEST = 1e-6  # of the requested positions: the ends of a shorter range depend on rounding
@@ -398,7 +448,6 @@ def _add_change_points(
     plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], sampled: _Samples
 ) -> list[ChangePoint]:
     """Change points of a dyad, which are added to the branch with their bridges."""
-    step, _ = plan.steps[index]
     gap = _gap(plan, index, branch)
     changes: list[float] = []
     scale = 1.0 if plan.driver.revolute else plan.size
@@ -412,8 +461,13 @@ def _add_change_points(
         both_sides = gap(np.concatenate((minima - scale * _OFFSET, minima + scale * _OFFSET))).reshape(2, -1)
         for change in minima[(both_sides > 0.0).all(axis=0)].tolist():  # a zero without a change of sign
             changes.append(next((end for end in (r.low, r.high) if abs(change - end) < _SAME), change))
-    if not changes:
-        return []
+    return _with_bridges(plan, index, branch, changes) if changes else []
+
+
+def _with_bridges(plan: SolutionPlan, index: int, branch: Branch, changes: list[float]) -> list[ChangePoint]:
+    """Add change points of a dyad to the branch, with their bridges."""
+    step, _ = plan.steps[index]
+    scale = 1.0 if plan.driver.revolute else plan.size
     branch.changes[index] = np.array(sorted(changes))
     at, half, links = np.array(changes), np.full(len(changes), scale * HALF), (step.links[0], step.links[1])
     shorter = np.ones(at.size)
@@ -481,15 +535,23 @@ def _part(r: DriverRange, low: float, high: float, joint: str) -> DriverRange:
     return DriverRange(low, high, r.low_joint if low == r.low else joint, r.high_joint if high == r.high else joint)
 
 
-def _unwrapped_angles(
+def _link_angles(
     plan: SolutionPlan, ranges: list[DriverRange], branch: Branch, sampled: _Samples
 ) -> tuple[dict[int, _LazyAngle], bool]:
-    """Continuous angle by link, late since few results need it; and whether every link returns to its position after the cycle."""
+    """Continuous angle by link, and whether every link returns to its position after the cycle."""
     is_full = sampled.full_turn and len(ranges) == 1 and ranges[0].is_free
     parts = [sampled.at(r) for r in ranges]
     ends = solve(plan, at_driver(parts[0][[0, -1]]), branch).poses
     driver = None if plan.is_inner else plan.linkage.driver.link
     links = [link for link in ends if link not in (FRAME_LINK, driver)]
+    is_periodic = not is_full or all(_returns(ends[link], plan.size) for link in links)
+    return _lazy_angles(plan, branch, links, parts, is_full), is_periodic
+
+
+def _lazy_angles(
+    plan: SolutionPlan, branch: Branch, links: Iterable[int], parts: list[np.ndarray], is_full: bool
+) -> dict[int, _LazyAngle]:
+    """Continuous angle by link through the driver positions of each part, late since few results need it."""
 
     @once
     def unwrapped() -> dict[int, UnwrappedAngle]:
@@ -502,8 +564,7 @@ def _unwrapped_angles(
             result[link] = _unwrapped_angle(np.concatenate(parts), angle, rotates)
         return result
 
-    angles = {link: _LazyAngle(unwrapped, link) for link in links}
-    return angles, not is_full or all(_returns(ends[link], plan.size) for link in links)
+    return {link: _LazyAngle(unwrapped, link) for link in links}
 
 
 def _returns(pose: Pose, size: float) -> bool:

@@ -102,6 +102,8 @@ class DriveStudy:
     """Whether stages may be solved, and not only read from the cache."""
     _names_ranges = True
     """Whether errors name the exact ranges of angles."""
+    _followed: DriverRanges | None = None
+    """Ranges of a similar design, whose branch is followed."""
 
     def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
         keep_freed_memory()
@@ -248,10 +250,15 @@ class DriveStudy:
     def at(self, angles: Angles) -> Self:
         """Study of the same design at other angles; the same study for the same angles where their results are cached."""
         if not angles.cached:
-            return type(self)(self.design, self.samples, angles)
+            return self._at_angles(angles)
         if angles not in self._at:
-            self._at[angles] = type(self)(self.design, self.samples, angles)
+            self._at[angles] = self._at_angles(angles)
         return self._at[angles]
+
+    def _at_angles(self, angles: Angles | None) -> Self:
+        study = type(self)(self.design, self.samples, angles)
+        study._followed = self._followed
+        return study
 
     @lazy
     def _at(self) -> dict[Angles, Self]:
@@ -285,7 +292,7 @@ class DriveStudy:
         -------
         DriveStudy
         """
-        study = type(self)(self.design, self.samples, angles)
+        study = self._at_angles(angles)
         study._larger = self, selected
         return study
 
@@ -296,7 +303,21 @@ class DriveStudy:
     @property
     def full_turn(self) -> Self:
         """Study of the same design over the full turn."""
-        return self if self._given is None else type(self)(self.design, self.samples)
+        return self if self._given is None else self._at_angles(None)
+
+    def follow(self, study: Self) -> Self:
+        """Follow the branch of a similar design, if its driver ranges are known, in place of a search; returns this study.
+
+        While a joint is dragged, each design differs a little from the last. Where the linkage then has no position, the ranges
+        are searched.
+        """
+        self._followed = vars(study).get("driver_ranges")
+        return self
+
+    @property
+    def follows(self) -> bool:
+        """Whether the driver ranges follow those of another design, and are not searched."""
+        return self._followed is not None
 
     # -- stages ---------------------------------------------------------------------------------------------
 
@@ -352,7 +373,7 @@ class DriveStudy:
 
     def _is_cached(self, stages: Sequence[str], angles: Angles) -> bool:
         """Whether the results of stages at these angles are cached."""
-        study = type(self)(self.design, self.samples, angles)
+        study = self._at_angles(angles)
         study._solves = False
         try:
             for stage in stages:
@@ -379,7 +400,11 @@ class DriveStudy:
     @lazy
     def driver_ranges(self) -> DriverRanges:
         """Ranges of the driver in which the links can be assembled. Raises NoPosition where there are none."""
-        result = _driver_ranges(self.mechanism, None if self.by_crank else self.design.drive.motion)
+        motion = None if self.by_crank else self.design.drive.motion
+        if (followed := self._followed_ranges(motion)) is not None:
+            return followed
+        self._followed = None
+        result = _driver_ranges(self.mechanism, motion)
         if not self.mechanism.ranged:
             return result
         if self.mechanism.plan.redundant:
@@ -399,6 +424,21 @@ class DriveStudy:
                 "change their lengths, or increase the number of angles",
             )
         return result
+
+    def _followed_ranges(self, motion: Motion | None) -> DriverRanges | None:
+        """Ranges with the branch of those to follow; None where there is none, or another motion needs other ranges."""
+        last = self._followed
+        if last is None or not last.ranges or not self.mechanism.ranged:
+            return None
+        if motion is not None and motion_extent(program(motion)) != (last.ranges[0].low, last.ranges[0].high):
+            return None
+        return mechanism.followed_ranges(self.mechanism.linkage, last)
+
+    def _search(self) -> None:
+        """Search the driver ranges in place of following others, and solve again what depends on them."""
+        typed = {name: vars(self)[name] for name in ("design", "samples", "_given")}
+        vars(self).clear()
+        vars(self).update(typed)
 
     @property
     def turn_ranges(self) -> tuple[tuple[float, float], ...]:
@@ -430,7 +470,13 @@ class DriveStudy:
     def linkage(self) -> Kinematics:
         """Kinematics of the mechanism. Raises KindynaError where it has no position."""
         with self.with_exact_angles("linkage"):
-            return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.driver_ranges)
+            try:
+                return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.driver_ranges)
+            except NoSolution:
+                if not self.follows:
+                    raise
+        self._search()
+        return self.linkage
 
     @lazy
     def centres(self) -> CentreTable:
@@ -492,11 +538,11 @@ class DriveStudy:
     def _depends_on(self) -> Mapping[str, tuple[Any, ...]]:
         design = self.design
         drive = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS)
-        speed = (design.sense, design.speed_rpm)
+        speed = (design.sense, design.speed_rpm, self._followed)
         return {
             "motion": (drive.motion, speed),
             "linkage": (drive.motion, speed, drive.mechanism, drive.cam),
-            "cam": (drive.motion, drive.mechanism, drive.cam, design.sense),
+            "cam": (drive.motion, drive.mechanism, drive.cam, design.sense, self._followed),
             "dynamics": (drive, speed),
             "stability": (drive, speed, design.shaft),
         }

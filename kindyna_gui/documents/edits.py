@@ -53,12 +53,12 @@ def fault_texts(design: Design, items: Iterable[Fault]) -> Texts:
     return tuple((path, text) for path, _, text in fault_reasons(design, items))
 
 
-def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
+def refusal_reasons(study: Study, stages: Iterable[str]) -> Reasons:
     """Return why a design is refused: its faults, else the first of these stages without a solution; empty where it is valid."""
+    design = study.design
     wrong = fault_reasons(design, faults(design))
     if wrong:
         return wrong
-    study = Study(design, SAMPLES)
     try:
         # only the stages on screen, which are computed for the new design anyway
         for stage in stages:

@@ -28,6 +28,7 @@ from core.errors import DesignError, Fault, KindynaError
 from core.followers.cam_slider import LAYOUT, in_layout
 from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
+from core.study import Study
 from kindyna_gui.documents.edits import (
     SAMPLES,
     IncompleteDesign,
@@ -74,9 +75,9 @@ class Session(SessionState):
 
     def _choose_layout(self, plain: Design, letter: str, label: str) -> bool:
         """Change the layout of a cam slider, with guide and fixed angle where it cannot be assembled otherwise."""
-        if refusal_reasons(plain, ("linkage",)):
+        if refusal_reasons(Study(plain, SAMPLES), ("linkage",)):
             adjusted = in_layout(self.design, letter)
-            if not refusal_reasons(adjusted, ("linkage",)):
+            if not refusal_reasons(Study(adjusted, SAMPLES), ("linkage",)):
                 return self.lay_out(adjusted, f"{label}, with guide height and fixed angle", LAYOUT)
         return self.lay_out(plain, label, LAYOUT)
 

@@ -136,6 +136,7 @@ class SessionState(QObject):
         self.before: Design | None = None
         self.step: int | None = None
         self._study: Study | None = None
+        self._tried: Study | None = None  # of the design that was last checked
         self._full_study: Study | None = None
         self._at: tuple[float, Study] | None = None
         self.pending = PendingResult(self)
@@ -150,8 +151,15 @@ class SessionState(QObject):
     def study(self) -> Study:
         """The study of the selected drive; its stages are computed when they are read."""
         if self._study is None:
-            self._study = Study(self.design, SAMPLES)
+            is_tried = self._tried is not None and self._tried.design == self.design
+            self._study = self._tried if is_tried else Study(self.design, SAMPLES)
+            self._tried = None
         return self._study
+
+    def _try(self, design: Design) -> Study:
+        """Return a study to check a design of the drive; while the mouse drags something, it follows the branch of the current one."""
+        self._tried = Study(design, SAMPLES)
+        return self._tried if self.drag_source is None else self._tried.follow(self.study)
 
     @property
     def full_study(self) -> Study:
@@ -323,14 +331,14 @@ class SessionState(QObject):
         if design == valid:
             return ()
         if not design.listed:
-            return tuple((path, text) for path, _, text in refusal_reasons(design, self.stages_on_screen()))
+            return tuple((path, text) for path, _, text in refusal_reasons(self._try(design), self.stages_on_screen()))
         if _shared(design) != _shared(valid) and (wrong := fault_texts(design, faults(design))):
             return wrong
         return tuple(
             (path if path.startswith(SHAFT) else path_of(i, path), text)
             for i, drive in enumerate(design.drives)
             if drive not in valid.drives
-            for path, _, text in refusal_reasons(only(design, i), self.stages_on_screen())
+            for path, _, text in refusal_reasons(Study(only(design, i), SAMPLES), self.stages_on_screen())
         )
 
     # -- refused entries -------------------------------------------------------------------------------
@@ -453,6 +461,10 @@ class SessionState(QObject):
     def end_drag(self) -> None:
         """End a drag."""
         if self.drag_source:
+            if self.study.follows:  # what it has not searched is searched now; the other views follow in turn
+                self._study = self._at = None
+                self.design_changed.emit()
+                self.full_design_changed.emit()
             self.drag_source = None
             self.end_gesture()
             self.drag_ended.emit()

@@ -246,6 +246,7 @@ class Titles(QObject):
         self._session.file_changed.connect(self.name_window)
         self._session.design_changed.connect(self.name_docks)
         self._session.drag_ended.connect(self.name_steps)
+        self._session.drag_ended.connect(self.name_window)
         self._pause = single_shot(self, self.name_steps, PAUSE_MS)
         for menu in self._window.actions_by_key["undo"].associatedObjects():
             if isinstance(menu, QMenu):

@@ -482,7 +482,8 @@ class MainWindow(Window):
 
     def _steps_changed(self, *_: object) -> None:
         self.titles.steps_changed()
-        self.titles.name_window()
+        if self.session.drag_source is None:  # else it follows at the end of the drag
+            self.titles.name_window()
 
     def reverse(self, on: bool) -> None:
         """Play backwards."""

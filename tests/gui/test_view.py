@@ -195,8 +195,11 @@ def test_a_view_that_is_read_waits_for_a_pause(reader: Reader) -> None:
     assert reader.rods == [845.0, 852.0]
 
 
-def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(app: QApplication) -> None:
+def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(
+    app: QApplication, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Between two of its moves one of them is read; a view keeps its place in the row, and once no move waits all have followed."""
+    monkeypatch.setattr("kindyna_gui.view.FRAME_MS", 0)  # the moves of this hand are slower
     session, player = Session(load(example("transfer_lift"))), Player()
     window = QWidget()
     row = QHBoxLayout(window)

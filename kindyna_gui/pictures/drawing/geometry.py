@@ -53,7 +53,7 @@ class Body:
         """Rotation without jumps (n,) [deg], counter-clockwise; few parts need it."""
         return np.rad2deg(self.rotation())
 
-    @property
+    @cached_property
     def swing(self) -> float:
         """Angle that the body sweeps over the turn [deg]; where it is above 180, only that it is."""
         return float(np.ptp(np.rad2deg(np.angle(self.turn * self.turn[0].conjugate()))))

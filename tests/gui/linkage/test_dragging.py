@@ -1,6 +1,7 @@
 """Joints of cams and their followers drawn elsewhere on the drawing, as those of linkages are."""
 
 from collections.abc import Callable
+from time import sleep
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from window_user import Open, User, pixel, settle, wait_for
 
 from core.design import faults
+from core.mechanism import driver_ranges_of
 from core.project import load
 from core.study import Study, findings_of
 from core.study.stages import evaluations
@@ -19,7 +21,7 @@ from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.canvas import draggable_joints
 from kindyna_gui.linkage.centres_view import PAGES, CentresView, Position
 from kindyna_gui.places import example
-from kindyna_gui.view import View
+from kindyna_gui.view import FRAME_MS, View
 from kindyna_gui.window import gallery, status_line
 
 WAYS = {"pivot": 20 + 15j, "arm_pin": -30 + 20j, "slider_pin": 25 - 20j, "roller": 15 + 20j}
@@ -164,7 +166,8 @@ class Diary(QObject):
 
 @pytest.fixture
 def hand(six_bar: User) -> Callable[[int], None]:
-    """Takes the first joint of the six-bar and draws it on, so many moves of the mouse from where it is."""
+    """Takes the first joint of the six-bar and draws it on, so many moves of the mouse from where it is, one in a frame of the
+    screen; a negative number: as many moves at once."""
     paper, at = six_bar.drawing().canvas.viewport(), [QPointF()]
     none, left = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
 
@@ -172,7 +175,8 @@ def hand(six_bar: User) -> Callable[[int], None]:
         if at[0].isNull():
             at[0] = QPointF(pixel(six_bar.drawing().canvas, draggable_joints(six_bar.drawing().scene)["A"]))
             QTest.mousePress(paper, left, none, at[0].toPoint())
-        for _ in range(moves):
+        for _ in range(abs(moves)):
+            sleep(FRAME_MS / 1e3 if moves > 0 else 0.0)
             at[0] += QPointF(-1.0, 1.0)
             before = six_bar.design
             event = QMouseEvent(
@@ -223,13 +227,14 @@ def test_a_drawn_joint_is_followed_by_the_drawing_first_and_by_plots_once_no_mov
     diary.watch("drawing", drawing, drawing.canvas.viewport())
     diary.watch("plot", plot, plot.plot.viewport())
     hand(1)
-    settle()
+    wait_for(lambda: plot.up_to_date)
     evaluations.clear()
     diary.lines.clear()
     hand(4)
     assert diary.lines == ["read drawing", "paint drawing"] * 4
     assert evaluations["linkage"] == 4 + 3, "the angle before the first move is known from what was shown"
     assert not plot.up_to_date
+    wait_for(lambda: plot.up_to_date)
     settle()
     after = [
         line for line in diary.lines[8:] if line != "paint drawing"
@@ -263,3 +268,52 @@ def test_a_drawn_joint_is_painted_once_a_move_while_a_plot_is_waiting_to_be_pain
         plot.pull()  # in its turn, just before the next move
     assert diary.lines.count("paint drawing") == 4
     assert diary.lines.count("paint plot") == 3
+
+
+def test_moves_faster_than_the_screen_are_drawn_at_most_once_a_frame_and_the_last_one_always(
+    six_bar: User, hand: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawing = six_bar.drawing()
+    hand(1)
+    settle()
+    diary = Diary(monkeypatch)
+    diary.watch("drawing", drawing, drawing.canvas.viewport())
+    monkeypatch.setattr("kindyna_gui.view.FRAME_MS", 60_000)
+    hand(-5)
+    assert diary.lines == []
+    assert not drawing.up_to_date
+    QTest.mouseRelease(drawing.canvas.viewport(), Qt.MouseButton.LeftButton)
+    assert drawing.up_to_date
+    assert "read drawing" in diary.lines
+    assert draggable_joints(drawing.scene)["A"] == pytest.approx(place(six_bar, "A"), abs=1e-6)
+
+
+def test_a_drag_searches_no_ranges_and_ends_with_those_of_the_typed_values(
+    six_bar: User, hand: Callable[[int], None]
+) -> None:
+    """While the mouse draws a joint the change points of the six-bar follow it; the search runs once it lets go."""
+    six_bar.see("centres")
+    hand(1)
+    settle()
+    searches = driver_ranges_of.cache_info().misses
+    first = six_bar.session.study.driver_ranges.changes
+    for _ in range(6):
+        hand(1)
+        settle()
+    assert driver_ranges_of.cache_info().misses == searches
+    dragged = six_bar.session.study
+    assert all(abs(a.at - b.at) > 1e-4 for a, b in zip(first, dragged.driver_ranges.changes, strict=True))
+    QTest.mouseRelease(six_bar.drawing().canvas.viewport(), Qt.MouseButton.LeftButton)
+    settle()
+    assert driver_ranges_of.cache_info().misses == searches + 1
+    study, typed = six_bar.session.study, Study(six_bar.design, SAMPLES)
+    assert study is not dragged
+    assert study.driver_ranges is typed.driver_ranges
+    assert study.linkage is typed.linkage
+    assert findings_of(study) == findings_of(typed)
+    assert [c.joint for c in dragged.driver_ranges.changes] == [c.joint for c in typed.driver_ranges.changes]
+    assert [c.at for c in dragged.driver_ranges.changes] == pytest.approx(
+        [c.at for c in typed.driver_ranges.changes], abs=1e-7
+    )
+    views = six_bar.window.findChildren(View)
+    wait_for(lambda: all(view.up_to_date or not view.on_screen() for view in views))
