@@ -352,6 +352,19 @@ def steady_turns(stability: Stability, eta: float, q: float) -> tuple[SteadyTurn
     return () if turn is None else (turn,)
 
 
+class PagePlots(dict[str, tuple[XYPlot, ...]]):
+    """Plots of each page by its name, created next to each other in its layout when they are first drawn."""
+
+    def __init__(self, pages: Mapping[str, QHBoxLayout]) -> None:
+        super().__init__()
+        self._pages = pages
+
+    def __missing__(self, name: str) -> tuple[XYPlot, ...]:
+        plots = self[name] = tuple(XYPlot(across, upwards) for across, upwards in PLOTS[name].axes)
+        fill(self._pages[name], *((plot, 1) for plot in plots))
+        return plots
+
+
 class StabilityPages(QTabWidget):
     """Pages with verdicts, speeds and plots, of which only the visible one is drawn.
 
@@ -371,10 +384,10 @@ class StabilityPages(QTabWidget):
         self._in_paper = True
         self.addTab(self._speeds_page(), SPEEDS)
         self.addTab(_scrolled(self.verdicts, self.steady), VERDICTS)
-        self.plots: dict[str, tuple[XYPlot, ...]] = {}
-        for name, row in PLOTS.items():
-            self.plots[name] = tuple(XYPlot(across, upwards) for across, upwards in row.axes)
-            self.addTab(_side_by_side(self.plots[name]), name)
+        pages = {name: fill(QHBoxLayout(), margins=0, spacing=0) for name in PLOTS}
+        self.plots = PagePlots(pages)
+        for name, page in pages.items():
+            self.addTab(widget_with(page), name)
         self.setMinimumWidth(max(LEAST_WIDTH, self.tabBar().sizeHint().width()))
         self.currentChanged.connect(self._draw)
         self.speed.entered.connect(self._show_needed)
@@ -510,13 +523,6 @@ def _scrolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
     area.setFrameShape(QScrollArea.Shape.NoFrame)
     area.setWidget(paper)
     return area
-
-
-def _side_by_side(plots: tuple[XYPlot, ...]) -> QWidget:
-    if len(plots) == 1:
-        return plots[0]
-    page = widget_with(fill(QHBoxLayout(), *((plot, 1) for plot in plots), margins=0, spacing=0))
-    return page
 
 
 # -- plots --------------------------------------------------------------------------------------------------

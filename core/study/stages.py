@@ -174,10 +174,17 @@ def grid(motion: Any, samples: int) -> Angles:
 
 def crank_grid(driver_ranges: DriverRanges, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled; cached as by `grid`."""
-    crank = CrankMotion(driver_ranges)
-    return memory.get(
-        "grid", (driver_ranges, samples), lambda: crank.angles(np.deg2rad(crank.degrees(samples)), cached=True)
-    )
+
+    def compute() -> Angles:
+        crank = CrankMotion(driver_ranges)
+        return crank.angles(np.deg2rad(crank.degrees(samples)), cached=True)
+
+    return memory.get("grid", (_crank_key(driver_ranges), samples), compute)
+
+
+def _crank_key(driver_ranges: DriverRanges) -> Hashable:
+    """All on which the motion of a crank depends: linkages that turn fully share their angles."""
+    return driver_ranges.ranges, driver_ranges.is_swinging, driver_ranges.turns, driver_ranges.motions
 
 
 def cut_grid(cut: SubdividedTurn, at_degrees: np.ndarray) -> Angles:
@@ -202,7 +209,7 @@ def crank_state(driver_ranges: DriverRanges, angles: Angles) -> MotionState:
     def compute() -> MotionState:
         return CrankMotion(driver_ranges).state(angles)
 
-    return memory.get("crank", (driver_ranges, angles), compute) if angles.cached else compute()
+    return memory.get("crank", (_crank_key(driver_ranges), angles), compute) if angles.cached else compute()
 
 
 # -- angles at which the torque jumps or breaks, except the joins of the motion ----------------------------------

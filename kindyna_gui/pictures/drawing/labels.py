@@ -71,7 +71,7 @@ class Label:
     line_start: float | None = None
     turn: np.ndarray | None = None
 
-    @property
+    @cached_property
     def gaps(self) -> np.ndarray:
         """Gap from part to text for every side [pixels]: first the fixed sides, then those that turn with the part."""
         return SIDE_GAPS if self.turn is None else np.append(SIDE_GAPS, np.full(DIRECTIONS.size, GAPS[0]))

@@ -232,7 +232,7 @@ def test_a_drawn_joint_is_followed_by_the_drawing_first_and_by_plots_once_no_mov
     diary.lines.clear()
     hand(4)
     assert diary.lines == ["read drawing", "paint drawing"] * 4
-    assert evaluations["linkage"] == 4 + 3, "the angle before the first move is known from what was shown"
+    assert evaluations["linkage"] == 4 + 4
     assert not plot.up_to_date
     wait_for(lambda: plot.up_to_date)
     settle()

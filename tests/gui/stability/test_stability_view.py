@@ -24,6 +24,7 @@ from kindyna_gui.background import Worker
 from kindyna_gui.pictures.painter import chart_file
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 from kindyna_gui.settings import Settings
+from kindyna_gui.stability_pages import PLOTS
 from kindyna_gui.stability_view import StabilityView
 
 
@@ -340,7 +341,7 @@ def counted(view: StabilityView, monkeypatch: pytest.MonkeyPatch) -> Counter[str
         *((each, "start") for each in (view.fine, view.point_jobs, view.shaft_jobs, view.reading.background)),
         (view.chart, "show_chart"),
         (view.pages, "redraw"),
-        *((plot, "show_plot") for plots in view.pages.plots.values() for plot in plots),
+        *((plot, "show_plot") for title in PLOTS for plot in view.pages.plots[title]),
     ):
         monkeypatch.setattr(owner, name, partial(tallied, counts, name, getattr(owner, name)))
     return counts
