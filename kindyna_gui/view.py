@@ -77,7 +77,8 @@ def scroll_to(widget: QWidget | None) -> None:
 
 
 AFTER_DRAG_MS = 50  # from the end of a drag until the views with a pause refresh
-FRAME_MS = 16  # while the mouse drags something: from one drawing of its view, or refresh of another one, to the next
+FRAME_MS = 16  # while the mouse drags something: from one drawing of its view to the next
+TURN_MS = 32  # and from the refresh of another view to that of the next
 
 # -- queue of refreshes ----------------------------------------------------------------------------------
 
@@ -85,7 +86,7 @@ FRAME_MS = 16  # while the mouse drags something: from one drawing of its view, 
 class RefreshQueue(QObject):
     """Queue of the refreshes that may lag behind a drag of the mouse, one queue for all views of a session.
 
-    The jobs run one at a time, the oldest first; while the mouse drags something, ``FRAME_MS`` apart. Mouse moves that
+    The jobs run one at a time, the oldest first; while the mouse drags something, ``TURN_MS`` apart. Mouse moves that
     arrived meanwhile are handled after each job.
     """
 
@@ -110,7 +111,7 @@ class RefreshQueue(QObject):
 
     def _go_on(self) -> None:
         if self._waiting:
-            self._next.start(0 if self._session.drag_source is None else rest_of_frame(self._last))
+            self._next.start(0 if self._session.drag_source is None else rest(self._last, TURN_MS))
 
     def _run_next(self) -> None:
         job, owner = next(iter(self._waiting.items()))
@@ -128,9 +129,9 @@ def started_clock() -> QElapsedTimer:
     return clock
 
 
-def rest_of_frame(clock: QElapsedTimer) -> int:
-    """Return the time until ``FRAME_MS`` have passed on a clock [ms]."""
-    return max(0, FRAME_MS - clock.elapsed())
+def rest(clock: QElapsedTimer, pause_ms: int) -> int:
+    """Return how much of a pause has not yet passed on a clock [ms]."""
+    return max(0, pause_ms - clock.elapsed())
 
 
 # -- page in place of a view's content -------------------------------------------------------------------
@@ -458,7 +459,7 @@ class View(ThemedPart):
 
     def _pull_in_time(self) -> None:
         """Refresh during a drag: now, or once the mouse has had its time."""
-        if wait := rest_of_frame(self._last_pull):
+        if wait := rest(self._last_pull, FRAME_MS):
             self._soon.start(wait)
         else:
             self.pull()

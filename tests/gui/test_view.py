@@ -200,6 +200,7 @@ def test_while_the_mouse_draws_in_one_view_the_others_follow_in_turn(
 ) -> None:
     """Between two of its moves one of them is read; a view keeps its place in the row, and once no move waits all have followed."""
     monkeypatch.setattr("kindyna_gui.view.FRAME_MS", 0)  # the moves of this hand are slower
+    monkeypatch.setattr("kindyna_gui.view.TURN_MS", 0)
     session, player = Session(load(example("transfer_lift"))), Player()
     window = QWidget()
     row = QHBoxLayout(window)

@@ -206,9 +206,9 @@ def test_the_table_of_centres_and_the_count_of_findings_follow_once_the_mouse_le
     assert centres.now is before
     assert not counts
     QTest.mouseRelease(six_bar.drawing().canvas.viewport(), Qt.MouseButton.LeftButton)
-    wait_for(lambda: centres.up_to_date and bool(counts))
     typed = Study(six_bar.design, SAMPLES)
-    assert status.findings.text() == status_line.counted(findings_of(typed, six_bar.window.stages_on_screen()))[0]
+    text = status_line.counted(findings_of(typed, six_bar.window.stages_on_screen()))[0]
+    wait_for(lambda: centres.up_to_date and bool(counts) and status.findings.text() == text)
     table = centres.page("links")
     now = Position(typed.at_theta(np.array([six_bar.window.player.theta])))
     assert [table.model().index(row, 0).data() for row in range(table.model().rowCount())] == [
