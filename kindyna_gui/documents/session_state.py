@@ -151,9 +151,10 @@ class SessionState(QObject):
     def study(self) -> Study:
         """The study of the selected drive; its stages are computed when they are read."""
         if self._study is None:
-            is_tried = self._tried is not None and self._tried.design == self.design
-            self._study = self._tried if is_tried else Study(self.design, SAMPLES)
-            self._tried = None
+            tried, self._tried = self._tried, None
+            if tried is None or tried.design != self.design:
+                tried = Study(self.design, SAMPLES)
+            self._study = tried
         return self._study
 
     def _try(self, design: Design) -> Study:
