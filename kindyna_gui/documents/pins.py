@@ -170,7 +170,9 @@ class Pin:
 
 
 class Pins(QObject):
-    """Up to three pinned variants of a session; the last one is compared with the design.
+    """Up to three pinned variants of a session's design; the last one is compared with it.
+
+    They are removed when another design is opened, and undoing that step does not restore them.
 
     Signal: ``changed`` when another variant is compared, or none.
     """
@@ -188,7 +190,9 @@ class Pins(QObject):
         self.rows: tuple[Pin, ...] = ()
         self._number = 0
         self._studies: dict[tuple[int, int], Study] = {}
-        session.started.connect(self.changed)
+        self._note_file()
+        session.file_changed.connect(self._note_file)
+        session.started.connect(self._leave)
 
     @property
     def front(self) -> Pin | None:
@@ -210,6 +214,15 @@ class Pins(QObject):
         """Compare the design with another variant, unless that was removed."""
         if any(pin is row for pin in self.rows):
             self._set_rows((*(pin for pin in self.rows if pin is not row), row))
+
+    def _leave(self) -> None:
+        """Remove the variants of another design; a file that is read again is the same design."""
+        if self._session.path is None or self._file != (self._session.document, self._session.path):
+            self._number = 0
+            self._set_rows(())
+
+    def _note_file(self) -> None:
+        self._file = (self._session.document, self._session.path)
 
     def _set_rows(self, rows: tuple[Pin, ...]) -> None:
         self.rows = rows

@@ -14,6 +14,7 @@ from core.design import get, put
 from core.output.explain import explained
 from core.study import Study, evaluations
 from kindyna_gui.compare import CompareView, ExplainView
+from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 from kindyna_gui.view import ExplainableNumber
@@ -106,6 +107,45 @@ def test_a_pinned_variant_without_an_answer_is_said_to_be_the_pinned_one(user: U
     wait_for(lambda: view.up_to_date)
     assert view.in_trouble
     assert view.no_picture.startswith("Pinned short: ")
+
+
+@pytest.mark.parametrize("way", ["file", "example", "new", "step"])
+def test_a_pin_goes_with_its_design(open_user: Open, tmp_path: Path, way: str) -> None:
+    """Also another example and a new design; undoing the step that began one does not bring it back."""
+    user = open_user()
+    user.answers(SaveAnswer.DISCARD)
+    project.save(user.design, tmp_path / "other.toml")
+    user.choose("Edit", "Pin this variant")
+    plot = user.window.show_view("velocity")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date)
+    assert "variant 1" in plot.plot.legend.text
+    if way == "file":
+        user.window.open_design(tmp_path / "other.toml")
+    elif way == "example":
+        user.window.open_design(example("transfer_lift"))
+    elif way == "new":
+        user.window.documents.new("oscillating")
+    else:
+        user.window.documents.begin(put(user.design, BASE, 410.0), "another")
+    wait_for(lambda: plot.up_to_date)
+    assert "variant" not in plot.plot.legend.text
+    if way == "step":
+        user.choose("Edit", "Undo Begin with another")
+        wait_for(lambda: plot.up_to_date)
+        assert "variant" not in plot.plot.legend.text
+    assert shown(user, "compare") == []
+
+
+def test_a_pin_stays_when_its_file_is_read_again(open_user: Open, tmp_path: Path) -> None:
+    user = open_user()
+    user.session.save(tmp_path / "lift.toml")
+    user.choose("Edit", "Pin this variant")
+    user.session.edit(BASE, 420.0, "a")
+    user.session.save(tmp_path / "renamed.toml")
+    project.save(put(user.design, BASE, 430.0), tmp_path / "renamed.toml")
+    user.session.reload()
+    assert any(row[2:4] == ("400", "430") for row in shown(user, "compare"))
 
 
 def test_the_oldest_of_four_variants_goes(open_user: Open) -> None:
