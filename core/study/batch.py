@@ -41,6 +41,7 @@ from core.study.quantity_requests import (
     mean_statistic,
     number_fields,
 )
+from core.study.stages import memory
 from core.study.stages_of_many import NO_VALUE, UNDERCUT, DesignBlock, Results
 from core.study.study import Study
 
@@ -237,14 +238,14 @@ def _drives_results(
         drive_infos = {inner: infos[path] for inner, path in inside.items()}
         is_constant = not inside  # no number of this drive is varied
         if is_constant:
-            drive_infos, numbers = number_fields(drive, SPEEDS[:1]), np.array([[drive.speed_rpm]])
+            drive_infos, numbers = _at_its_speed(drive)
         if named:
             drive_requests = tuple(requests[i]._replace(drive=None) for i in named)
             part = block_results(drive, drive_infos, drive_requests, polish, numbers)
             results.value[named], results.theta[named] = part.value, part.theta
             _add_reasons(results.reason, part.reason)
         if needs_load:
-            curves, reason = _drive_loads(drive, drive_infos, numbers)
+            curves, reason = _constant_load(drive) if is_constant else _drive_loads(drive, drive_infos, numbers)
             _add_reasons(results.reason, reason)
             path = path_of(number, "phase_deg")
             phase = rows[paths.index(path)] if path in infos else design.drives[number].phase_deg
@@ -266,6 +267,21 @@ def _drives_results(
         shaft = with_numbers(design, list(of_shaft), list(of_shaft.values())).camshaft
         results.value[totals], results.theta[totals] = load_figures([requests[i] for i in totals], curves, shaft)
     return results, np.zeros(m, dtype=bool)
+
+
+def _constant_load(design: Design) -> tuple[list[LoadCurve | None], np.ndarray]:
+    """Load of a drive that no varied number changes, as by ``_drive_loads``; it is the same in every block."""
+
+    def compute() -> tuple[list[LoadCurve | None], np.ndarray]:
+        return _drive_loads(design, *_at_its_speed(design))
+
+    result: tuple[list[LoadCurve | None], np.ndarray] = memory.get("constant load", design, compute)
+    return result
+
+
+def _at_its_speed(design: Design) -> tuple[dict[str, Any], np.ndarray]:
+    """Speed of the shaft in place of varied numbers: the infos of its field, and the number (1, 1) [rpm]."""
+    return dict(number_fields(design, SPEEDS[:1])), np.array([[design.speed_rpm]])
 
 
 def _drive_loads(

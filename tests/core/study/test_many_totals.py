@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +14,11 @@ from sampled import spread
 from core.design import Design, edited, get, only, put, row_at, with_only
 from core.design.camshaft import drive_at
 from core.project import load
-from core.study import Study, extremes_of, many, roller_lives
+from core.study import Study, batch, extremes_of, many, roller_lives
 from core.study.batch import is_batchable
 from core.study.quantity_requests import quantity_request
+from core.study.stages import clear_caches
+from core.study.stages_of_many import DesignBlock
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 TOTALS = ("energy_j", "flywheel_inertia_kg_m2")
@@ -119,6 +122,24 @@ def test_drives_on_a_shaft_are_taken_at_once_and_summed() -> None:
         assert [found.value[key][k] for key in keys] == pytest.approx(expected, rel=1e-8)
         assert found.angle_deg["torque_nm:abs"][k] == pytest.approx(np.rad2deg(shaft.peak_torque.theta), abs=1e-3)
     assert set(found.reason) == {""}
+
+
+def test_drives_that_no_number_changes_are_solved_once_for_all_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    design, key, blocks = example("transfer_unit"), "torque_nm:abs", list[str]()
+    values = near(design, ("drives[2].cam.base_radius_mm",), 6, 8)
+
+    def counted(drive: Design, *numbers: Any) -> DesignBlock:
+        blocks.append(drive.name)
+        return DesignBlock(drive, *numbers)
+
+    monkeypatch.setattr(batch, "DesignBlock", counted)
+    clear_caches()
+    together = many(design, values, [key]).value[key]
+    assert len(blocks) == len(design.drives)
+    blocks.clear()
+    apart = [many(design, {path: row[k : k + 2] for path, row in values.items()}, [key]).value[key] for k in (0, 2, 4)]
+    assert (np.concatenate(apart) == together).all()
+    assert len(blocks) == len(apart), "of the drive that differs"
 
 
 def test_a_drive_that_cannot_be_built_takes_the_sum_with_it_and_nothing_else() -> None:
