@@ -29,7 +29,6 @@ from core.design import (
 )
 from core.design.linkage_rules import only_incomplete
 from core.errors import DesignError, KindynaError
-from core.mechanism.unfinished import is_overconstrained
 from core.motion.program import ShaftPosition
 from core.study import Camshaft, Study
 from kindyna_gui.background import PendingResult
@@ -283,6 +282,8 @@ class SessionState(QObject):
             return False
         if wrong := faults(design):
             return only_incomplete(design.drive, wrong)
+        from core.mechanism.unfinished import is_overconstrained  # only while a linkage is drawn
+
         return is_overconstrained(design.drive.linkage)
 
     @property

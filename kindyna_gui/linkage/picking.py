@@ -28,7 +28,6 @@ from core.design import (
 from core.dynamics import Torsion, attachment_point, element_at, pairs_named, row_of_element
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.mechanism.drawing_targets import nearest_on_segment
 from core.output.load_text import attachment_text
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
@@ -222,6 +221,10 @@ class Picker(QObject):
 
         Without coordinates where only the link is picked.
         """
+        from core.mechanism.drawing_targets import (
+            nearest_on_segment,
+        )  # imported at the first click: the start is shorter
+
         index, scale = self._scene.index, self._canvas.scale_now
         links = {
             name: number
@@ -374,6 +377,8 @@ def row_paths(geometry: Geometry) -> Iterator[str]:
 
 def rows_at(canvas: Canvas, at: complex) -> list[str]:
     """Return the rows of the loads at a position [mm], the nearest first."""
+    from core.mechanism.drawing_targets import nearest_on_segment  # as above
+
     geometry = canvas.drawn.geometry
     if geometry is None:
         return []
