@@ -42,6 +42,8 @@ CELL = 14.0  # smallest cell of the grid, pixels
 FACE = 7.0  # half width of the face of a bar, pixels
 CHOOSE = "choose"
 """Name of the tool that selects and moves parts."""
+POSITION, LOCAL, LENGTH, DIRECTION = "position", "local", "length", "direction"
+"""Input boxes of a click: x and y, x and y on the link under the mouse, length and angle from the last click, angle."""
 MANY = 100
 """Number of clicks of a tool that a double click or Enter ends."""
 
@@ -250,7 +252,8 @@ class DrawingEdit:
 class DrawTool:
     """One tool: label, key, tip, a prompt for each click, number of clicks, function that edits the design.
 
-    adds_link: the clicks are the points of a new link.
+    boxes      input boxes of each click: one of ``POSITION`` ..., the load that the tool adds, or empty
+    adds_link  the clicks are the points of a new link
     """
 
     name: str
@@ -260,7 +263,12 @@ class DrawTool:
     prompts: tuple[str, ...]
     clicks: int = 0
     apply: Callable[[Drawing], DrawingEdit] | None = None
+    boxes: tuple[str, ...] = ("",)
     adds_link: bool = False
+
+    def boxes_at(self, click: int) -> str:
+        """Input boxes of the click with this index."""
+        return self.boxes[min(click, len(self.boxes) - 1)]
 
 
 def row_index(path: str) -> int:
@@ -453,20 +461,23 @@ TOOLS: Mapping[str, DrawTool] = MappingProxyType(
             DrawTool(CHOOSE, "Choose", "V", "Select with a click or a box, Shift adds; drag to move",
                      ("click a part to select it, drag to move it; Shift adds",)),
             DrawTool("pin", "Pin", "P", "Pin: joins the links under it",
-                     ("click where links cross, or an empty position",), 1, _pin),
+                     ("click where links cross, or an empty position",), 1, _pin, (POSITION,)),
             DrawTool("bar", "Bar", "B", "A bar between two pins; a click on a pin joins to it, a click on a bar makes the bar a plate",
                      ("start of the bar: a pin, a link, or an empty position", _END), 2,
-                     lambda drawing: _link(drawing, "bar"), adds_link=True),
+                     lambda drawing: _link(drawing, "bar"), (POSITION, LENGTH), adds_link=True),
             DrawTool("plate", "Plate", "L", "A plate through three pins or more; double click or Enter ends it",
-                     ("the first corner of the plate", "the next corner", "the next corner; Enter ends"), MANY, _plate, adds_link=True),
+                     ("the first corner of the plate", "the next corner", "the next corner; Enter ends"), MANY, _plate,
+                     (POSITION, LENGTH), adds_link=True),
             DrawTool("slider", "Slider on a line", "S", "A block that slides on the ground",
-                     ("the pin or the position of the block", "a point along its line, or type the angle"), 2, _slider),
+                     ("the pin or the position of the block", "a point along its line, or type the angle"), 2, _slider,
+                     (POSITION, DIRECTION)),
             DrawTool("slider_on", "Slider on a link", "Shift+S", "A block that slides along a link",
-                     ("the pin or the position of the block", "the link along which it slides"), 2, _slider_on),
+                     ("the pin or the position of the block", "the link along which it slides"), 2, _slider_on,
+                     (POSITION, "")),
             DrawTool("ground", "Ground", "G", "A fixed pivot: a pin on the ground, or a point fixed to it",
-                     ("click a pin, a link, or an empty position",), 1, _ground),
+                     ("click a pin, a link, or an empty position",), 1, _ground, (POSITION,)),
             DrawTool("point", "Point on a link", "T", "A point of a link: its path is drawn, and a force can act on it",
-                     ("click on a link; then type its x and y on it",), 1, _point),
+                     ("click on a link; then type its x and y on it",), 1, _point, (LOCAL,)),
             DrawTool("driver", "Driver", "R", "The driving link: pinned to the ground, or sliding on it",
                      ("click the driving link",), 1, _driver),
             DrawTool("gear", "Second input", "W", "A link driven by a ratio to the driver: gears, a belt, an arm on an arm",
@@ -474,11 +485,11 @@ TOOLS: Mapping[str, DrawTool] = MappingProxyType(
             DrawTool("roller", "Cam roller", "C", "The point that carries the cam roller",
                      ("click the point that carries the roller",), 1, _roller),
             DrawTool("mass", "Mass", "M", "The mass of a link, at its centre",
-                     ("click the centre of mass on a link; then type the mass",), 1, _mass),
+                     ("click the centre of mass on a link; then type the mass",), 1, _mass, ("masses",)),
             DrawTool("force", "Force", "F", "A force on a point of a link",
-                     ("click the point it acts on; then type x and y",), 1, _force),
+                     ("click the point it acts on; then type x and y",), 1, _force, ("forces",)),
             DrawTool("spring", "Spring", "K", "A spring between two links, or a link and the ground",
-                     ("the first end of the spring", "its other end"), 2, _spring),
+                     ("the first end of the spring", "its other end"), 2, _spring, (POSITION,)),
         )
     }
 )  # fmt: skip

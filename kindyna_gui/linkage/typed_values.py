@@ -5,25 +5,38 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QWidget
 
 from core.design import NO_UNIT, UNITS, Design, SecondDriver, Unit, put
 from core.design.linkage import FRAME_LINK, GEAR, RACK, WHEELS
 from core.design.topology import input_slides
-from core.errors import KindynaError
+from core.errors import DesignError, KindynaError
 from core.frozen import frozen
 from core.mechanism.drawing_edits import with_length, with_local_point, with_moved, with_name
-from core.mechanism.drawn import assembled, with_input_values
+from core.mechanism.drawn import assembled, fault, link_pose, unit_vector, with_input_values
 from core.output.lines import shortest
 from kindyna_gui.forms.number_box import parsed
-from kindyna_gui.linkage.draw_tools import DrawingEdit, Snap, row_index, snap_at
+from kindyna_gui.labels import no_number
+from kindyna_gui.linkage.draw_tools import (
+    DIRECTION,
+    LENGTH,
+    LINE,
+    LOCAL,
+    POSITION,
+    Drawing,
+    DrawingEdit,
+    Snap,
+    row_index,
+    snap_at,
+)
 from kindyna_gui.linkage.drawing_mouse import ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
 from kindyna_gui.look import described
@@ -32,6 +45,8 @@ from kindyna_gui.rebuilt import fill
 
 Typed = float | str | None
 """Value of an input box; None if the box is empty."""
+PlaceFunction = Callable[[Sequence[Typed]], Snap]
+"""Position of typed values; raises DesignError where they give none."""
 AcceptFunction = Callable[[Sequence[Typed]], str]
 """Called with the values of the boxes; returns why they are not valid, or an empty text."""
 
@@ -52,7 +67,14 @@ class Box:
 
 
 class TypedBoxes(QFrame):
-    """Input boxes at the mouse: Tab moves between them, Enter accepts the values, Esc cancels."""
+    """Input boxes at the mouse: Tab moves between them, Enter accepts the values, Esc cancels.
+
+    Signals: ``message`` with the reason why a value is not valid; ``edited`` with the values while they are typed; ``closed``.
+    """
+
+    message = Signal(str)
+    edited = Signal(list)
+    closed = Signal()
 
     def __init__(self, parent: QWidget, drawing: QWidget) -> None:
         super().__init__(parent)
@@ -81,6 +103,7 @@ class TypedBoxes(QFrame):
             self._row.addWidget(edit)
             if box.unit is not None and box.unit.symbol:
                 self._row.addWidget(QLabel(box.unit.symbol))
+            edit.textChanged.connect(self._text_changed)
             self._boxes.append((box, edit))
         self.adjustSize()
         room = self._area.rect().adjusted(2, 2, -2 - self.width(), -2 - self.height())
@@ -114,31 +137,32 @@ class TypedBoxes(QFrame):
 
     def take(self) -> None:
         """Accept the values; a box without a valid number gets a red frame, and the boxes stay open."""
-        values: list[Typed] = []
-        wrong = False
+        wrong = ""
         for box, edit in self._boxes:
-            text = edit.text().strip()
-            value: Typed = text
-            if box.unit is not None:
-                value = parsed(text, box.unit) if text else None
-            bad = box.unit is not None and bool(text) and value is None
-            edit.setStyleSheet(f"border: 1px solid {SCREEN.limit};" if bad else "")
-            edit.setToolTip("A number, optionally with a unit: 12.5, 3*12, 1 in" if bad else "")
-            wrong = wrong or bad
-            values.append(value)
-        if wrong or self._accept is None:
-            return
+            is_wrong = box.unit is not None and bool(edit.text().strip()) and _value(box, edit) is None
+            self._mark(edit, f"{box.label}: {no_number(edit.text().strip())}" if is_wrong else "")
+            wrong = wrong or edit.toolTip()
         accept = self._accept
-        if why := accept(values):
-            for _, edit in self._boxes:
-                edit.setToolTip(why)
-            self._boxes[0][1].setStyleSheet(f"border: 1px solid {SCREEN.limit};")
+        if accept is None:
+            return
+        if not wrong and (wrong := accept([_value(*row) for row in self._boxes])):
+            self._mark(self._boxes[0][1], wrong)
+        if wrong:
+            self.message.emit(wrong)
         elif self._accept is accept:
             self.close_all()
 
+    def _mark(self, edit: QLineEdit, why: str) -> None:
+        """Mark a box whose value is not valid, or is valid again."""
+        edit.setStyleSheet(f"border: 1px solid {SCREEN.limit};" if why else "")
+        edit.setToolTip(why)
+
+    def _text_changed(self) -> None:
+        self.edited.emit([_value(*row) for row in self._boxes])
+
     def close_all(self) -> None:
         """Close the boxes without accepting their values."""
-        self._accept = None
+        was_open, self._accept = self.open, None
         self._boxes.clear()
         focus = self.window().focusWidget()
         had_focus = focus is not None and self.isAncestorOf(focus)
@@ -150,6 +174,14 @@ class TypedBoxes(QFrame):
                 widget.deleteLater()
         if had_focus:
             self._drawing.setFocus()
+        if was_open:
+            self.closed.emit()
+
+
+def _value(box: Box, edit: QLineEdit) -> Typed:
+    """Value of an input box."""
+    text = edit.text().strip()
+    return text if box.unit is None else parsed(text, box.unit) if text else None
 
 
 # -- edits by typed values -------------------------------------------------------------------------------
@@ -182,49 +214,131 @@ RACK_OFFSET = ("offset", "offset_mm", MM)
 """Offset of a second input that slides."""
 
 
+_SINGULAR = {"masses": "mass", "forces": "force", "springs": "spring"}
+
+
+def _with_row_values(
+    design: Design, row: str, fields: Sequence[tuple[str, str, Any]], values: Sequence[Typed]
+) -> Design:
+    """The design with the typed values of a row of the loads."""
+    for (_, name, _), value in zip(fields, values, strict=True):
+        if isinstance(value, float):
+            design = put(design, f"{row}.{name}", value)
+    return design
+
+
 class TypedValues:
     """Opens input boxes at the mouse, ``at`` [pixels], and applies their values."""
 
     def __init__(self, drawn: DrawnLinkage, tool_input: ToolInput) -> None:
         self.drawn, self.tool_input = drawn, tool_input
         self.boxes = TypedBoxes(drawn.canvas.viewport(), drawn.canvas)
+        self.boxes.message.connect(drawn.message)
+        self.boxes.edited.connect(self._preview)
+        self.boxes.closed.connect(self._closed)
         self.at = QPoint()
+        self._mouse: Snap | None = None
+        self._place: PlaceFunction | None = None
+        self._place_boxes: dict[str, tuple[tuple[Box, ...], PlaceFunction]] = {
+            POSITION: ((Box("x", MM), Box("y", MM)), self._at_position),
+            LOCAL: ((Box("x", MM), Box("y", MM)), self._at_local),
+            LENGTH: ((Box("length", MM), Box("angle", DEG)), self._at_line),
+            DIRECTION: ((Box("angle", DEG),), self._at_angle),
+        }
 
     def type_first(self, text: str) -> None:
-        """Open the boxes that a digit belongs to: a line, the selection, or a position."""
-        if self.tool_input.snaps and self.tool_input.tool.clicks > 1:
-            self.boxes.ask(self.at, (Box("length", MM), Box("angle", DEG)), self._set_line, text)
-        elif request := self._selection_boxes():
-            boxes, accept = request
-            self.boxes.ask(self.at, boxes, accept, text)
+        """Open the boxes that a digit belongs to: of the next click of a tool that has been clicked, of the selection, of a tool."""
+        self.boxes.close_all()
+        clicks = len(self.tool_input.snaps)
+        if not clicks and (request := self._selection_boxes()):
+            self.boxes.ask(self.at, *request, text)
+        elif kind := self.tool_input.tool.boxes_at(clicks):
+            self._mouse = self.tool_input.mouse
+            if kind in ROW_BOXES:
+                boxes = tuple(Box(label, unit) for label, _, unit in ROW_BOXES[kind])
+                self.boxes.ask(self.at, boxes, partial(self._set_new_row, ROW_BOXES[kind]), text)
+            else:
+                boxes, self._place = self._place_boxes[kind]
+                self.boxes.ask(self.at, boxes, self._set_place, text)
         elif self.tool_input.tool.clicks:
-            self.boxes.ask(self.at, (Box("x", MM), Box("y", MM)), self._set_position, text)
+            self.drawn.message.emit(self.tool_input.prompt)
+        else:
+            self.type_values()
 
-    def _set_line(self, values: Sequence[Typed]) -> str:
-        """Set a line from the last click by length and angle; an empty box follows the mouse."""
-        if not self.tool_input.snaps:
-            return ""
-        start = self.tool_input.snaps[-1].at
-        mouse = self.tool_input.mouse or Snap(start + 1.0)
-        vector = mouse.at - start
-        length = values[0] if isinstance(values[0], float) else abs(vector)
-        angle = values[1] if isinstance(values[1], float) else math.degrees(cmath.phase(vector))
+    def _set_place(self, values: Sequence[Typed]) -> str:
+        """Click at the typed position."""
+        assert self._place is not None
+        try:
+            snap = self._place(values)
+        except DesignError as error:
+            return refusal_text(self.drawn.layout[0], error)
+        has_length = self._place == self._at_line and self.tool_input.tool.clicks == 2  # a plate has no length
+        length = values[0] if has_length and isinstance(values[0], float) else None
+        self.boxes.close_all()
+        self.tool_input.set(snap, length, typed=True)
+        return ""
+
+    def _preview(self, values: Sequence[Typed]) -> None:
+        """Show the mark of the values typed so far, which is what Enter joins."""
+        with suppress(DesignError):
+            if self._place is not None:
+                self.tool_input.mouse = self._place(values)
+                self.drawn.canvas.viewport().update()
+
+    def _closed(self) -> None:
+        """Show the mark of the mouse again."""
+        if self._place is not None:
+            self._place, self.tool_input.mouse = None, self._mouse
+            self.drawn.canvas.viewport().update()
+
+    def _at_line(self, values: Sequence[Typed]) -> Snap:
+        """Return the end of a line from the last click by length and angle; an empty box follows the mouse."""
+        start, mouse = self._line
+        length = values[0] if isinstance(values[0], float) else abs(mouse.at - start)
+        angle = values[1] if isinstance(values[1], float) else math.degrees(cmath.phase(mouse.at - start))
         if not length > 0.0:
-            return "a length above 0"
-        exact = values[0] if isinstance(values[0], float) else None
-        straight = {0.0: 1.0 + 0j, 90.0: 1j, 180.0: -1.0 + 0j, -90.0: -1j, 270.0: -1j}
-        end = start + length * straight.get(angle, cmath.exp(1j * math.radians(angle)))
-        self.boxes.close_all()
+            raise fault(f"a length of {shortest(length)} mm", "above 0")
         # without a typed angle the pin under the mouse is joined, at the typed length
-        snap = mouse if mouse.point and values[1] is None else self._snap_at(end)
-        self.tool_input.set(snap, exact if self.tool_input.tool.name == "bar" else None, typed=True)
-        return ""
+        return mouse if mouse.point and values[1] is None else self._snap_at(start + length * unit_vector(angle))
 
-    def _set_position(self, values: Sequence[Typed]) -> str:
+    def _at_angle(self, values: Sequence[Typed]) -> Snap:
+        """Return a position on a line through the last click at an angle, as far away as the mouse."""
+        start, mouse = self._line
+        angle = values[0] if isinstance(values[0], float) else math.degrees(cmath.phase(mouse.at - start))
+        return self._snap_at(start + (abs(mouse.at - start) or 1.0) * unit_vector(angle))
+
+    @property
+    def _line(self) -> tuple[complex, Snap]:
+        """Position of the last click, and what the mouse snapped to when the boxes were opened."""
+        start = self.tool_input.snaps[-1].at if self.tool_input.snaps else 0j
+        return start, self._mouse or Snap(start + 1.0)
+
+    def _at_position(self, values: Sequence[Typed]) -> Snap:
         x, y = (value if isinstance(value, float) else 0.0 for value in values)
-        self.boxes.close_all()
-        self.tool_input.set(self._snap_at(complex(x, y)), typed=True)
-        return ""
+        return self._snap_at(complex(x, y))
+
+    def _at_local(self, values: Sequence[Typed]) -> Snap:
+        """Return a position in the frame of the link under the mouse; the global position where there is no link."""
+        mouse = self._mouse
+        if mouse is None or mouse.link is None:
+            return self._at_position(values)
+        design, positions = self.drawn.layout
+        origin, axis = link_pose(design.drive.linkage, mouse.link, positions)
+        x, y = (value if isinstance(value, float) else 0.0 for value in values)
+        return Snap(origin + complex(x, y) * axis, LINE, link=mouse.link)
+
+    def _set_new_row(self, fields: Sequence[tuple[str, str, Any]], values: Sequence[Typed]) -> str:
+        """Add the load of the tool at the mouse, with typed values."""
+        apply, mouse = self.tool_input.tool.apply, self._mouse
+        if mouse is None or apply is None:
+            return self.tool_input.prompt
+        drawing = Drawing(*self.drawn.layout, (mouse,), None, self.drawn.canvas.scale_now)
+
+        def added() -> DrawingEdit:
+            edit = apply(drawing)
+            return replace(edit, design=_with_row_values(edit.design, edit.row, fields, values))
+
+        return self._apply(added)
 
     def _snap_at(self, position: complex) -> Snap:
         """Snap of a typed position."""
@@ -272,15 +386,10 @@ class TypedValues:
         if row.startswith("linkage.drivers"):
             return self._set_input(row_index(row), values)
 
-        def changed() -> Design:
-            design, _ = self.drawn.layout
-            for (_, name, _), value in zip(fields, values, strict=True):
-                if isinstance(value, float):
-                    design = put(design, f"{row}.{name}", value)
-            return design
-
         kind = row.partition("[")[0].rpartition(".")[2]
-        return self._apply(changed, f"Set {({'masses': 'mass', 'forces': 'force', 'springs': 'spring'})[kind]}")
+        return self._apply(
+            lambda: _with_row_values(self.drawn.layout[0], row, fields, values), f"Set {_SINGULAR[kind]}"
+        )
 
     def _set_input(self, index: int, values: Sequence[Typed]) -> str:
         """Set ratio, offset and wheels of a second input; wheels give the ratio, a ratio alone removes the wheels."""

@@ -162,6 +162,7 @@ class UnderlayDesk(QObject):
         self._clicks: list[complex] = []
         self._grip: complex | None = None
         self._boxes = TypedBoxes(canvas.viewport(), canvas)
+        self._boxes.message.connect(self.message)
         session.started.connect(self._mark_new)
         self.follow_file()
 
