@@ -60,6 +60,8 @@ class Mobility:
         There is a driver.
     possible_drivers : tuple of int
         Links that could be the driver, where there is none.
+    has_ground : bool
+        The frame has a point, or something slides on it.
     """
 
     freedom: int
@@ -71,6 +73,7 @@ class Mobility:
     driven: tuple[int, ...]
     has_driver: bool
     possible_drivers: tuple[int, ...]
+    has_ground: bool = True
 
     @property
     def is_finished(self) -> bool:
@@ -80,6 +83,9 @@ class Mobility:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Problems with their remedies, one line each."""
+        plural = "" if self.freedom == 1 else "s"
+        if not self.has_ground:
+            return (f"{self.freedom} degree{plural} of freedom without a driver: ground a point",)
         todo = []
         loose, verb = (
             (_and(self.points), "hang")
@@ -97,7 +103,6 @@ class Mobility:
             todo.append(f"let {could} drive" if could else "no link on the frame could drive")
         sentences = []
         if self.freedom:
-            plural = "s" if self.freedom > 1 else ""
             sentences.append(f"{self.freedom} degree{plural} of freedom without a driver: {'; '.join(todo)}")
         elif not self.has_driver:
             sentences.append("no degree of freedom: it cannot move")
@@ -143,6 +148,7 @@ def mobility(linkage: Linkage) -> Mobility:
         driven=tuple(n for n in moving if n not in loose) if drives else (),
         has_driver=drives,
         possible_drivers=() if drives else _possible_drivers(linkage, moving),
+        has_ground=bool(frame_link(linkage).points) or any(FRAME_LINK in (s.link, s.on) for s in linkage.sliders),
     )
 
 

@@ -10,7 +10,7 @@ from core.__main__ import main
 from core.design import NO_DRIVER, Drawn, Linkage, LinkPoint, Slider, with_drive
 from core.mechanism.driver_ranges import driver_ranges_of
 from core.mechanism.unfinished import driven_part, mobility
-from core.project import load
+from core.project import load, loads
 from core.project.writing import dumps
 from core.study import Study
 
@@ -109,3 +109,20 @@ def test_check_says_the_same_and_answers_2(tmp_path: Path, capsys: pytest.Captur
     said = capsys.readouterr()
     line = "linkage: 2 degrees of freedom without a driver: B hangs loose: join it or ground it; let link 2 drive"
     assert line in (said.out + said.err).splitlines()
+
+
+def test_without_a_point_on_the_frame_a_point_is_to_be_grounded(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two loose bars; what slides on the frame needs none."""
+    bars = (link(1), link(2, A=(0, 0), B=(40, 0)), link(3, C=(0, 0), D=(50, 0)))
+    loose = drawn(replace(LINKAGE, links=bars, driver=NO_DRIVER), 0.0, A=(0, 0), B=(40, 0), C=(0, 20), D=(50, 20))
+    loose = replace(loose, drawn=replace(loose.drawn, driver_deg=None))
+    file = tmp_path / "loose.toml"
+    file.write_text(dumps(with_drive(BAR, mechanism=loose)), "utf-8")
+    assert "points = {}" in file.read_text("utf-8")
+    assert loads(file.read_text("utf-8"), unfinished=True).drive.mechanism == loose
+    assert main(["check", str(file)]) == 2
+    assert "linkage: 6 degrees of freedom without a driver: ground a point\n" in capsys.readouterr().err
+    slides = replace(loose, sliders=(Slider(link=2, on=1),))
+    assert "A" in mobility(slides).sentences[0]
