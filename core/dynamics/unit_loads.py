@@ -27,14 +27,25 @@ class LoadCase:
         self._reactions: dict[str, np.ndarray] = {}
 
     def reaction(self, name: str) -> np.ndarray:
-        """Force of a pin, or normal force of a slide (n,), from the loads and their contact force; computed once."""
+        """Force of a pin, or normal force of a slide, from the loads and their contact force; computed once.
+
+        Returns
+        -------
+        ndarray (n,) [N]
+            Complex for a pin.
+        """
         reaction = self._reactions.get(name)
         if reaction is None:
             reaction = self._reactions[name] = self._with_contact(Walk.reaction, name)
         return reaction
 
     def couple(self, name: str) -> np.ndarray:
-        """Couple of a sliding pair (n,), from the loads and their contact force."""
+        """Couple of a sliding pair, from the loads and their contact force.
+
+        Returns
+        -------
+        ndarray (n,) [N m]
+        """
         return self._with_contact(Walk.couple, name)
 
     def _with_contact(self, part: Callable[[Walk, str], np.ndarray | None], name: str) -> np.ndarray:
