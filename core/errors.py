@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from core.frozen import frozen
+from core.number_text import distinct_texts
 
 
 def _value_text(value: Any) -> str:
@@ -163,7 +164,7 @@ def at_angles(error: NoSolution, cam_angles: Sequence[tuple[float, float]]) -> N
 
 def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4, unit: str = "deg") -> str:
     """Text for ranges of cam angles, or of another quantity: ``35...76.5, 283.5...325 deg``."""
-    texts = [f"{a:.6g}" if a == b else f"{a:.6g}...{b:.6g}" for a, b in ranges[:most]]
+    texts = ["...".join(dict.fromkeys(distinct_texts(ends))) for ends in ranges[:most]]
     more = len(ranges) - most
     return ", ".join(texts) + (f" and {more} more ranges" if more > 0 else "") + f" {unit}"
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
 from core.frozen import frozen
+from core.number_text import RESULT_DIGITS, compared_texts, result_text, rounded_up, typed_text
 
 ERROR, WARNING, NOTE = "error", "warning", "note"
 
@@ -34,22 +35,12 @@ class Finding:
 
     @property
     def message(self) -> str:
-        """The sentence, with compared figures to as many digits as distinguish them."""
-        return self.with_digits(0)
-
-    def with_digits(self, least: int) -> str:
-        """The sentence, with at least this many digits of compared figures and of the cam angle."""
-        digits, names = self._row.compared
-        texts = dict(
-            zip(
-                names,
-                distinct_texts([float(self.values.get(name, 1.0)) for name in names], max(digits, least)),
-                strict=True,
-            )
-        )
-        return self._row.sentence.format(
-            **{"face": "roller", **self.values, **texts}, at=self._at(max(ANGLE_DIGITS, least))
-        )
+        """The sentence, with figures for reading; compared figures have as many digits as distinguish them."""
+        row, values = self._row, {"face": "roller", **self.values}
+        numbers = [float(values.get(name, 1.0)) for name in row.compared]
+        texts = {name: _Figure(value) if isinstance(value, float) else value for name, value in values.items()}
+        texts |= zip(row.compared, compared_texts(numbers), strict=True)
+        return row.sentence.format(**texts, at=self._at)
 
     @property
     def remedy(self) -> Remedy:
@@ -66,10 +57,11 @@ class Finding:
         keys = (f"{self.code}.{suffix}" for suffix in (variant, self.values.get("flank", "")))
         return ROWS.get(next((key for key in keys if key in ROWS), self.code), USER_LIMIT)
 
-    def _at(self, digits: int) -> str:
+    @property
+    def _at(self) -> str:
         """The cam angle as part of a sentence."""
         angle = self.cam_angle_deg
-        return "" if angle is None or not math.isfinite(angle) else f" at {angle:.{digits}g} deg"
+        return "" if angle is None or not math.isfinite(angle) else f" at {result_text(angle)} deg"
 
     @property
     def states_angle(self) -> bool:
@@ -77,28 +69,17 @@ class Finding:
         return "{at}" in self._row.sentence
 
 
-ANGLE_DIGITS = 5
-MOST_DIGITS = 17  # of a double
+class _Figure(float):
+    """Value of a sentence: a result, with the format ``up`` rounded up, or with ``typed`` a number that is typed."""
+
+    def __format__(self, spec: str) -> str:
+        if spec == "typed":
+            return typed_text(f"{float(self):.9g}")
+        return result_text(rounded_up(float(self), RESULT_DIGITS) if spec == "up" else self)
 
 
-def distinct_texts(numbers: Sequence[float], digits: int) -> list[str]:
-    """Numbers as texts of this many digits, or of more where different numbers would have equal texts."""
-    while True:
-        texts = [f"{number:.{digits}g}" for number in numbers]
-        if digits >= MOST_DIGITS or len(set(texts)) == len(set(numbers)):
-            return texts
-        digits += 1
-
-
-class ComparedDigits(NamedTuple):
-    """Names of the figures that a sentence compares, and their least number of digits; a limit without a value is 1."""
-
-    digits: int = 0
-    names: tuple[str, ...] = ()
-
-
-def _compared(digits: int, *names: str) -> ComparedDigits:
-    return ComparedDigits(digits, names)
+def _compared(*names: str) -> tuple[str, ...]:
+    return names
 
 
 class Remedy(NamedTuple):
@@ -134,66 +115,64 @@ class FindingRow(NamedTuple):
     """Row of a code: its sentence with values in braces, the figures that it compares, and its remedy."""
 
     sentence: str
-    compared: ComparedDigits = ComparedDigits()
+    compared: tuple[str, ...] = ()
     remedy: Remedy = Remedy()
 
 
-USER_LIMIT = FindingRow(
-    "{what} {value} {unit}{at}, your limit {limit} {unit}: {remedy}", _compared(5, "value", "limit")
-)
+USER_LIMIT = FindingRow("{what} {value} {unit}{at}, your limit {limit} {unit}: {remedy}", _compared("value", "limit"))
 """Row of every limit of quantities that a user states; their codes have no row in ``ROWS``."""
 ROWS: Mapping[str, FindingRow] = MappingProxyType(
     {
-        "jump-displacement": FindingRow("displacement jumps by {jump:.6g} {unit_name} at a join: no follower can do this"),
-        "jump-velocity": FindingRow("velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration"),
-        "jump-acceleration": FindingRow("acceleration jumps by {jump:.6g} {unit_name}/rad² at a join: infinite jerk"),
+        "jump-displacement": FindingRow("displacement jumps by {jump} {unit_name} at a join: no follower can do this"),
+        "jump-velocity": FindingRow("velocity jumps by {jump} {unit_name}/rad at a join: infinite acceleration"),
+        "jump-acceleration": FindingRow("acceleration jumps by {jump} {unit_name}/rad² at a join: infinite jerk"),
         "uneven-advance": FindingRow(
-            "the advance of {advance:.9g} deg per turn is neither a whole fraction nor a multiple of 360 deg, so that the output does not "
-            "return to the same stops; the nearest valid advance is {near:.9g} deg"
+            "the advance of {advance:typed} deg per turn is neither a whole fraction nor a multiple of 360 deg, "
+            "so that the output does not return to the same stops; the nearest valid advance is {near:typed} deg"
         ),
         "pressure-angle": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
-            _compared(4, "value", "limit"), _LARGER,
+            _compared("value", "limit"), _LARGER,
         ),
         "pressure-angle.flat": FindingRow(
-            "pressure angle {value} deg{at}, limit {limit} deg: reduce the {what} of the face", _compared(4, "value", "limit"),
+            "pressure angle {value} deg{at}, limit {limit} deg: reduce the {what} of the face", _compared("value", "limit"),
         ),
         "roller-pressure-angle": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: attach the roller at another point, or move the cam's centre",
-            _compared(4, "value", "limit"),
+            _compared("value", "limit"),
         ),
         "undercut": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: enlarge the base "
-            "radius, or use a smaller roller", _compared(5, "pitch_radius_mm", "roller_radius_mm"), _BASE_RADIUS,
+            "radius, or use a smaller roller", _compared("pitch_radius_mm", "roller_radius_mm"), _BASE_RADIUS,
         ),
         "undercut.shoe": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: enlarge the base "
-            "radius, or use a shoe of smaller radius", _compared(5, "pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS,
+            "radius, or use a shoe of smaller radius", _compared("pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS,
         ),
         "undercut.flat": FindingRow(
-            "undercut: under the flat face the profile's least radius of curvature is {radius_mm:.5g} mm{at}, it must be above 0: "
+            "undercut: under the flat face the profile's least radius of curvature is {radius_mm} mm{at}, it must be above 0: "
             "{remedy}", remedy=_BASE_RADIUS,
         ),
         "outer-undercut": FindingRow(
             "undercut of the groove's outer flank: the pitch curve's smallest concave radius is {pitch_radius_mm} mm{at}, roller and play "
             "{roller_radius_mm} mm: use a smaller roller, or enlarge the base radius",
-            _compared(5, "pitch_radius_mm", "roller_radius_mm"), _LARGER,
+            _compared("pitch_radius_mm", "roller_radius_mm"), _LARGER,
         ),
         "groove-flanks-meet": FindingRow(
-            "two sections of the groove overlap{at} and at {other_deg:.5g} deg, by {overlap_mm:.5g} mm: use a smaller "
+            "two sections of the groove overlap{at} and at {other_deg} deg, by {overlap_mm} mm: use a smaller "
             "roller, or enlarge the base radius"
         ),
         "second-undercut": FindingRow(
             "undercut of the second cam: its pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the second roller's "
             "{roller_radius_mm} mm: move the second roller outwards, or use a smaller one",
-            _compared(5, "pitch_radius_mm", "roller_radius_mm"),
+            _compared("pitch_radius_mm", "roller_radius_mm"),
         ),
         "second-pressure-angle": FindingRow(
-            "pressure angle of the second roller {value} deg{at}, limit {limit} deg: {remedy}", _compared(4, "value", "limit"),
+            "pressure angle of the second roller {value} deg{at}, limit {limit} deg: {remedy}", _compared("value", "limit"),
         ),
         "second-roller-meets-hub": FindingRow(
             "the second roller meets the {what} of the first cam{at}: its least distance from the cam centre is {distance_mm} mm, the "
-            "radius of the {what} {radius_mm} mm: move the roller outwards, or use a smaller one", _compared(5, "distance_mm", "radius_mm"),
+            "radius of the {what} {radius_mm} mm: move the roller outwards, or use a smaller one", _compared("distance_mm", "radius_mm"),
         ),
         "second-roller-pushes-along": FindingRow(
             "the second roller pushes the follower in the same direction as the first{at}, so the pair does not constrain it: put the "
@@ -201,46 +180,46 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "flank-change": FindingRow("the contact changes to the {to}{at}"),
         "flank-change.play": FindingRow(
-            "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.3g} m/s"
+            "the contact changes to the {to}{at}: over a play of {play_mm} mm it strikes with {impact_m_s} m/s"
         ),
         "face-too-narrow": FindingRow(
-            "the contact leaves the flat face{at}: its position is {contact_mm:.6g} mm, {needed_mm} mm from the face's centre; half the "
+            "the contact leaves the flat face{at}: its position is {contact_mm} mm, {needed_mm} mm from the face's centre; half the "
             "face's width is {half_width_mm} mm: widen the face, or move its centre",
-            _compared(5, "needed_mm", "half_width_mm"), _FACE_WIDTH,
+            _compared("needed_mm", "half_width_mm"), _FACE_WIDTH,
         ),
         "pressure-angle-rise": FindingRow(
-            "pressure angle {value} deg on the rise{at}, your limit {limit} deg: {remedy}", _compared(4, "value", "limit"), _LARGER,
+            "pressure angle {value} deg on the rise{at}, your limit {limit} deg: {remedy}", _compared("value", "limit"), _LARGER,
         ),
         "pressure-angle-return": FindingRow(
-            "pressure angle {value} deg on the return{at}, your limit {limit} deg: {remedy}", _compared(4, "value", "limit"), _LARGER,
+            "pressure angle {value} deg on the return{at}, your limit {limit} deg: {remedy}", _compared("value", "limit"), _LARGER,
         ),
         "pressure-angle-rise.second": FindingRow(
             "pressure angle of the second roller {value} deg on the rise{at}, your limit {limit} deg: {remedy}",
-            _compared(4, "value", "limit"),
+            _compared("value", "limit"),
         ),
         "pressure-angle-return.second": FindingRow(
             "pressure angle of the second roller {value} deg on the return{at}, your limit {limit} deg: {remedy}",
-            _compared(4, "value", "limit"),
+            _compared("value", "limit"),
         ),
         "convex-radius": FindingRow(
             "the profile's smallest convex radius is {value} mm{at}, {whose} {limit} mm{why}: make the cam larger, or its motion gentler",
-            _compared(5, "value", "limit"), _LARGER,
+            _compared("value", "limit"), _LARGER,
         ),
         "polar-radius": FindingRow(
             "the profile's least distance from the cam centre is {value} mm{at}, {whose} {limit} mm{why}: make the cam larger, or "
-            "state the actual bore and hub", _compared(5, "value", "limit"), _LARGER,
+            "state the actual bore and hub", _compared("value", "limit"), _LARGER,
         ),
         "concave-radius": FindingRow(
             "the profile's smallest concave radius is {value} mm{at}, {whose} {limit} mm{why}: make the cam larger, or its motion "
-            "gentler", _compared(5, "value", "limit"), _LARGER,
+            "gentler", _compared("value", "limit"), _LARGER,
         ),
         "contact-pressure": FindingRow(
             "contact pressure {value} MPa{at}, your limit {limit} MPa: widen the cam, enlarge roller or base radius, or lower the "
-            "force", _compared(5, "value", "limit"), _THICKNESS,
+            "force", _compared("value", "limit"), _THICKNESS,
         ),
         "material-pressure": FindingRow(
             "contact pressure {value} MPa{at}, the {what}'s {material} allows {limit} MPa ({source}): widen the cam, enlarge roller or "
-            "base radius, or lower the force", _compared(5, "value", "limit"), _THICKNESS,
+            "base radius, or lower the force", _compared("value", "limit"), _THICKNESS,
         ),
         "no-contact-pressure": FindingRow("no contact pressure: give {missing}", remedy=_ADD),
         "no-contact-pressure-edge": FindingRow(
@@ -250,58 +229,58 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "no-contact-pressure-undercut": FindingRow("no contact pressure: the profile is undercut, the {face} does not fit it"),
         "profile-meets-hub": FindingRow(
             "the profile's least distance from the cam centre is {radius_mm} mm{at}, the radius of the {what} {limit_mm} mm: make the "
-            "cam larger, or the {what} smaller", _compared(5, "radius_mm", "limit_mm"), _BASE_RADIUS,
+            "cam larger, or the {what} smaller", _compared("radius_mm", "limit_mm"), _BASE_RADIUS,
         ),
         "profile-meets-keyway": FindingRow(
-            "the profile cuts {overlap_mm:.4g} mm into the keyway{at}: turn the keyway, make it shallower, or make the cam larger",
+            "the profile cuts {overlap_mm} mm into the keyway{at}: turn the keyway, make it shallower, or make the cam larger",
             remedy=_BASE_RADIUS,
         ),
         "cutter-too-large": FindingRow(
             "the cutter's radius of {cutter_mm} mm is larger than the profile's concave radius of {radius_mm} mm{at}: use a cutter "
-            "no larger than that", _compared(5, "cutter_mm", "radius_mm"),
+            "no larger than that", _compared("cutter_mm", "radius_mm"),
         ),
         "cutter-wider-than-groove": FindingRow(
             "the cutter's radius of {cutter_mm} mm is more than half the width of the groove, {radius_mm} mm: use a cutter no larger "
-            "than that", _compared(5, "cutter_mm", "radius_mm"),
+            "than that", _compared("cutter_mm", "radius_mm"),
         ),
         "self-intersection": FindingRow(
-            "the {which} crosses itself: it passes the same point{at} and at {other_deg:.5g} deg; make the cam larger, the roller "
+            "the {which} crosses itself: it passes the same point{at} and at {other_deg} deg; make the cam larger, the roller "
             "smaller or the motion gentler", remedy=_LARGER,
         ),
         "servo-peak": FindingRow(
             "the servo's motor must give {value} {unit}{at}, its peak is {limit}: use a larger motor, another gear ratio, or a "
-            "gentler motion", _compared(5, "value", "limit"),
+            "gentler motion", _compared("value", "limit"),
         ),
         "servo-rms": FindingRow(
             "the servo's motor gives {value} {unit} as rms over the turn, rated {limit}: use a larger motor, another gear ratio, "
-            "or a lower speed", _compared(5, "value", "limit"),
+            "or a lower speed", _compared("value", "limit"),
         ),
         "servo-speed": FindingRow(
             "the servo's motor runs at {value} {unit}{at}, rated {limit}: use a smaller gear ratio, or a lower speed",
-            _compared(5, "value", "limit"),
+            _compared("value", "limit"),
         ),
         "separation": FindingRow(
-            "the {face} leaves the cam: contact force {force_n:.5g} N; it lifts off at {speed_rpm:.6g} rpm and above: add closing force or "
+            "the {face} leaves the cam: contact force {force_n} N; it lifts off at {speed_rpm} rpm and above: add closing force or "
             "lower the speed", remedy=_SPRING,
         ),
         "elastic-separation": FindingRow(
-            "the {face} of the elastic follower leaves the cam{at}: contact force {force_n:.5g} N in steady running, though a rigid one "
+            "the {face} of the elastic follower leaves the cam{at}: contact force {force_n} N in steady running, though a rigid one "
             "would stay on it: add closing force, stiffness or damping, lower the speed, or use a gentler motion", remedy=_SPRING,
         ),
         "contact-force-low": FindingRow(
             "contact force {value} N{at}, it must be at least {limit} N: enlarge the spring's preload or rate, or lower the speed",
-            _compared(5, "value", "limit"), _PRELOAD,
+            _compared("value", "limit"), _PRELOAD,
         ),
         "jamming": FindingRow(
             "friction jams the guide: the friction coefficient times the slope of the pushing force is {factor}, it must be below 1: "
-            "reduce the friction, or the pressure angle", _compared(4, "factor", "limit"),
+            "reduce the friction, or the pressure angle", _compared("factor", "limit"),
         ),
         "jamming.endless": FindingRow(
             "friction jams the guide: the pushing force is perpendicular to it, so that any friction locks it: reduce the pressure angle"
         ),
         "pair-jamming": FindingRow(
             "friction jams the mechanism{at}, most of all at {pair}: the factor by which friction increases itself is {factor}, it must "
-            "be below 1: reduce its coefficient, or use a thinner pin or a longer slide", _compared(4, "factor", "limit"),
+            "be below 1: reduce its coefficient, or use a thinner pin or a longer slide", _compared("factor", "limit"),
         ),
         "spring-ends-meet": FindingRow(
             "the ends of {name} meet{at}, where its force has no direction: attach it elsewhere, or give it a free length of 0 and no "
@@ -314,7 +293,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "process-idle": FindingRow("{name} has neither force nor torque: give it one, or remove it"),
         "process-never": FindingRow("{name} never acts: the motion does not reach its positions; change them, or remove it"),
         "spring-winds-up": FindingRow(
-            "{name} is wound up by {turns:.0f} turns with each turn of the shaft: put it between links that swing"
+            "{name} is wound up by {turns} turns with each turn of the shaft: put it between links that swing"
         ),
         "torsion-still": FindingRow(
             "the links of {name} do not turn relative to each other, so that it does no work: put it between links that do, or use a "
@@ -325,22 +304,22 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "contact-jamming": FindingRow(
             "sliding friction of the contact jams the follower: its lever arm is {factor} times that of the cam's force{at}, it must be "
-            "below 1: reduce the friction, or enlarge the base radius", _compared(4, "factor", "limit"),
+            "below 1: reduce the friction, or enlarge the base radius", _compared("factor", "limit"),
         ),
         "contact-jamming.endless": FindingRow(
             "sliding friction of the contact jams the follower: the cam's force has no lever arm{at}, so that any friction locks it: "
             "enlarge the base radius"
         ),
-        "dead-centre": FindingRow("rod and arm come close to one line (dead centre): the sine of the angle between them is {value:.3g}"),
+        "dead-centre": FindingRow("rod and arm come close to one line (dead centre): the sine of the angle between them is {value}"),
         "rod-across-guide": FindingRow(
             "the rod comes close to a right angle with the guide, where the arm cannot drive the slider: the cosine of "
-            "that angle is {value:.3g}"
+            "that angle is {value}"
         ),
         "crank-cannot-turn": FindingRow(
             "the crank cannot turn fully: the linkage can be assembled only for crank angles within {ranges}, and locks at {joints}"
         ),
         "swinging-driver": FindingRow(
-            "the crank cannot turn fully: it swings between {low:.6g}° ({low_joint} locks) and {high:.6g}° ({high_joint} locks), "
+            "the crank cannot turn fully: it swings between {low}° ({low_joint} locks) and {high}° ({high_joint} locks), "
             "as drawn{others}"
         ),
         "redundant-links": FindingRow(
@@ -356,42 +335,42 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "following turns differ"
         ),
         "wheels-apart": FindingRow(
-            "the wheels of link {link} (pitch circles of {first:.6g} and {second:.6g} mm) do not touch: their centres are {distance:.6g} "
-            "mm from each other, which is {gap:.3g} mm {how}; change the radii, the module or the centres"
+            "the wheels of link {link} (pitch circles of {first} and {second} mm) do not touch: their centres are {distance} "
+            "mm from each other, which is {gap} mm {how}; change the radii, the module or the centres"
         ),
         "change-point": FindingRow(
             "the links at {joint} become collinear, where both assemblies coincide (change point); the motion continues "
             "smoothly, but in the built machine play decides which assembly follows"
         ),
-        "linkage-dead-centre": FindingRow("dead centre: the links at {joint} become collinear, transmission angle {value:.3g} deg"),
+        "linkage-dead-centre": FindingRow("dead centre: the links at {joint} become collinear, transmission angle {value} deg"),
         "transmission-angle": FindingRow(
             "transmission angle of {joint} {value} deg{at}, limit {limit} deg: change the lengths of the links that meet there",
-            _compared(4, "value", "limit"),
+            _compared("value", "limit"),
         ),
         "unstable-speed": FindingRow(
-            "{rpm} rpm is in a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n:.0f}): twist of the shaft grows by up to "
-            "{growth_percent:.3g} % per turn; change its stiffness or the speed", _compared(6, "rpm", "rpm_lo", "rpm_hi"),
+            "{rpm} rpm is in a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n}): twist of the shaft grows by up to "
+            "{growth_percent} % per turn; change its stiffness or the speed", _compared("rpm", "rpm_lo", "rpm_hi"),
         ),
         "unstable-shaft": FindingRow(
-            "at {rpm:.6g} rpm twist of the shaft grows by {growth_percent:.3g} % per turn; change its stiffness or the speed"
+            "at {rpm} rpm twist of the shaft grows by {growth_percent} % per turn; change its stiffness or the speed"
         ),
         "near-unstable-speed": FindingRow(
-            "{rpm} rpm is near a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n:.0f}), in which twist of the shaft grows "
-            "by up to {growth_percent:.3g} % per turn", _compared(6, "rpm", "rpm_lo", "rpm_hi"),
+            "{rpm} rpm is near a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n}), in which twist of the shaft grows "
+            "by up to {growth_percent} % per turn", _compared("rpm", "rpm_lo", "rpm_hi"),
         ),
         "above-all-speeds": FindingRow(
-            "{rpm} rpm is above {top_rpm} rpm, and at every speed above that the shaft is unstable", _compared(6, "rpm", "top_rpm"),
+            "{rpm} rpm is above {top_rpm} rpm, and at every speed above that the shaft is unstable", _compared("rpm", "top_rpm"),
         ),
         "no-stability": FindingRow("the stability of the shaft cannot be computed: {why}; {hint}"),
         "no-elastic-follower": FindingRow("the vibration of the follower cannot be computed: {why}; {hint}"),
         "motor-stalls": FindingRow(
-            "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg·m² does not carry the load over its peak{at}, at least "
-            "{least_kg_m2:.3g} kg·m² are needed; a steeper motor slope needs less", remedy=_FLYWHEEL,
+            "the motor stalls: a flywheel of {inertia_kg_m2} kg·m² does not carry the load over its peak{at}, at least "
+            "{least_kg_m2:up} kg·m² are needed; a steeper motor slope needs less", remedy=_FLYWHEEL,
         ),
         "speed-fluctuates": FindingRow(
-            "the speed fluctuates by {percent} %, limit {wanted_percent} %: a flywheel of {inertia_kg_m2:.6g} kg·m² keeps it "
+            "the speed fluctuates by {percent} %, limit {wanted_percent} %: a flywheel of {inertia_kg_m2:up} kg·m² keeps it "
             "within the limit",
-            _compared(6, "percent", "wanted_percent"), _FLYWHEEL,
+            _compared("percent", "wanted_percent"), _FLYWHEEL,
         ),
         "probe-hollow": FindingRow(
             "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe which "
@@ -402,16 +381,16 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "out-of-tolerance": FindingRow(
             "the measured lift deviates by {deviation_mm} mm{at}, {normal_mm} mm normal to the profile; tolerance {limit_mm} mm",
-            _compared(4, "deviation_mm", "normal_mm", "limit_mm"),
+            _compared("deviation_mm", "normal_mm", "limit_mm"),
         ),
-        "not-measured": FindingRow("no measured rows from {from_deg:.6g} to {to_deg:.6g} deg: the cam is not assessed there"),
+        "not-measured": FindingRow("no measured rows from {from_deg} to {to_deg} deg: the cam is not assessed there"),
         "no-drive": FindingRow("no solution, the other drives are computed without this one: {why}{at}; {hint}"),
         "timing-broken": FindingRow(
-            "{second} comes {after_deg} deg after {first}, at machine angle {second_deg:.6g} deg; it must come at least {least_deg} deg "
-            "after it: change the phase or the motion of one of the two drives", _compared(5, "after_deg", "least_deg"), _PHASES,
+            "{second} comes {after_deg} deg after {first}, at machine angle {second_deg} deg; it must come at least {least_deg} deg "
+            "after it: change the phase or the motion of one of the two drives", _compared("after_deg", "least_deg"), _PHASES,
         ),
         "timing-contradicts": FindingRow(
-            "in the present order of their events no phases satisfy {rows} together: they require {excess_deg:.5g} deg more than "
+            "in the present order of their events no phases satisfy {rows} together: they require {excess_deg} deg more than "
             "a turn has; reduce one of their distances, lengthen a dwell between their events, or turn one drive past the other"
         ),
         "no-load": FindingRow("no masses and no forces are given: all forces and the torque are zero", remedy=_MASSES),

@@ -10,6 +10,7 @@ from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QPushButton, QSizePolicy
 
 from core.errors import KindynaError, ResultPending
+from core.number_text import MOST_DIGITS, result_text
 from core.output.compare import (
     ComparedDesign,
     Comparison,
@@ -140,7 +141,7 @@ def _rows(comparison: Comparison, session: Session) -> list[TableRow]:
 
 def _brief(value: object, text: str) -> str:
     """An input as typed; a long number from a search is shortened, to leave room for the names."""
-    return digits(value) if isinstance(value, float) and len(text) > MOST else text
+    return digits(value, MOST_DIGITS) if isinstance(value, float) and len(text) > MOST else text
 
 
 def _quantity_text(quantity: str, labels: Mapping[str, str]) -> str:
@@ -254,11 +255,17 @@ class ExplainView(View):
             self.table.show_rows([])
             self.proof.clear()
             return
-        self.header.setText("\n".join([number.headline(7), *number.equations, f"after {number.source}"]))
+        self.header.setText("\n".join([number.headline(MOST_DIGITS), *number.equations, f"after {number.source}"]))
         self.table.update_rows(
             [
                 TableRow(
-                    (symbol.symbol, digits(symbol.value, 7), symbol.unit, sentence(symbol.meaning), symbol.origin),
+                    (
+                        symbol.symbol,
+                        digits(symbol.value, MOST_DIGITS),
+                        symbol.unit,
+                        sentence(symbol.meaning),
+                        symbol.origin,
+                    ),
                     number=ExplainableNumber(symbol.column) if symbol.column else None,
                 )
                 for symbol in number.letters
@@ -282,4 +289,4 @@ class ExplainView(View):
 
 
 def _residual_text(name: str, residual: Any) -> str:
-    return f"Proved by {name.replace('_', ' ')}: residual {residual.value:.2g}, bound {residual.bound:.2g}."
+    return f"Proved by {name.replace('_', ' ')}: residual {result_text(residual.value, 2)}, bound {result_text(residual.bound, 2)}."

@@ -33,7 +33,7 @@ from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen
-from kindyna_gui.pictures.units import readable
+from kindyna_gui.pictures.units import number, readable
 from kindyna_gui.rebuilt import STRETCH, fill
 
 # -- picture ---------------------------------------------------------------------------------------------
@@ -213,7 +213,9 @@ class CurveDialog(PutDialog):
             values = (digits(jump.before, 4), digits(jump.after, 4))
             rows.append(
                 TableRow(
-                    (f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"
+                    (number(jump.angle, 3), name, *values, f"{unit}{per}"),
+                    sign(severity),
+                    "Click to see it on the curve",
                 )
             )
         self.jumps.show_rows(rows or [TableRow(("", "No jumps", "", "", ""))])

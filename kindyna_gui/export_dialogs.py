@@ -36,6 +36,7 @@ from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
 from kindyna_gui.look import described
+from kindyna_gui.pictures.units import short
 from kindyna_gui.rebuilt import fill
 from kindyna_gui.settings import Settings
 
@@ -68,7 +69,7 @@ class TablesDialog(RequestDialog):
             files, angle = f"{', '.join(first)} and {last}", study.angle_name
 
         def summary(values: Mapping[str, Any]) -> str:
-            step = f"One row every {360.0 / values['samples']:.6g}°."
+            step = f"One row every {short(360.0 / values['samples'])}°."
             return f"{step} Writes {files}. Files with these names are replaced."
 
         self.folder = described(QLineEdit(str(folder)), name="Folder")
@@ -111,7 +112,7 @@ class FilmDialog(RequestDialog):
 
 def _frame_summary(values: Mapping[str, Any]) -> str:
     frames, seconds = values["frames"], values["seconds"]
-    return f"a frame every {360.0 / frames:.4g}°, {frames / seconds:.3g} frames per second"
+    return f"a frame every {short(360.0 / frames)}°, {short(frames / seconds, 3)} frames per second"
 
 
 def ask_tables(parent: QWidget, folder: Path, study: Study) -> TablesRequest | None:

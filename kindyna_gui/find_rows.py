@@ -35,7 +35,7 @@ from kindyna_gui.labels import allowed_text, in_sentence, name_of, no_number, se
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
-from kindyna_gui.pictures.units import MINUS, brief, measure, number, with_unit
+from kindyna_gui.pictures.units import brief, measure, number, with_unit
 from kindyna_gui.rebuilt import ContentArea, clear_menu, fill
 from kindyna_gui.settings import in_units, size_of, symbol_of
 
@@ -208,8 +208,7 @@ def value_of(design: Design, path: str, value: float, most: int) -> str:
 def _reached(value: float, unit: Unit) -> str:
     if not isfinite(value):
         return "none"
-    text, zero = number(value / size_of(unit.symbol), DECIMALS), number(0.0, DECIMALS)
-    return with_unit(text if text != f"{MINUS}{zero}" else zero, symbol_of(unit.symbol))
+    return with_unit(number(value / size_of(unit.symbol), DECIMALS), symbol_of(unit.symbol))
 
 
 def solution_html(design: Design, solution: Solution) -> str:

@@ -14,14 +14,17 @@ from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
 from core.findings import ERROR, Finding, Remedy, Residual
+from core.number_text import result_text
 from core.study import STAGES, Study, certificate_of, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import in_sentence, name_of, sentence
 from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import number
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import fill
+from kindyna_gui.settings import point
 from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 # -- certificate view ------------------------------------------------------------------------------------
@@ -92,8 +95,8 @@ def certificate_row(name: str, residual: Residual) -> TableRow:
     return TableRow(
         (
             sentence(name.replace("_", " ").replace(".", ": ")),
-            f"{residual.value:.1e}" if residual.value else "0",
-            f"{residual.bound:.1e}",
+            result_text(residual.value, 2).replace(".", point()) if residual.value else "0",
+            result_text(residual.bound, 2).replace(".", point()),
             "kept" if residual.kept else "not kept",
             sentence(", ".join(filter(None, (short, residual.note)))),
         ),
@@ -233,4 +236,4 @@ def _remedies(design: Design, findings: tuple[Finding, ...]) -> list[Remedy]:
 
 def _angle(finding: Finding) -> str:
     angle = finding.cam_angle_deg
-    return "all" if angle is None or not math.isfinite(angle) else f"{angle:.2f}"
+    return "all" if angle is None or not math.isfinite(angle) else number(angle, 2)

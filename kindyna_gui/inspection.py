@@ -51,6 +51,7 @@ from kindyna_gui.look import Picture, coloured, described, sign
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline, polyline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
+from kindyna_gui.pictures.units import short, signed, typed
 from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
 
 # -- form of the probe -----------------------------------------------------------------------------------
@@ -143,8 +144,8 @@ def _computed(design: Design, request: InspectionRequest) -> Inspection:
 def _summary(result: Inspection) -> str:
     """Number of rows, largest lift and findings of a table."""
     first = (
-        f"{result.table.degrees.size} rows; largest lift {result.table.lift.max():.6g} mm. "
-        f"Lift 0 is {result.setup.base:.6g} mm from the cam centre."
+        f"{result.table.degrees.size} rows; largest lift {short(result.table.lift.max())} mm. "
+        f"Lift 0 is {short(result.setup.base)} mm from the cam centre."
     )
     return "\n".join([first, *(f"{sentence(finding.message)}." for finding in result.setup.findings)])
 
@@ -241,7 +242,7 @@ class DeviationPicture(Picture):
         painter.drawText(
             self.rect().adjusted(8, 4, -8, -4),
             Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignLeft,
-            f"Deviation × {factor:g} (blue), tolerance (red), cam angles",
+            f"Deviation × {typed(factor)} (blue), tolerance (red), cam angles",
         )
 
     def _mark(self, painter: QPainter, result: ProfileComparison, mm: QTransform, measured: np.ndarray) -> None:
@@ -256,7 +257,7 @@ class DeviationPicture(Picture):
         inwards = complex(centre.x(), centre.y()) - spot
         inwards /= abs(inwards) or 1.0
         colour = SCREEN.limit if result.is_outside[row] else SCREEN.ink
-        text = f"{1e3 * result.normal_deviation[row]:+.4g} µm at {result.table.degrees[row]:.4g}°"
+        text = f"{signed(1e3 * result.normal_deviation[row])} µm at {short(result.table.degrees[row])}°"
         size = painter.fontMetrics().size(0, text)
         end = spot + inwards * (RING + 26.0)
         painter.strokePath(circle(RING, spot), SCREEN.pen(colour, OUTLINE))
@@ -429,9 +430,9 @@ class MeasuredCamDialog(QDialog):
                 TableRow(
                     (
                         str(result.lines[i]),
-                        f"{result.table.degrees[i]:.6g}",
-                        f"{1e3 * result.normal_deviation[i]:+.3f}",
-                        f"{1e3 * result.deviation[i]:+.3f}",
+                        short(result.table.degrees[i]),
+                        signed(1e3 * result.normal_deviation[i], 3),
+                        signed(1e3 * result.deviation[i], 3),
                     ),
                     sign(ERROR) if result.is_outside[i] else None,
                     "Click to mark it in the drawing",
@@ -456,14 +457,12 @@ def _compared(design: Design, request: InspectionRequest, data: bytes, name: str
 def verdict(result: ProfileComparison) -> str:
     """Whether the cam is in tolerance, with the largest deviation, in words."""
     row, band = result.worst_row, 1e3 * result.setup.request.tolerance_mm
-    deviation = f"{1e3 * result.normal_deviation[row]:+.4g} µm normal to the profile"
-    largest = f"{deviation} at {result.table.degrees[row]:.5g}°, line {result.lines[row]}"
+    deviation = f"{signed(1e3 * result.normal_deviation[row])} µm normal to the profile"
+    largest = f"{deviation} at {short(result.table.degrees[row])}°, line {result.lines[row]}"
     if result.is_in_tolerance:
-        return f"In tolerance, ± {band:g} µm: the largest deviation is {largest}."
+        return f"In tolerance, ± {typed(band)} µm: the largest deviation is {largest}."
     count = int(result.is_outside.sum())
-    return (
-        f"Out of tolerance, ± {band:g} µm, in {count} of {result.lines.size} rows: the largest deviation is {largest}."
-    )
+    return f"Out of tolerance, ± {typed(band)} µm, in {count} of {result.lines.size} rows: the largest deviation is {largest}."
 
 
 def notes(result: ProfileComparison) -> list[str]:
@@ -471,7 +470,7 @@ def notes(result: ProfileComparison) -> list[str]:
     lines = []
     if result.is_fitted:
         lines.append(
-            f"Fitted: cam angle = angle {result.angle_offset:+.6g}°, lift = measured {-result.lift_offset:+.6g} mm."
+            f"Fitted: cam angle = angle {signed(result.angle_offset)}°, lift = measured {signed(-result.lift_offset)} mm."
         )
     lines += [f"{sentence(finding.message)}." for finding in result.findings if finding.severity != ERROR]
     return lines + [f"{sentence(note)}." for note in result.notes]

@@ -29,7 +29,7 @@ from core.errors import DesignError, FileError, KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import named_law
 from core.materials import MATERIALS
-from core.output.lines import shortest
+from core.number_text import shortest, typed_text, typeset
 from core.output.load_text import row_name
 from kindyna_gui.settings import in_units, number_text, point, size_of, symbol_of
 
@@ -74,17 +74,6 @@ DIGITS = 17
 # -- numbers and values ----------------------------------------------------------------------------------
 
 
-def thousands(count: int) -> str:
-    """Count with thin spaces between thousands."""
-    return f"{count:,}".replace(",", "\u202f")
-
-
-def grouped(value: float, figures: int = 4) -> str:
-    """Number with so many significant figures and thin spaces between thousands: ``113 100 000``."""
-    text = shortest(float(f"{value:.{figures}g}"))
-    return f"{float(text):,.0f}".replace(",", "\u202f") if abs(value) >= 1e4 else text
-
-
 def rounded_to(value: float, is_short_enough: Callable[[str], bool]) -> str:
     """Number with as many digits as the condition allows, with an exponent only where no other text meets it."""
     text = shortest(value)
@@ -108,7 +97,7 @@ def no_number(text: str) -> str:
 def sentence(text: str) -> str:
     """Text with a capital first letter and typographic signs: ``90 deg`` -> ``90°``, ``>=`` -> ``≥``."""
     signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace(">=", "≥").replace("<=", "≤"))
-    return in_units(signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:]))
+    return in_units(typeset(signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:])))
 
 
 def in_sentence(name: str) -> str:
@@ -153,7 +142,7 @@ def value_text(value: Any, unit: Unit) -> str:
         return choice_text(str(value))
     symbol = symbol_of(unit.symbol)
     gap = "" if symbol in ("", "°") else " "
-    return f"{number_text(value, unit)}{gap}{symbol}"
+    return f"{typed_text(number_text(value, unit))}{gap}{symbol}"
 
 
 def allowed_text(info: Info, unit: Unit) -> str:

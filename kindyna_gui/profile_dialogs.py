@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QWidget
 
 from core.design import Design
 from core.frozen import frozen
+from core.number_text import rounded_up
 from core.output.controllers.deviation import ErrorCurves, error_curve, errors_over_turn, text
 from core.output.controllers.rows import INTERPOLATIONS, Controller, controllers
 from core.output.controllers.slave import EQUAL, PLACED, EcamRequest, drive_slave, slave_choices
@@ -23,7 +24,7 @@ from core.output.files.cam_drawing import drawing
 from core.output.files.files import FORMATS, profile_job
 from core.output.files.profile_files import ProfileDrawing
 from core.output.files.profile_fit import FITS
-from core.output.files.profile_request import Machining, ProfileRequest, rounded_up
+from core.output.files.profile_request import Machining, ProfileRequest
 from core.output.files.sheet import DrawingRequest, DrawingSheet, Letterhead
 from core.requests import build_request, command_words, request_fields
 from core.study import Study
@@ -36,6 +37,7 @@ from kindyna_gui.pictures.paper.sheets import paint_sheet
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, SCREEN, THIN, brush, no_pen
+from kindyna_gui.pictures.units import short, typed
 
 # -- profile preview -------------------------------------------------------------------------------------
 
@@ -151,7 +153,7 @@ def _summary(job: ProfileDrawing) -> str:
     """Number of points and deviation of the file."""
     main = job.main
     return (
-        f"{main.count} points on {main.curve.length:.6g} mm, at most {rounded_up(main.deviation, 3):g} mm from the exact curve "
+        f"{main.count} points on {short(main.curve.length)} mm, at most {typed(rounded_up(main.deviation, 3))} mm from the exact curve "
         "(red ring)."
     )
 
@@ -331,13 +333,13 @@ class ControllerDialog(ComputedDialog):
         assert ecam.deviation is not None
         point = np.log10([ecam.rows, max(1e3 * ecam.deviation.values[0], 1e-12)])
         dots = Dots(point[:1], point[1:], SCREEN.limit, 9.0)
-        label = f"{ecam.rows} rows: {1e3 * ecam.deviation.values[0]:.3g} {times}{unit}"
+        label = f"{ecam.rows} rows: {short(1e3 * ecam.deviation.values[0], 3)} {times}{unit}"
         rule = Rule(float(point[0]), label, SCREEN.ink)
         self.curve.show_lines([Line(x, y, SCREEN.family("displacement"))], fit=True, dots=[dots], rules=[rule])
         low, high = int(np.ceil(y.min())), int(np.floor(y.max()))
         decades = range(low, high + 1, 1 + (high - low) // MOST_DECADES)
         self.curve.show_ticks([(float(np.log10(n)), f"{n}") for n in COUNTS if x[0] <= np.log10(n) <= x[-1]],
-                              [(float(k), f"{10.0**k:g}") for k in decades])  # fmt: skip
+                              [(float(k), typed(10.0**k)) for k in decades])  # fmt: skip
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Set the number of rows by a click on the curve."""

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import QApplication, QMainWindow
 
 from core.bounds import FIELD, number_from_one
 from core.frozen import frozen
-from core.output.lines import shortest
+from core.number_text import MINUS, MOST_DIGITS, NARROW_SPACE, RESULT_DIGITS, result_text, shortest
 from core.units import Unit, unit_kind
 
 DIGITS = 10  # of a number in another unit than that of files
@@ -112,7 +112,7 @@ def number_text(value: float, unit: Unit) -> str:
     return text.replace(".", point())
 
 
-_NUMBER = r"[-\u2212]?\d+(?:[\u202f\u2009]\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?"
+_NUMBER = rf"[-{MINUS}]?\d+(?:{NARROW_SPACE}\d{{3}})*(?:\.\d+)?(?:e[-+{MINUS}]?\d+)?"
 _MEASURED = re.compile(rf"(?<![\w.])((?:{_NUMBER}\s?(?:\.\.\.|…|to)\s?)?{_NUMBER})\s?((?:1/)?[^\s\d,;:()]+)")
 
 
@@ -131,10 +131,9 @@ def _in_unit(match: re.Match[str]) -> str:
 
 
 def _scaled(text: str, size: float) -> str:
-    plain = re.sub("[\u202f\u2009]", "", text).replace("\u2212", "-")
-    figures = max(len(re.sub(r"\D", "", plain.partition("e")[0]).lstrip("0")), 4)
-    scaled = shortest(float(f"{float(plain) / size:.{figures}g}"))
-    return (scaled.replace("-", "\u2212") if "\u2212" in text else scaled).replace(".", point())
+    plain = text.replace(NARROW_SPACE, "").replace(MINUS, "-")
+    figures = max(len(re.sub(r"\D", "", plain.partition("e")[0]).lstrip("0")), RESULT_DIGITS)
+    return result_text(float(plain) / size, min(figures, MOST_DIGITS)).replace(".", point())
 
 
 # -- preferences -----------------------------------------------------------------------------------------

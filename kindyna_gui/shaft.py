@@ -29,7 +29,7 @@ from kindyna_gui.look import Note, answer_label, described
 from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
-from kindyna_gui.pictures.units import digits, measure, readable, with_unit
+from kindyna_gui.pictures.units import digits, measure, readable, short, with_unit
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.requirements import NO_SERVO, NO_WHEEL, ONE_DRIVE_TORQUE, Unavailable, require_list, turned_shaft
@@ -132,16 +132,16 @@ def speed_text(curves: AgainstSpeed, rpm: float, allowed: float) -> str:
     """Peak torque at the machine's speed, and the speeds at which the fluctuation is allowed, as a sentence."""
     peak = float(np.interp(rpm, curves.rpm, curves.peak))
     unit = readable(TORQUE, abs(peak))
-    torque = f"{digits(rpm, 4)} rpm: peak torque {with_unit(digits(peak / unit.size, 4), unit.symbol)}"
+    torque = f"{short(rpm)} rpm: peak torque {with_unit(short(peak / unit.size), unit.symbol)}"
     reached = np.where(np.isfinite(curves.fluctuation), curves.fluctuation, np.inf)
     if not np.isfinite(reached).any():
         return f"{torque}; the motor stalls at all these speeds."
     fits = curves.rpm[reached <= allowed]
-    percent = f"{100.0 * allowed:g} %"
+    percent = f"{short(100.0 * allowed)} %"
     if not fits.size:
         return f"{torque}; the speed varies by more than {percent} at all these speeds."
-    first = f"from {digits(fits[0], 3)} rpm on" if fits[0] > curves.rpm[0] else ""
-    last = f"up to {digits(fits[-1], 3)} rpm" if fits[-1] < curves.rpm[-1] else ""
+    first = f"from {short(fits[0], 3)} rpm on" if fits[0] > curves.rpm[0] else ""
+    last = f"up to {short(fits[-1], 3)} rpm" if fits[-1] < curves.rpm[-1] else ""
     where = " and ".join(filter(None, (first, last))) or "at all these speeds"
     return f"{torque}; the speed varies by at most {percent} {where}."
 

@@ -11,6 +11,7 @@ from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.style import BLUE, SCREEN
+from kindyna_gui.pictures.units import number, short
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import Unavailable
 from kindyna_gui.view import View
@@ -64,7 +65,7 @@ class PathCanvas(QWidget):
             painter.drawLine(origin, tip)
             direction = tip - origin
             text_at = tip + direction * (16.0 / max(float(np.hypot(direction.x(), direction.y())), 16.0))
-            painter.drawText(text_at - QPointF(4.0, -4.0), f"{name} {high[axis] - low[axis]:.4g} mm")
+            painter.drawText(text_at - QPointF(4.0, -4.0), f"{name} {short(high[axis] - low[axis])} mm")
         floor = self.path.copy()
         floor[:, 2] = low[2]
         painter.setPen(QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine))
@@ -117,7 +118,9 @@ class SpaceView(View):
             machine = self.player.machine
             self.canvas.part = self.session.shaft.at_theta(np.array([machine])).transfer_path[0] * MM
             x, y, z = self.canvas.part
-            self.canvas.text = f"Machine angle {np.rad2deg(machine):.1f}°: {x:.1f}, {y:.1f}, {z:.1f} mm"
+            self.canvas.text = (
+                f"Machine angle {number(np.rad2deg(machine), 1)}°: {number(x, 1)}, {number(y, 1)}, {number(z, 1)} mm"
+            )
             self.canvas.update()
 
     def fit(self) -> None:

@@ -44,7 +44,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
-from kindyna_gui.pictures.units import digits, with_unit
+from kindyna_gui.pictures.units import digits, number, short, typed, with_unit
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
 
 # -- fields of a point -----------------------------------------------------------------------------------
@@ -96,9 +96,9 @@ class PointFields(QWidget):
         self.rpm.show_value(_rounded(machine.rpm(eta)))
         least = machine.rpm(MOST_ETA)
         limits = (
-            (self.eta, f"above 0, up to {MOST_ETA:g}"),
-            (self.q, f"0 ... {MOST_Q:g}"),
-            (self.rpm, f"{least:.5g} rpm and more"),
+            (self.eta, f"above 0, up to {typed(MOST_ETA)}"),
+            (self.q, f"0 ... {typed(MOST_Q)}"),
+            (self.rpm, f"{short(least)} rpm and more"),
         )
         for box, allowed in limits:
             box.setToolTip(f"Allowed: {allowed}")
@@ -176,7 +176,7 @@ def speed_text(eta: float, q: float, machine: Machine, verdicts: Sequence[Verdic
 
 def point_text(eta: float, q: float, machine: Machine | None, verdicts: Sequence[Verdict], tongue: int | None) -> str:
     """Position, tongue and verdicts of a point, in one line."""
-    at = f"η = {eta:.4g}, Q = {q:.4g}"
+    at = f"η = {short(eta)}, Q = {short(q)}"
     if machine is not None:
         at += f", {speed(machine.rpm(eta))} rpm"
     position = f"tongue {tongue}" if tongue is not None else "between tongues"
@@ -242,10 +242,10 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
             verdict.state
         ]
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
-        trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
-        largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
+        trace = number(verdict.trace, 4) if isfinite(verdict.trace) else "–"
+        largest = f"{short(360.0 * verdict.largest)}°" if isfinite(verdict.largest) else "–"
         drive = f"{verdict.leaving} " if verdict.leaving else ""
-        leaves = f"{drive}at turn {verdict.contact_lost:.4g}" if verdict.contact_lost is not None else "–"
+        leaves = f"{drive}at turn {short(verdict.contact_lost)}" if verdict.contact_lost is not None else "–"
         rows.append(
             _cell(verdict.label)
             + _cell(verdict.state, colour)
@@ -259,7 +259,7 @@ def bands_table(rows: Sequence[ForbiddenBand], rpm: float, in_paper: bool = Fals
     lines = []
     for band in rows:
         colour = SCREEN.limit if band.contains(rpm) else ""
-        ratios = (f"{band.eta_lo:.5f} … {band.eta_hi:.5f}",) if in_paper else ()
+        ratios = (f"{number(band.eta_lo, 5)} … {number(band.eta_hi, 5)}",) if in_paper else ()
         cells = (
             speeds(band),
             str(band.n),
@@ -304,7 +304,7 @@ def needed_shaft_text(machine: Machine, eta: float, q: float) -> str:
     inertia, stiffness = machine.shaft_for(eta, q)
     rpm = machine.rpm(machine.eta)
     return (
-        f"At {speed(rpm)} rpm, η = {eta:.4g}, Q = {q:.4g} needs {digits(stiffness, 5)} N·m/rad and "
+        f"At {speed(rpm)} rpm, η = {short(eta)}, Q = {short(q)} needs {digits(stiffness, 5)} N·m/rad and "
         f"{digits(inertia, 4)} kg·m² at the cam"
     )
 
@@ -313,7 +313,7 @@ def machine_text(stability: Stability) -> str:
     """Speed and damping of the machine, and the speed up to which the chart is valid."""
     m = stability.machine
     top = f"; not checked above {speed(stability.top_rpm)} rpm" if isfinite(stability.top_rpm) else ""
-    damping = f", ζ = {m.damping:g}" if m.damping else ""
+    damping = f", ζ = {typed(m.damping)}" if m.damping else ""
     return f"{speed(m.rpm(m.eta))} rpm{damping}{top}"
 
 
@@ -482,7 +482,9 @@ class StabilityPages(QTabWidget):
         verdicts = point.verdicts or stability.linear_at(point.eta, point.q)
         position = "" if point.is_machine else "selected point, "
         wait = "" if point.verdicts else f"<p style='color:{SCREEN.quiet}'>Calculating the nonlinear models …</p>"
-        self.verdicts.setText(f"<p>{position}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}")
+        self.verdicts.setText(
+            f"<p>{position}η = {short(point.eta)}, Q = {short(point.q)}</p>{verdict_table(verdicts)}{wait}"
+        )
         self.steady.setText(steady_text(point.steady[0]) if point.steady else "")
         self.steady.setVisible(bool(point.steady))
 

@@ -33,6 +33,7 @@ from kindyna_gui.look import answer_label, coloured, described
 from kindyna_gui.pictures.plots.mouse import DraggablePoint
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS, ChartPlot
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import NO_SHAFT, RIGID_SHAFT, Unavailable, turned_shaft
@@ -555,6 +556,6 @@ class StabilityView(View):
             camshaft_inertia_kg_m2=float(f"{inertia:.6g}"),
             stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
         )
-        text = f"Move shaft to η = {self.target[0]:.4g}, Q = {self.target[1]:.4g}"
+        text = f"Move shaft to η = {short(self.target[0])}, Q = {short(self.target[1])}"
         with self.session.one_step():
             self.session.put_full_design(with_elastic(self.session.full_design, moved), text)

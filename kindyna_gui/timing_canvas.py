@@ -33,7 +33,7 @@ from core.design import (
     turn_join,
 )
 from core.frozen import frozen
-from core.output.lines import shortest
+from core.number_text import shortest
 from kindyna_gui.forms.number_box import RedFrame, parsed
 from kindyna_gui.labels import no_number, sentence
 from kindyna_gui.pictures.paper.timing_chart import (

@@ -22,6 +22,7 @@ from core.design.edits import back_at_start, balance, is_dwell
 from core.design.motion_edits import with_marks_of, without_marks
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 
 # -- blended motion in a design ---------------------------------------------------------------------------------
@@ -48,7 +49,7 @@ def with_blend_as_motion(design: Design, blended: BlendResult) -> Design:
     _require_unit(design, blended)
     gain = blended.gain
     if abs(gain - require_motion(design).gain) > CLOSING:
-        value = f"rises add up to {gain:.9g} {blended.request.unit}"
+        value = f"rises add up to {result_text(gain, 6)} {blended.request.unit}"
         raise _refused("motion.segments", value, "a rise or a return alone does not close the motion", "DRRD | RRR")
     request = blended.request
     return _turn(design, [(request.start, blended.segments)], 360.0 - request.end, blended.first_level)

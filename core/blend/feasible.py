@@ -34,6 +34,7 @@ from core.blend.request import (
 from core.blend.sequence import SequenceProblem, sequence_ranges
 from core.blend.sequences import sequences
 from core.blend.solver import BlendCandidate, candidates, flat_heights
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 
 _ZERO = 1e-9  # least length of a direction, and least singular value of independent ones
@@ -255,8 +256,8 @@ def refusal(request: Request, complete: Sequence[BlendCandidate], constraints: S
         allowed = flat_ranges(request, name)
         value = request.settings[name]
         if allowed and not any(r.low < value < r.high for r in allowed):
-            rest = ", ".join(f"{n} = {v:.9g}" for n, v in request.settings.items() if n != name)
-            return infeasible(f"{name} = {value:.9g} deg", name, allowed, "deg", rest)
+            rest = ", ".join(f"{n} = {result_text(v, 6)}" for n, v in request.settings.items() if n != name)
+            return infeasible(f"{name} = {result_text(value, 6)} deg", name, allowed, "deg", rest)
     independent = [c for c in complete if not are_dependent(request, c, constraints)]
     redundant = None if independent else _redundant(request, complete, constraints)
     if redundant is not None:
@@ -289,7 +290,7 @@ def _redundant(
                 name, unit = request.requested_name(constraint.name), request.unit_of(constraint.name)
                 allowed = ranges[0].low, ranges[-1].high
                 cause = f" by {', '.join(_text(request, c) for c in causes)}" if causes else ""
-                values = " or ".join(f"{r.low:.9g}" for r in ranges)
+                values = " or ".join(result_text(r.low, 6) for r in ranges)
                 text = f"{_text(request, constraint)} {unit}: already determined{cause}: {name} = {values} {unit}"
                 return BlendError(f"{text}; {_instead(request, candidate, others)}", name, allowed)
     return None
@@ -334,7 +335,9 @@ def _out_of_range(
     tail = f" with {others}" if others else ""
     text = f"{_text(request, constraint)} {unit}"
     if SettingRange(*allowed).is_single:
-        return BlendError(f"{text}: already determined{tail}: {allowed[0]:.9g} {unit}; set another one", name, allowed)
+        return BlendError(
+            f"{text}: already determined{tail}: {result_text(allowed[0], 6)} {unit}; set another one", name, allowed
+        )
     if any(_is_well_within(r, _shown_value(request, constraint)) for r in ranges):
         shown = " or ".join(r.text(name) for r in ranges)
         text = f"{text}: many motions have this value{tail}, so it does not determine one"
@@ -380,8 +383,8 @@ def _shown_value(request: Request, constraint: Constraint) -> float:
 
 def _text(request: Request, constraint: Constraint) -> str:
     """Constraint as text: ``point at 120 deg = 5``."""
-    at = f" at {constraint.at + request.start:.9g} deg" if constraint.name == POINT else ""
-    return f"{request.requested_name(constraint.name)}{at} = {_shown_value(request, constraint):.9g}"
+    at = f" at {result_text(constraint.at + request.start, 6)} deg" if constraint.name == POINT else ""
+    return f"{request.requested_name(constraint.name)}{at} = {result_text(_shown_value(request, constraint), 6)}"
 
 
 def _is_well_within(result: SettingRange, value: float) -> bool:

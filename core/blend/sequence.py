@@ -22,6 +22,7 @@ from core.blend.request import BlendError, BlendResult, Request, SettingRange, i
 from core.blend.sequences import CONSTANT, ELEMENTS, CurveChain, CurveSequence
 from core.design import NamedCurve, Segment
 from core.frozen import frozen
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 
 STARTS, STEPS, LONGEST_STEP = 160, 80, 2.0
@@ -437,7 +438,7 @@ def _as_range(problem: SequenceProblem, low: _End, high: _End) -> SettingRange:
 
 def _texts(problem: SequenceProblem, names: Sequence[str]) -> str:
     """Settings with their values: ``rise1 = 20 mm, h2 = 8 mm``."""
-    return ", ".join(f"{n} = {problem.settings[n]:.9g} {problem.request.unit_of(n)}" for n in names)
+    return ", ".join(f"{n} = {result_text(problem.settings[n], 6)} {problem.request.unit_of(n)}" for n in names)
 
 
 def _independent_problem(request: Request) -> SequenceProblem:
@@ -456,7 +457,7 @@ def _independent_problem(request: Request) -> SequenceProblem:
         motions = problem.restricted(causes).motions[:1]
         if motions.size:
             value = request.offset_of(name) + float(np.exp(log_function(problem.chain, name).at(motions)[0]))
-            text = f"{text}: {name} = {value:.9g}"
+            text = f"{text}: {name} = {result_text(value, 6)}"
         independent = problem.new_settings([setting for setting in names if setting != name])
         has_other = independent and len(names) <= problem.chain.freedom
         remedy = f"instead set {', '.join(independent)}" if has_other else "remove it"

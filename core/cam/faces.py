@@ -22,6 +22,7 @@ from core.followers.dimensions import rounded
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion.extremes import Extremes
+from core.number_text import COMPARED_DIGITS, result_text
 from core.numerics.derivatives import between_lines, cross, dot, heading, spread
 from core.numerics.lazy import once
 
@@ -147,7 +148,7 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
     NoCam.raise_where(
         outside,
         lambda: NoCam(
-            f"the {name} passes the cam centre by {-support.min() * 1e3:.9g} mm, so no cam radius is left",
+            f"the {name} passes the cam centre by {result_text(-support.min() * 1e3, 6)} mm, so no cam radius is left",
             *size_entry(cam, name, 0.0),
             angle_ranges(kinematics.theta, outside),
         ),
@@ -224,7 +225,10 @@ def _undercut(extremes: Mapping[str, Extremes], face: Flat, cam: DiskCam, least_
     values: dict[str, float | str] = {"radius_mm": 1e3 * least.value, "face": face.face, "remedy": NO_RADIUS}
     base_radius = _base_radius(cam.base_radius_mm, 1e3 * least.value, least_at)
     if base_radius:
-        values |= {"base_radius_mm": base_radius, "remedy": f"a base radius of {base_radius:.5g} mm is sufficient"}
+        values |= {
+            "base_radius_mm": base_radius,
+            "remedy": f"a base radius of {result_text(base_radius, COMPARED_DIGITS)} mm is sufficient",
+        }
     return [Finding("undercut", ERROR, size_entry(cam, "", 0.0)[0], degrees(least.theta), values)]
 
 

@@ -27,6 +27,7 @@ from core.frozen import frozen
 from core.instant_centres import Centres, cam_follower_centre
 from core.mechanism.kinematics import Kinematics
 from core.motion.extremes import Extremes
+from core.number_text import result_text
 from core.numerics.derivatives import BINOMIAL, Derivatives, between_lines, cross, dot
 from core.numerics.lazy import Lazy, once
 
@@ -487,8 +488,8 @@ def _require_cam(
     NoCam.raise_where(
         covered,
         lambda: NoCam(
-            f"the {name} covers the cam centre: the least distance of their centres is {distance.min() * 1e3:.9g} mm, "
-            f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius would be negative",
+            f"the {name} covers the cam centre: the least distance of their centres is {result_text(distance.min() * 1e3, 6)} mm, "
+            f"less than the {name} radius {result_text(radius * 1e3, 6)} mm, so the cam's radius would be negative",
             field,
             hint,
             angle_ranges(kinematics.theta, covered),

@@ -23,6 +23,7 @@ from core.design.fields import flag, number, whole
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion import degrees
+from core.number_text import result_text, rounded_up, signed_text
 from core.output.files.files import FORMATS, facts_text, profile_job, write_profile
 from core.output.files.inspection import (
     Inspection,
@@ -35,7 +36,7 @@ from core.output.files.inspection import (
     write_inspection,
 )
 from core.output.files.probe import InspectionRequest
-from core.output.files.profile_request import ProfileRequest, rounded_up
+from core.output.files.profile_request import ProfileRequest
 from core.output.lines import finding_line, printable
 from core.output.subject_files import (
     CONTACT_SPEEDS,
@@ -135,22 +136,25 @@ def run_inspection(arguments: InspectionArguments, painter: Painter | None) -> i
 def _lines(result: Inspection, comparison: ProfileComparison | None) -> list[str]:
     """Summary of the files in lines."""
     setup = result.setup
-    size = f", radius {setup.radius:.9g} mm" if setup.kind.radius else ""
+    size = f", radius {result_text(setup.radius, 6)} mm" if setup.kind.radius else ""
     lines = [
-        f"{setup.kind.label}{size}; lift 0 at {setup.base:.9g} mm from the cam centre, largest {result.table.lift.max():.9g} mm",
+        f"{setup.kind.label}{size}; lift 0 at {result_text(setup.base, 6)} mm from the cam centre, largest "
+        f"{result_text(result.table.lift.max(), 6)} mm",
     ]
     if comparison is None:
         return lines
     row = comparison.worst_row
     if comparison.is_fitted:
         lines.append(
-            f"fitted: cam angle = angle {comparison.angle_offset:+.6g} deg, lift = measured {-comparison.lift_offset:+.6g} mm"
+            f"fitted: cam angle = angle {signed_text(comparison.angle_offset)} deg, lift = measured "
+            f"{signed_text(-comparison.lift_offset)} mm"
         )
     band = setup.request.tolerance_mm
     lines += [
         *(printable(note) for note in comparison.notes),
-        f"{comparison.lines.size} rows; largest deviation {comparison.normal_deviation[row]:+.4g} mm normal to the profile "
-        f"({comparison.deviation[row]:+.4g} mm of lift) at {comparison.table.degrees[row]:.6g} deg, line {comparison.lines[row]}",
+        f"{comparison.lines.size} rows; largest deviation {signed_text(comparison.normal_deviation[row])} mm normal to the profile "
+        f"({signed_text(comparison.deviation[row])} mm of lift) at {result_text(comparison.table.degrees[row])} "
+        f"deg, line {comparison.lines[row]}",
         f"in tolerance, ± {band:g} mm"
         if comparison.is_in_tolerance
         else f"OUT OF TOLERANCE, ± {band:g} mm, in {comparison.is_outside.sum()} rows",
@@ -187,7 +191,8 @@ def run_profile(arguments: ProfileArguments, painter: Painter | None) -> int:
         for path in paths:
             print(path)
         print(
-            f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve"
+            f"{main.count} points on {result_text(main.curve.length, 6)} mm, at most "
+            f"{rounded_up(main.deviation, 4):g} mm from the exact curve"
         )
     return verdict(study, ("cam",))
 

@@ -11,6 +11,7 @@ from core.design import Design
 from core.design.linkage_rules import only_incomplete
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
+from core.number_text import result_text
 from core.output.lines import finding_line, printable
 from core.project import loads
 from core.project.files import read_text
@@ -35,7 +36,9 @@ def run_check(arguments: CheckArguments, painter: Painter | None) -> int:
         print(finding_line(finding, study.angle_name))
     for name, residual in proof.items():
         if not residual.kept:
-            print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
+            print(
+                f"certificate: {name} = {result_text(residual.value, 3)} exceeds its bound {result_text(residual.bound, 3)}"
+            )
     kept = sum(residual.kept for residual in proof.values())
     noun = "finding" if len(findings) == 1 else "findings"
     print(

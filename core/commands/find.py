@@ -24,6 +24,7 @@ from core.errors import KindynaError
 from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
 from core.findings import ERROR
 from core.frozen import frozen
+from core.number_text import COMPARED_DIGITS, distinct_texts
 from core.output.summary import to_json
 from core.project import load, number_of, save
 from core.requests import option, text_option
@@ -130,9 +131,9 @@ def _text(solution: Solution) -> str:
     heading = f"{solution.target}:" if solution.is_valid else "the best value, which violates limits:"
     lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
     for key, value in solution.reached.items():
-        number = f"{value:.7g}" if math.isfinite(value) else "none"
         limit, reason = solution.limits.get(key), solution.reasons.get(key)
-        against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:.6g}"
+        number, *limits = distinct_texts([value] if limit is None else [value, limit], COMPARED_DIGITS)
+        against = ", not undercut" if limit == 0.0 and key in LIMITS else "".join(f", limit {text}" for text in limits)
         lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
     lines += [f"it depends on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     if solution.end:

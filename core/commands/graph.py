@@ -17,6 +17,7 @@ from core.commands.common import as_json, ending_with, picture_size
 from core.design.fields import Info, flag, number
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import result_text
 from core.output.graph import (
     DASHES,
     LEAST_WIDTH,
@@ -337,11 +338,11 @@ def _readings(data: Mapping[str, Any]) -> list[str]:
             line = f"{printable(row['name'])}: {_value_text(row['y'], unit)} at {_value_text(row['x'], across)}"
             if "to_x" in row:
                 line += f", {_value_text(row['to_y'], unit)} at {_value_text(row['to_x'], across)}"
-                line += f"; Δx {row['delta_x']:.9g}, Δy {_value_text(row['delta_y'])}"
+                line += f"; Δx {result_text(row['delta_x'], 6)}, Δy {_value_text(row['delta_y'])}"
                 line += f", slope {_value_text(row['slope'])}"
             lines.append(line)
     return lines
 
 
 def _value_text(value: float, unit: str = "") -> str:
-    return f"{value:.9g} {unit}".strip() if math.isfinite(value) else "no value"
+    return f"{result_text(value, 6)} {unit}".strip() if math.isfinite(value) else "no value"

@@ -27,6 +27,7 @@ from core.frozen import frozen
 from core.linkage_programs import FORMATS, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
+from core.number_text import result_text
 from core.output.lines import printable
 from core.output.position import (
     WRITERS,
@@ -131,7 +132,9 @@ def _line(row: dict[str, object]) -> str:
     key = next(key for key in row if key.startswith("driver"))
     low, high = row[key]  # type: ignore[misc]
     present = ", the present one" if row["here"] else ""
-    return f"{row['number']}: driver {low:.6g} ... {high:.6g} {key.removeprefix('driver_')}{present}\n"  # type: ignore[has-type]
+    return (
+        f"{row['number']}: driver {result_text(low)} ... {result_text(high)} {key.removeprefix('driver_')}{present}\n"  # type: ignore[has-type]
+    )
 
 
 # -- the command ``curves`` -------------------------------------------------------------------------------------

@@ -494,7 +494,7 @@ def ranking_text(heading: str, figures: Sequence[RankingColumn], rows: Sequence[
     """Table of a ranking; a row without figures ends with its reason."""
     table: list[tuple[str, ...]] = [(heading, *(f"{figure.title} {figure.symbol}" for figure in figures), "")]
     table.extend(
-        (row.name, *("–" if value is None else digits(value, 5) for value in row.figures), row.problem) for row in rows
+        (row.name, *("–" if value is None else digits(value) for value in row.figures), row.problem) for row in rows
     )
     widths = columns([row[:-1] for row in table])
     return "\n".join(f"{line}  {row[-1]}".rstrip() for line, row in zip(widths, table, strict=True)) + "\n"

@@ -11,6 +11,7 @@ from core.commands.common import as_json, design_file, folder, out_folder, pictu
 from core.design.fields import Info, choice, flag, number
 from core.errors import KindynaError, NoStability
 from core.frozen import frozen
+from core.number_text import result_text
 from core.output.lines import finding_line
 from core.output.report import point_text, stability_text
 from core.output.stability_files import (
@@ -111,7 +112,8 @@ def _points(shaft: Stability, requested: Sequence[Point]) -> list[tuple[float, f
         if eta > MOST_ETA:
             rpm, least = shaft.machine.rpm(eta), shaft.machine.rpm(MOST_ETA)
             raise KindynaError(
-                f"--at {rpm:.6g}rpm: the shaft vibrates {eta:.3g} times a turn; allowed: {least:.6g} rpm and more"
+                f"--at {result_text(rpm, 5)}rpm: the shaft vibrates {result_text(eta, 3)} times a turn; "
+                f"allowed: {result_text(least, 5)} rpm and more"
             )
     return points
 

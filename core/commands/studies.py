@@ -19,6 +19,7 @@ from core.errors import KindynaError
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion import degrees
+from core.number_text import count_text, result_text
 from core.output.export import csv
 from core.output.summary import to_json
 from core.project import loads, parsed, save
@@ -62,7 +63,9 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
         raise KindynaError(f"--into {arguments.into}: is the study that is read; choose another file")
     study_file = load_study(arguments.study)
     progress = Progress()
-    optimum = optimise(study_file, lambda fields, goal, start: progress.report(f"start {start}: {goal:.6g} ..."))
+    optimum = optimise(
+        study_file, lambda fields, goal, start: progress.report(f"start {start}: {result_text(goal)} ...")
+    )
     notes = remarks(study_file, optimum)
     print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes), end="")
     if not optimum.is_feasible:
@@ -102,9 +105,12 @@ def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
-    lines.extend(f"{key} = {value:.7g}, before {optimum.before[key]:.7g}" for key, value in optimum.goals.items())
+    lines.extend(
+        f"{key} = {result_text(value)}, before {result_text(optimum.before[key])}"
+        for key, value in optimum.goals.items()
+    )
     lines += [
-        f"at its limit {bound.limit}: 1 % more of it changes the goal by {bound.per_percent:.4g}"
+        f"at its limit {bound.limit}: 1 % more of it changes the goal by {result_text(bound.per_percent)}"
         for bound in optimum.binding
     ]
     if optimum.is_better:
@@ -207,10 +213,11 @@ def _sensitivity(scatter: Scatter, slopes: np.ndarray) -> str:
 def _tolerance_text(data: dict[str, Any], share: Share) -> str:
     low, high = share.interval
     lines = [
-        f"{share.within:,} of {share.machines:,} machines keep all limits: {share.value:.2%} ({low:.2%} ... {high:.2%} with 95 %)"
+        f"{count_text(share.within)} of {count_text(share.machines)} machines keep all limits: "
+        f"{share.value:.2%} ({low:.2%} ... {high:.2%} with 95 %)"
     ]
     for worst in data["worst"]:
-        value = "cannot be built" if worst["value"] is None else f"{worst['value']:.6g}"
+        value = "cannot be built" if worst["value"] is None else result_text(worst["value"])
         lines.append(
             f"  worst case of {worst['quantity']}: {value}, {'within' if worst['within'] else 'beyond'} its limit"
         )
@@ -240,15 +247,24 @@ def _by_drive(waves: dict[str, Any] | None) -> list[tuple[str, dict[str, float]]
 
 
 def _wave_lines(name: str, waves: dict[str, float]) -> list[str]:
-    lines = [f"  waves{name}: {waves['lift_error_mm']:.4g} mm at the follower, {waves['acceleration_mm_s2']:.5g} mm/s²"]
+    lines = [
+        f"  waves{name}: {result_text(waves['lift_error_mm'])} mm at the follower, {result_text(waves['acceleration_mm_s2'])} mm/s²"
+    ]
     if "contact_force_n" in waves:
         least = waves.get("least_contact_force_n")
-        left = "" if least is None else "; the follower leaves the cam" if least < 0.0 else f"; {least:.5g} N remain"
-        lines.append(f"    they need {waves['contact_force_n']:.5g} N of contact force{left}")
+        left = (
+            ""
+            if least is None
+            else "; the follower leaves the cam"
+            if least < 0.0
+            else f"; {result_text(least)} N remain"
+        )
+        lines.append(f"    they need {result_text(waves['contact_force_n'])} N of contact force{left}")
     if "amplified" in waves:
         lines.append(
-            f"    the elastic follower vibrates {waves['amplified']:.4g} times as far at {waves['amplified_lobes']} lobes (natural "
-            f"frequency: {waves['natural_lobes']:.4g}), {waves['elastic_contact_force_n']:.5g} N"
+            f"    the elastic follower vibrates {result_text(waves['amplified'])} times as far at "
+            f"{waves['amplified_lobes']} lobes (natural "
+            f"frequency: {result_text(waves['natural_lobes'])}), {result_text(waves['elastic_contact_force_n'])} N"
         )
     return lines
 
@@ -301,9 +317,9 @@ def run_vary(arguments: VaryArguments, painter: Painter | None) -> int:
         }
         print(to_json(data), end="")
     else:
-        print(f"{run.count:,} designs, {built:,} of them with values; {arguments.out}")
+        print(f"{count_text(run.count)} designs, {count_text(built)} of them with values; {arguments.out}")
         for code, count in reasons.most_common():
-            print(f"  {code}: {count:,}")
+            print(f"  {code}: {count_text(count)}")
     return DONE
 
 
@@ -326,6 +342,6 @@ class RunProgress:
         self._last = now
         rate = (done - self._first) / (now - self._start)
         print(
-            f"{done:,} of {count:,} designs, {rate:,.0f} a second, {duration((count - done) / rate)} left",
+            f"{count_text(done)} of {count_text(count)} designs, {result_text(rate)} a second, {duration((count - done) / rate)} left",
             file=sys.stderr,
         )

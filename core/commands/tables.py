@@ -33,6 +33,7 @@ from core.measured import (
 )
 from core.measured.columns import LETTERS
 from core.measured.segment_table import segment_from_table
+from core.number_text import result_text
 from core.output.controllers.deviation import curve_csv, error_curve, facts, text
 from core.output.controllers.motion import motion_facts, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import controller
@@ -270,7 +271,7 @@ def _segment(arguments: MeasuredArguments, sheet: Worksheet, machine: Design | N
     save(with_only(machine, which, changed), arguments.into, in_place=True)
     row = require_motion(changed).segments[index]
     print(
-        f"segment {arguments.segment}: {len(sheet.rows)} rows, span {row.span_deg:.9g} deg, "
-        f"rise {row.rise:.9g} {require_motion(changed).unit}"
+        f"segment {arguments.segment}: {len(sheet.rows)} rows, span {result_text(row.span_deg, 6)} deg, "
+        f"rise {result_text(row.rise, 6)} {require_motion(changed).unit}"
     )
     return DONE

@@ -24,6 +24,7 @@ from core.contour.elements import (
 from core.design.fields import LONGEST_MM
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import result_text
 from core.units import conversion_factor
 
 # -- DXF file in text form, tag by tag --------------------------------------------------------------------------
@@ -245,7 +246,7 @@ def read_contour(
 def at_text(z: complex) -> str:
     """A point as text, without a negative zero."""
     x, y = (round(value, 6) + 0.0 for value in (z.real, z.imag))
-    return f"({x:.6g}, {y:.6g}) mm"
+    return f"({result_text(x)}, {result_text(y)}) mm"
 
 
 # -- file -------------------------------------------------------------------------------------------------
@@ -458,7 +459,10 @@ def _least_gap(pieces: Sequence[ContourElement], partners: Mapping[int, int], or
     distance, nearest = cKDTree(points).query(points, k=2)
     i = int(np.argmin(distance[:, 1]))
     first, second = at_text(ends[i] + origin), at_text(ends[nearest[i, 1]] + origin)
-    return f"the ends {first} and {second} are {distance[i, 1]:.4g} mm apart, more than {gap:g} mm; close it, or join over a wider gap"
+    return (
+        f"the ends {first} and {second} are {result_text(distance[i, 1])} mm apart, more than {gap:g} mm; close it, "
+        "or join over a wider gap"
+    )
 
 
 def _with_common_ends(chain: Sequence[ContourElement]) -> list[ContourElement]:

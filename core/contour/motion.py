@@ -26,6 +26,7 @@ from core.laws.polynomial import quintics
 from core.measured import ColumnLayout, MeasuredTable, MotionFit, fit, with_measured_motion
 from core.measured.table import SAME
 from core.measured.units import ValueUnit
+from core.number_text import result_text
 from core.numerics.derivatives import dot
 
 # -- digitised curve --------------------------------------------------------------------------------------------
@@ -135,7 +136,7 @@ def _require_convex(contour: Contour, depth: np.ndarray, z: np.ndarray) -> None:
     worst = int(np.argmax(depth))
     if depth[worst] > INSIDE * float(np.abs(z).max()):
         raise DrawingError(
-            f"{contour.name}: the curve is hollow at {at_text(z[worst])} from the cam centre, {depth[worst]:.4g} mm below "
+            f"{contour.name}: the curve is hollow at {at_text(z[worst])} from the cam centre, {result_text(depth[worst])} mm below "
             " a flat face; choose a roller, or a convex curve"
         )
 
@@ -225,7 +226,7 @@ def _with_base(design: Design, reach: float) -> Design:
     radius = reach - design.drive.face.radius_mm
     if radius <= 0.0:
         raise DrawingError(
-            f"the cam centre lies {-radius:.6g} mm outside the curve as the follower sees it; give another centre"
+            f"the cam centre lies {result_text(-radius)} mm outside the curve as the follower sees it; give another centre"
         )
     changed = put(design, "cam.base_radius_mm", radius)
     return replace(changed, assumed=tuple(path for path in changed.assumed if path != "cam.base_radius_mm"))
@@ -300,7 +301,8 @@ def _segments(
         if not np.isfinite(states).all():
             angle = float(angles[np.flatnonzero(~np.isfinite(states).all(axis=0))[0]])
             raise DrawingError(
-                f"the follower cannot follow the curve at cam angle {angle:.6g} deg ({s.low:.6g} ... {s.high:.6g} deg)"
+                f"the follower cannot follow the curve at cam angle {result_text(angle)} deg "
+                f"({result_text(s.low)} ... {result_text(s.high)} deg)"
             )
     is_dwell = [float(np.ptp(states[0])) <= tolerance for _, states in rows]
     for (_, states), dwell in zip(rows, is_dwell, strict=True):
@@ -355,7 +357,8 @@ def _settle(
         left, right = rows[i - 1][1], rows[i][1]
         if abs(left[0, -1] - right[0, 0]) > DROP:
             raise DrawingError(
-                f"the follower cannot follow the curve at cam angle {s.low:.6g} deg: the pressure angle passes 90 deg there; choose "
+                f"the follower cannot follow the curve at cam angle {result_text(s.low)} deg: the pressure "
+                "angle passes 90 deg there; choose "
                 "another follower or centre"
             )
         level = left[0, -1] if is_dwell[i - 1] else right[0, 0] if is_dwell[i] else 0.5 * (left[0, -1] + right[0, 0])

@@ -16,6 +16,7 @@ from core.design import Design
 from core.errors import angle_list
 from core.followers.touching import Touching, touching
 from core.frozen import frozen
+from core.number_text import result_text
 from core.numerics.derivatives import Taylor
 
 # -- path of a roller's centre round a closed curve of lines and arcs -------------------------------------------
@@ -392,7 +393,7 @@ def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sign: float) -> 
     total = parts[-1].high - parts[0].low
     if abs(total - TURN) > 1e-6:
         raise DrawingError(
-            f"{contour.name}: the {noun} goes {total / TURN:.4g} times round the curve in one turn; it must be once"
+            f"{contour.name}: the {noun} goes {result_text(total / TURN)} times round the curve in one turn; it must be once"
         )
     return parts
 

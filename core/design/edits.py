@@ -50,6 +50,7 @@ from core.design.parts import (
 from core.design.paths import all_paths, of_class, put, row_at, with_guesses_marked
 from core.errors import DesignError, Fault
 from core.laws import find_law
+from core.number_text import result_text
 from core.numerics.lazy import Column, column
 from core.numerics.roots import two_sum
 from core.units import UNITS, Unit
@@ -517,12 +518,12 @@ def rescaled(design: Design, factor: float, *, masses: bool = True) -> Design:
 def scale_text(factor: float, masses: bool) -> str:
     """Effect of a scale on the values of a design, in two sentences."""
     weights = (
-        f"masses × {factor**3:.6g}, moments of inertia × {factor**5:.6g}"
+        f"masses × {result_text(factor**3)}, moments of inertia × {result_text(factor**5)}"
         if masses
         else "masses and moments of inertia stay"
     )
     stay = "Angles, speeds, forces, torques, springs (rates and preloads), stiffnesses and dampings stay as they are."
-    return f"Lengths × {factor:.6g}, {weights}. {stay}"
+    return f"Lengths × {result_text(factor)}, {weights}. {stay}"
 
 
 def _rescaled(part: Any, factor: Decimal, powers: Mapping[Unit, int]) -> Any:

@@ -15,6 +15,7 @@ from core.frozen import frozen
 from core.mechanism import DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, CompiledMotion, MotionState
+from core.number_text import result_text
 from core.numerics.derivatives import Derivatives
 
 # -- equivalent mass, stiffness and damping ---------------------------------------------------------------------
@@ -135,7 +136,7 @@ def elasticity(
     if not (k + closing > 0.0).all():
         stronger = float((-closing / k).max())
         raise NoSolution(
-            f"weight and springs push the follower's mass away {stronger:.4g} times as strongly as its stiffness holds it",
+            f"weight and springs push the follower's mass away {result_text(stronger)} times as strongly as its stiffness holds it",
             STIFFNESS,
             "allowed: less than once; enlarge it, or weaken them",
         )
@@ -144,7 +145,7 @@ def elasticity(
     middle = Equivalent(float(mass[0]), float(k[0]), float(closing[0]), float(damping[0]), float(dampers[0]))
     if middle.damping_ratio >= 1.0:
         raise NoSolution(
-            f"with its dampers the follower's damping ratio is {middle.damping_ratio:.4g}: nothing vibrates",
+            f"with its dampers the follower's damping ratio is {result_text(middle.damping_ratio)}: nothing vibrates",
             DAMPING,
             "allowed with them: below 1; weaken the dampers, or enlarge the stiffness",
         )

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from core.design import Design, edited, get, with_drive, with_spans
-from core.findings import distinct_texts
 from core.frozen import frozen
 from core.motion import connected_segments
+from core.number_text import compared_texts, result_text
 from core.study.limits import CONVEX, FORCE, LIMITS, SPEEDS
 from core.units import split_unit
 
@@ -58,10 +58,10 @@ class LimitReading:
         unit = LIMITS[self.key].unit if self.key in LIMITS else "N"
         name = split_unit(self.key.rpartition(".")[2])[0].replace("_", " ")
         if not self.limit and self.key == CONVEX:
-            return f"undercut at {math.degrees(self.theta):.5g} deg"
-        reached, limit = distinct_texts([self.reached, self.limit], 6)
+            return f"undercut at {result_text(math.degrees(self.theta))} deg"
+        reached, limit = compared_texts([self.reached, self.limit])
         why = f" ({self.reason})" if self.reason else ""
-        return f"{name}{self.flank} {reached} {unit} at {math.degrees(self.theta):.5g} deg, limit {limit} {unit}{why}"
+        return f"{name}{self.flank} {reached} {unit} at {result_text(math.degrees(self.theta))} deg, limit {limit} {unit}{why}"
 
 
 # -- searches ---------------------------------------------------------------------------------------------------

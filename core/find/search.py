@@ -38,6 +38,7 @@ from core.find.trial import (
 from core.findings import ERROR
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
+from core.number_text import result_text
 from core.numerics.roots import EPS, BracketEnds, bounded_minimum, bracketed_root
 from core.study import Study, findings_of
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
@@ -335,7 +336,7 @@ def _best(trials: TrialDesigns, values: np.ndarray) -> float:
     margins = np.array([_or_least(trials.at(x, refined=False).margin) for x in values.tolist()])
     if not (margins > -np.inf).any():
         problem = trials.at(float(values[-1])).problem
-        values_text = f"{trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g}"
+        values_text = f"{trials.paths[0]} from {result_text(values[0])} to {result_text(values[-1])}"
         raise KindynaError(f"no value of {values_text} satisfies every limit: {problem}")
     top = int(np.argmax(margins))
     low, high = values[max(top - 1, 0)], values[min(top + 1, values.size - 1)]
@@ -574,7 +575,7 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
     violations: tuple[str, ...] = ()
     if half_high is not None and half > half_high:
         violations = (
-            f"the contact runs from {span[0]:.6g} to {span[1]:.6g} mm: half a width of {half:.9g} mm, "
+            f"the contact runs from {result_text(span[0])} to {result_text(span[1])} mm: half a width of {result_text(half, 6)} mm, "
             f"limit {half_high:g} mm",
         )
     values = dict(zip(paths, (half, centre), strict=True))

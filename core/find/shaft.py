@@ -32,6 +32,7 @@ from core.errors import KindynaError, NoSolution
 from core.find.offer import StatedLimits
 from core.find.search import Solution
 from core.find.trial import PRESSURE_ANGLES, FindingsCheck, TrialDesigns, nearest_accepted
+from core.number_text import result_text
 from core.numerics.roots import BracketEnds, bounded_minimum, bracketed_root
 from core.shaft import (
     AIMS,
@@ -266,7 +267,9 @@ def _gear_ratio(design: Design, request: ShaftRequest) -> Solution:
         most = math.inf if servo.rated_rpm is None else servo.rated_rpm / speed
         ratio = min(max(best, request.low(path, 0.0)), min(request.high(path), most))
         if ratio == most and most < best:
-            ends.append(f"{path} = {ratio:.9g}, where the motor reaches its rated speed; without that {best:.9g}")
+            ends.append(
+                f"{path} = {ratio:.9g}, where the motor reaches its rated speed; without that {result_text(best, 6)}"
+            )
         answer[path], reached[rms_path], before[rms_path] = ratio, rms(ratio), rms(servo.gear_ratio)
         curve = curve or [(x, rms(x)) for x in sorted({*(best * np.exp(np.linspace(-1.4, 1.4, 15))).tolist(), ratio})]
         drives = list(changed.drives)
@@ -315,8 +318,12 @@ def _flywheel(design: Design, request: ShaftRequest) -> Solution:
     reached = fluctuation(inertia)
     violations: tuple[str, ...] = ()
     if reached > limit * (1.0 + TOLERANCE):
-        text = "the motor stalls" if reached == math.inf else f"speed fluctuation {reached:.6g}, limit {limit:g}"
-        violations = (f"{text}: it requires {needed:.6g} kg·m²",)
+        text = (
+            "the motor stalls"
+            if reached == math.inf
+            else f"speed fluctuation {result_text(reached, 5)}, limit {limit:g}"
+        )
+        violations = (f"{text}: it requires {result_text(needed)} kg·m²",)
     around = (needed or inertia or inertia_by_energy(load, shaft, limit) or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
     curve = [(i, fluctuation(i)) for i in sorted({*around.tolist(), inertia})]
     end = f"{FLYWHEEL} = {inertia:.9g}" if (inertia != needed or not inertia) and not violations else ""
@@ -654,11 +661,13 @@ def _invalid_solution(trials: _BalanceCams, rates: list[float], least: float, mo
     violations = [reading.text for reading in outcome.readings if not reading.is_satisfied]
     rise = trials.rise_of(best, most)
     if rise < trials.rise:
-        violations.append(f"its force rises by {rise:.4g} of the preload, limit {trials.rise:g}: use a stiffer spring")
+        violations.append(
+            f"its force rises by {result_text(rise)} of the preload, limit {trials.rise:g}: use a stiffer spring"
+        )
     force = trials.least_force(best, most)
     if force < trials.force:
         violations.append(
-            f"the contact force is too small: least contact force {force:.6g} N, limit {trials.force:g} N"
+            f"the contact force is too small: least contact force {result_text(force, 5)} N, limit {trials.force:g} N"
         )
     return _spring_solution(trials, best, most, (), tuple(violations), "")
 

@@ -31,6 +31,7 @@ from core.find.trial import (
 from core.findings import Finding, Remedy
 from core.motion import Angles
 from core.motion.extremes import piecewise_angles
+from core.number_text import result_text
 from core.numerics.roots import BracketEnds, bounded_minimum, bracketed_root
 from core.study import Study
 from core.study.limits import FORCE
@@ -110,8 +111,10 @@ def find_for_contact(design: Design, what: str, stated: StatedLimits, machine: M
 
 
 def _force_text(least: LeastForce, limit: float, reason: str = "") -> str:
-    at = f"at {math.degrees(least.theta):.5g} deg and {abs(least.omega) / RPM:.6g} rpm"
-    return f"contact force {least.value:.6g} N {at}, limit {limit:.6g} N" + (f" ({reason})" if reason else "")
+    at = f"at {result_text(math.degrees(least.theta))} deg and {result_text(abs(least.omega) / RPM)} rpm"
+    return f"contact force {result_text(least.value, 5)} N {at}, limit {result_text(limit, 5)} N" + (
+        f" ({reason})" if reason else ""
+    )
 
 
 # -- lift-off ----------------------------------------------------------------------------------------------
@@ -363,7 +366,8 @@ def _ineffective_text(springs: _Springs, path: str, value: float) -> str:
     worst = springs.stalled(path)
     limit, _ = springs.limit({path: value})
     text = (
-        f"contact force {worst.value:.6g} N at {math.degrees(worst.theta):.5g} deg, limit {limit:.6g} N: the spring's "
+        f"contact force {result_text(worst.value, 5)} N at {result_text(math.degrees(worst.theta), 5)} deg, limit "
+        f"{result_text(limit, 5)} N: the spring's "
     )
     if path == springs.preload or not springs.preload:
         return f"{text}force does not help there"

@@ -17,6 +17,7 @@ from core.findings import ERROR, NOTE, Finding
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint, column
 from core.study import Study, findings_of
 from core.study.limits import FORCE, FORCE_PART, LIMITS, POLAR, USER_BOUNDS, Curve, bounded_quantities, needs_torque
@@ -343,10 +344,10 @@ class ContactLimit(NamedTuple):
 
     def limit(self, largest: float) -> tuple[float, str]:
         """Least force [N] of a design with the given largest force, and the reason with the highest speed."""
-        fast = f"up to {self.high / RPM:.6g} rpm"
+        fast = f"up to {result_text(self.high / RPM)} rpm"
         if self.force is not None:
             return self.force, fast
-        return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {largest:.5g} N, {fast}"
+        return FORCE_PART * largest, f"{100.0 * FORCE_PART:g} % of the largest, {result_text(largest)} N, {fast}"
 
 
 class TrialDesigns:

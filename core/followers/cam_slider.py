@@ -17,6 +17,7 @@ from core.followers.dimensions import angle_at_pivot, rounded, second_on_arm
 from core.frozen import frozen
 from core.mechanism.mechanism import LinkageSolution, Mechanism, Names, ReferencePoint
 from core.motion import MotionState
+from core.number_text import input_text, result_text
 from core.numerics.derivatives import heading, vector
 
 # -- the cam-driven slider --------------------------------------------------------------------------------------
@@ -119,8 +120,8 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     NoAssembly.raise_where(
         run_squared < 0.0,
         lambda: NoAssembly(
-            f"the rod does not reach the guide in the base position: {follower.rod_mm:.9g} mm long, the arm's pin is "
-            f"{abs(rise) * 1e3:.9g} mm from the guide",
+            f"the rod does not reach the guide in the base position: {input_text(follower.rod_mm)} mm long, the arm's pin is "
+            f"{result_text(abs(rise) * 1e3, 6)} mm from the guide",
             "follower.rod_mm",
             f"make it longer than {rounded(abs(rise) * 1e3, math.ceil)} mm, or change guide_height_mm or fixed_angle_deg",
         ),
@@ -225,9 +226,9 @@ def _assembly_error(follower: CamSlider, start: float, motion: MotionState, fail
         )
     worst = r.max() if r.max() > high else r.min()
     return NoAssembly(
-        f"slider arm and rod cannot reach the slider, which comes to {worst:.9g} mm from the pivot,",
+        f"slider arm and rod cannot reach the slider, which comes to {result_text(worst, 6)} mm from the pivot,",
         "follower.rod_mm",
-        f"that distance must stay within {low:.9g} ... {high:.9g} mm: change the lengths or the stroke",
+        f"that distance must stay within {result_text(low, 6)} ... {result_text(high, 6)} mm: change the lengths or the stroke",
         where,
     )
 

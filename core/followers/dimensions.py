@@ -33,6 +33,7 @@ from core.errors import NoAssembly
 from core.frozen import frozen
 from core.mechanism.dyads import opposite_angle
 from core.mechanism.kinematics import FRAME, Kinematics
+from core.number_text import result_text
 from core.numerics.derivatives import heading
 
 # -- dimensions of a drawing ------------------------------------------------------------------------------------
@@ -253,8 +254,9 @@ def angle_at_pivot(arm: float, pivot: float, reach: float, face: RoundFace | Rol
     NoAssembly.raise_where(
         np.isnan(angle),
         lambda: NoAssembly(
-            f"the {face.noun} cannot reach the base circle: {name} {arm * 1e3:.9g} mm, pivot {pivot * 1e3:.9g} mm from the cam "
-            f"centre, {face.reach} {reach * 1e3:.9g} mm make no triangle",
+            f"the {face.noun} cannot reach the base circle: {name} {result_text(arm * 1e3, 6)} mm, pivot "
+            f"{result_text(pivot * 1e3, 6)} mm from the cam "
+            f"centre, {face.reach} {result_text(reach * 1e3, 6)} mm make no triangle",
             field,
             f"make the {name} {_triangle_range(pivot, reach)} mm long, or {face.reach} "
             f"{_triangle_range(pivot, arm)} mm",

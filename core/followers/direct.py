@@ -32,6 +32,7 @@ from core.errors import NoAssembly, NoCam, angle_ranges
 from core.followers.dimensions import SECOND, angle_at_pivot, rounded, second_on_arm
 from core.mechanism.mechanism import Mechanism, Names, ReferencePoint
 from core.motion import TURN, MotionState
+from core.number_text import input_text, result_text
 from core.numerics.derivatives import vector
 
 # -- arm on a fixed pivot ---------------------------------------------------------------------------------------
@@ -101,8 +102,8 @@ def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
     NoAssembly.raise_where(
         ~(abs(reach - f) < pivot),
         lambda: NoAssembly(
-            f"the flat face cannot lie on the base circle: base radius less face offset {1e3 * (reach - f):.9g} mm, pivot "
-            f"{1e3 * pivot:.9g} mm from the cam centre",
+            f"the flat face cannot lie on the base circle: base radius less face offset {result_text(1e3 * (reach - f), 6)} mm, pivot "
+            f"{result_text(1e3 * pivot, 6)} mm from the cam centre",
             "follower.pivot_x_mm",
             f"put the pivot farther than {rounded(1e3 * abs(reach - f), math.ceil)} mm from the cam centre, or change "
             "base_radius_mm or face_offset_mm",
@@ -222,9 +223,9 @@ def _round_start(follower: Translating, reach: float) -> float:
     NoAssembly.raise_where(
         square <= 0.0,
         lambda: NoAssembly(
-            f"the {face.noun} cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
+            f"the {face.noun} cannot reach the base circle: offset {input_text(follower.offset_mm)} mm",
             "follower.offset_mm",
-            f"must stay within +-{reach * 1e3:.9g} mm, {face.reach}",
+            f"must stay within +-{result_text(reach * 1e3, 6)} mm, {face.reach}",
         ),
     )
     return np.sqrt(square)
@@ -249,7 +250,7 @@ def _require_radius(noun: str, base: float, motion: MotionState) -> None:
         lambda: NoCam(
             f"the {noun} centre passes the cam centre: no cam radius is left",
             "cam.base_radius_mm",
-            f"make it larger by more than {-np.min(position) * 1e3:.9g} mm, or lower the motion",
+            f"make it larger by more than {result_text(-np.min(position) * 1e3, 6)} mm, or lower the motion",
             angle_ranges(motion.theta, position <= 0.0),
         ),
     )

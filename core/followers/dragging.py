@@ -37,6 +37,7 @@ from core.mechanism.checks import movable_points, point_changes
 from core.mechanism.dyads import area4_of
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import ROLLER
+from core.number_text import result_text
 from core.units import split_unit, unit_kind
 
 Changes = Mapping[str, Any]
@@ -104,8 +105,9 @@ def _fixed_angle(design: Design, kinematics: Kinematics, pivot: complex, pin: co
     k = area4_of(r, l1, l2)
     if not k > 0.0:
         raise NoAssembly(
-            f"slider arm {l1 * 1e3:.9g} mm and rod {l2 * 1e3:.9g} mm do not meet in the base position, where the slider is "
-            f"{r * 1e3:.9g} mm from the pivot",
+            f"slider arm {result_text(l1 * 1e3, 6)} mm and rod {result_text(l2 * 1e3, 6)} mm do not meet in the "
+            "base position, where the slider is "
+            f"{result_text(r * 1e3, 6)} mm from the pivot",
             "follower.rod_mm",
             "choose another position of the joint",
         )
@@ -142,7 +144,7 @@ def _on_guide(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     start = local.real - float(kinematics.motion.displacement[0][0])
     if start <= 0.0:
         raise NoAssembly(
-            f"in the base position the {design.drive.face.noun} would be {-start * 1e3:.9g} mm behind the cam centre",
+            f"in the base position the {design.drive.face.noun} would be {result_text(-start * 1e3, 6)} mm behind the cam centre",
             "cam.base_radius_mm",
             "move it farther out",
         )

@@ -27,6 +27,7 @@ from core.measured.units import (
     value_unit,
     value_units,
 )
+from core.number_text import result_text
 from core.requests import text_option
 
 
@@ -383,7 +384,7 @@ class _Detection:
             return "mm"
         converted = stroke * BASES["mm"][name]
         self.guesses["value_unit"] = (
-            f"the displacement is assumed to be in {name}, a stroke of {converted:.4g} mm; as mm it is {stroke:.4g} mm"
+            f"the displacement is assumed to be in {name}, a stroke of {result_text(converted)} mm; as mm it is {result_text(stroke)} mm"
         )
         return name
 
@@ -396,7 +397,7 @@ class _Detection:
             return "s"
         low, high, count = self._extent(column)
         unit = "turns" if high - low <= 1.01 else "rad" if high - low <= 6.35 else "deg"
-        step = f", a row every {(high - low) / (count - 1):.4g}" if count > 1 else ""
+        step = f", a row every {result_text((high - low) / (count - 1))}" if count > 1 else ""
         self.guesses["angle_unit"] = f"angles from {low:g} to {high:g} are assumed to be in {unit}{step}"
         return unit
 

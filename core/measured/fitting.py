@@ -29,6 +29,7 @@ from core.measured.structure import AccelerationJump, SegmentFit, Structure, Swi
 from core.measured.table import LEAST_ANGLES, MeasuredColumn, MeasuredTable, distinct_angles
 from core.measured.units import QUANTITIES
 from core.motion import Angles, CompiledMotion, program
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 
 # -- motion through measured rows -------------------------------------------------------------------------------
@@ -343,9 +344,10 @@ def _require_near(
     distance = np.abs(y - _measured(motion, 0, x)) * is_valid
     worst, allowed = int(np.argmax(distance)), far(error, float(np.ptp(y[is_valid] if is_valid.any() else y)))
     if distance[worst] > allowed:
-        size, bound = (f"{value / abs(table.size):.4g} {table.unit}" for value in (distance[worst], allowed))
+        size, bound = (f"{result_text(value / abs(table.size))} {table.unit}" for value in (distance[worst], allowed))
         raise FitError(
-            f"at {x[worst]:.6g} deg the rows are {size} away from the nearest motion; allowed: at most {bound}; correct them, or state "
+            f"at {result_text(x[worst], 5)} deg the rows are {size} away from the nearest motion; allowed: at "
+            f"most {bound}; correct them, or state "
             "a larger measuring error"
         )
 
@@ -381,7 +383,8 @@ def _compared(table: MeasuredTable, rows: TurnRows | None, contradicted: Collect
     orders = {QUANTITIES.index(quantity) for quantity in trusted}
     for pair in disagreements(rows.only(orders)) if rows is not None else ():
         raise FitError(
-            f"the {QUANTITIES[pair.order]} is {pair.factor:.4g} times the derivative of the {QUANTITIES[pair.order - 1]}: they contradict "
+            f"the {QUANTITIES[pair.order]} is {result_text(pair.factor)} times the derivative of the "
+            f"{QUANTITIES[pair.order - 1]}: they contradict "
             "each other; correct the unit or the speed, or trust only one of them"
         )
     return tuple(order for order in available if order not in orders)
@@ -442,7 +445,7 @@ def _rows(
         return None
     if error >= deviation:
         raise FitError(
-            f"measuring error {error:g} {table.unit}: as large as the motion; allowed: 0 ... {deviation:.6g} {table.unit}"
+            f"measuring error {error:g} {table.unit}: as large as the motion; allowed: 0 ... {result_text(deviation, 5)} {table.unit}"
         )
     by_order = {
         column.order: max(errors[column.quantity], 10.0**-column.decimals / sqrt(12.0)) * abs(column.size)
@@ -468,7 +471,8 @@ def _left_open(table: MeasuredTable) -> str:
         return ""
     jump = abs(table.values[last] - table.values[first]) / abs(table.size)
     return (
-        f" (line {table.lines[last]}, where the turn ends, is {jump:.6g} {table.unit} from line {table.lines[first]}, where it starts: a "
+        f" (line {table.lines[last]}, where the turn ends, is {result_text(jump)} {table.unit} from line "
+        f"{table.lines[first]}, where it starts: a "
         "measured motion must return to its start)"
     )
 
@@ -534,7 +538,7 @@ def _solve(table: MeasuredTable, error: float, left_out: tuple[int, ...]) -> _Sp
     if target >= variance:
         greatest = sqrt(variance) / 360.0**table.layout.order / abs(table.size)
         raise FitError(
-            f"measuring error {error:g} {table.unit}: as large as the motion; allowed: 0 ... {greatest:.6g} {table.unit}"
+            f"measuring error {error:g} {table.unit}: as large as the motion; allowed: 0 ... {result_text(greatest, 5)} {table.unit}"
         )
     rows = _knotted(table, target, x.size, left_out)
     return _smoothed(rows, _lambda(rows, target))

@@ -14,6 +14,7 @@ from core.measured.rows import scatter
 from core.measured.sheet import RowFault, TableError
 from core.measured.strokes import shortest
 from core.measured.table import SAME, MeasuredTable, distinct_angles, gaps
+from core.number_text import result_text
 
 WIDE = 1.5  # a wider gap between the last and the first row, in typical and in widest steps, leaves the turn open
 EQUAL = 5.0  # largest difference of the ends of a dwell, in errors
@@ -79,11 +80,13 @@ def turn_gaps(table: MeasuredTable, error: float) -> list[Gap]:
     ):
         difference, allowed = abs(float(y[first] - y[last])), EQUAL * sqrt(2.0) * error
         cause = (
-            f"differ by {difference / abs(table.size):.6g} {table.unit}" if difference > allowed else "are not level"
+            f"differ by {result_text(difference / abs(table.size), 5)} {table.unit}"
+            if difference > allowed
+            else "are not level"
         )
         lines = table.lines_text([int(np.flatnonzero(index == i)[0]) for i in (last, first)])
         raise OpenTurnError(
-            f"{lines}: no rows from {x[last]:.6g} to {x[first] or 360.0:.6g} deg, "
+            f"{lines}: no rows from {result_text(x[last])} to {result_text(x[first] or 360.0)} deg, "
             f"and the rows at both ends {cause}; add the rows of the full turn, or mirror half a lobe at the row of its peak: --mirror"
         )
     if is_level.any() and table.layout.order:
@@ -118,7 +121,8 @@ def _require_return(x: np.ndarray, y: np.ndarray, order: int) -> None:
         y = np.append(0.0, np.cumsum(0.5 * (y[1:] + y[:-1]) * step))
         if abs(y[-1]) > CLOSES * np.abs(y).max():
             raise OpenTurnError(
-                f"the rows do not cover the turn, and the motion ends {abs(y[-1]) / np.abs(y).max():.2g} of its stroke from its "
+                "the rows do not cover the turn, and the motion ends "
+                f"{result_text(abs(y[-1]) / np.abs(y).max(), 2)} of its stroke from its "
                 "start; add the rows of the full turn, or use displacements, which --mirror completes"
             )
 
@@ -193,5 +197,8 @@ def mirror_rows(table: MeasuredTable) -> MeasuredTable:
             replace(column, values=column.values[order] * (signs if column.order % 2 else 1.0))
             for column in table.other_columns
         ),
-        notes=(*table.notes, f"the rows are mirrored at line {table.lines[peak]} ({table.angles[peak]:.6g} deg)"),
+        notes=(
+            *table.notes,
+            f"the rows are mirrored at line {table.lines[peak]} ({result_text(table.angles[peak])} deg)",
+        ),
     )

@@ -19,6 +19,7 @@ from core.measured.segments import difference, quintic_segment, thin_knots, with
 from core.measured.smoothing import End, smooth
 from core.measured.strokes import LEAST_STEPS, Rest, UnrolledRows, rests, unrolled
 from core.motion import program
+from core.number_text import result_text
 
 MOST_THROUGH = 1000  # greatest number of exact rows without velocities through which a curve of least jerk passes
 SHORT = 0.1  # length of a dwell relative to its strokes, below which it may be the crest of a flat law
@@ -202,7 +203,7 @@ def _switched_parts(parts: list[_Part], switches: Switches, error: float, unit: 
             parts[k] = replace(part, is_dwell=False)
         elif kind == DWELL and not part.is_dwell:
             if abs(part.high - part.low) > LEVEL * error:
-                rise = f"{abs(part.high - part.low):.4g} {unit}"
+                rise = f"{result_text(abs(part.high - part.low))} {unit}"
                 raise SwitchError(
                     f"segment at {angle:g} deg: its ends differ by {rise}; the ends of a dwell have one level"
                 )

@@ -21,6 +21,7 @@ from core.measured.sheet import (
     read_sheet,
 )
 from core.measured.units import ANGLE_UNITS, TIME_UNITS
+from core.number_text import result_text
 
 # -- table of force over the turn -------------------------------------------------------------------------------
 
@@ -420,7 +421,7 @@ def _notes(
         yield "the angles fall; the rows are sorted"
     reach = float(unwrapped.max() - unwrapped.min())
     if reach > 360.0 + SAME:
-        yield f"the angles cover {reach / 360.0:.4g} turns, which are superposed"
+        yield f"the angles cover {result_text(reach / 360.0)} turns, which are superposed"
     _, index = distinct_angles(angles)
     if closing is not None:
         last, first = closing

@@ -21,6 +21,7 @@ from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan
 from core.mechanism.mechanism import at_driver, solve
 from core.motion import motion_at, program
+from core.number_text import result_text
 
 # -- positions of points and links in the drawing ---------------------------------------------------------------
 
@@ -286,7 +287,9 @@ def with_input_values(design: Design, index: int, row: SecondDriver, offset: flo
         and wheel_ratio is not None
         and abs((ratio or 0.0) - wheel_ratio) > 1e-12 * abs(wheel_ratio)
     ):
-        raise fault(f"a ratio of {row.ratio:g}, and wheels of {wheel_ratio:.6g}", "the ratio or the wheels alone")
+        raise fault(
+            f"a ratio of {row.ratio:g}, and wheels of {result_text(wheel_ratio)}", "the ratio or the wheels alone"
+        )
     rows = (*linkage.drivers[:index], row, *linkage.drivers[index + 1 :])
     changed = with_positions(design, point_positions(linkage), replace(linkage, drivers=rows))
     if offset is None:
@@ -460,7 +463,7 @@ def assembled_positions(linkage: Linkage, places: Mapping[str, complex], fixed: 
     if worst <= 1e-9 * size:
         return current(z)
     raise NoPosition(
-        f"the links do not meet: the smallest gap is {worst:.6g} mm",
+        f"the links do not meet: the smallest gap is {result_text(worst)} mm",
         "linkage",
         "another length or position",
     )

@@ -16,8 +16,8 @@ from core.dynamics import input_power
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import TURN
+from core.number_text import result_text
 from core.numerics.derivatives import spread
-from core.output.lines import digits
 from core.study import QUANTITIES, Camshaft, Quantity, Study, extremes_of, names_of, quantity
 from core.study.drive_forces import turn_nodes
 from core.study.extremes import has_quantity
@@ -155,13 +155,13 @@ def cycle_line(study: Study) -> str:
     result, unit = motion_cycle(study), study.design.drive.motion_unit
     symbol, parts = UNITS[unit].symbol, []
     if study.program.motion.gain:
-        parts.append(f"mean speed {result.mean_speed:.6g} {symbol}/s")
+        parts.append(f"mean speed {result_text(result.mean_speed)} {symbol}/s")
     if result.stops:
-        parts.append(f"index error {max(abs(stop.error) for stop in result.stops):.3g} {symbol}")
+        parts.append(f"index error {result_text(max(abs(stop.error) for stop in result.stops), 3)} {symbol}")
     if result.work is not None:
         kind, net_energy = "N" if unit == "mm" else "N m", result.work.given - result.work.braked
-        parts.append(f"rms {result.work.rms:.6g} {kind}")
-        parts.append(f"energy {result.work.given:.6g} J a turn, {net_energy:.6g} J with recovery")
+        parts.append(f"rms {result_text(result.work.rms)} {kind}")
+        parts.append(f"energy {result_text(result.work.given)} J a turn, {result_text(net_energy)} J with recovery")
     return "; ".join(parts)
 
 
@@ -170,17 +170,21 @@ def new_design_text(design: Design) -> str:
     motion, study = motion_of(design), Study(design)
     assert motion is not None, "a design without a motion"
     unit = UNITS[motion.unit].symbol
-    size = f"advance {digits(motion.gain)} {unit} a turn" if motion.gain else f"stroke {digits(stroke(motion))} {unit}"
-    lines = [f"{design.name}, {digits(design.speed_rpm)} rpm: {size}"]
+    size = (
+        f"advance {result_text(motion.gain)} {unit} a turn"
+        if motion.gain
+        else f"stroke {result_text(stroke(motion))} {unit}"
+    )
+    lines = [f"{design.name}, {result_text(design.speed_rpm)} rpm: {size}"]
     extremes = extremes_of(study, "motion")
     for row in channels(design, ("motion",)):
         if row.name in ("velocity", "acceleration", "jerk"):
             ends = (extremes[row.name].low.value, extremes[row.name].high.value)
             largest = max(ends, key=abs) / row.unit.factor
-            lines.append(f"largest {row.label.lower()} {digits(largest)} {row.unit.symbol}")
+            lines.append(f"largest {row.label.lower()} {result_text(largest)} {row.unit.symbol}")
     if stops := motion_stops(motion):
         error = max(abs(stop.error) for stop in stops)
-        lines.append(f"index error at the stops {digits(error)} {unit}")
+        lines.append(f"index error at the stops {result_text(error)} {unit}")
     return "\n".join(lines)
 
 

@@ -11,7 +11,8 @@ from typing import Any
 
 from core.findings import Finding
 from core.frozen import frozen
-from core.output.lines import columns, digits, finding_line, printable, shortest
+from core.number_text import distinct_texts, input_text
+from core.output.lines import columns, digits, finding_line, printable
 from core.output.report.document import Document
 from core.output.report.parts import Number, ReportTable, Section, Sentences, section, table
 from core.output.summary import extremes, finding_rows, summary
@@ -70,7 +71,10 @@ class Difference:
             return _value_text(self.a, True), _value_text(self.b, True), _value_text(change, True)
         small = SAME * self.size
         values = [0.0 if _is_number(value) and abs(value) <= small else value for value in (self.a, self.b, change)]
-        return _value_text(values[0], False), _value_text(values[1], False), _value_text(values[2], False)
+        a, b, change = (_value_text(value, False) for value in values)
+        if _is_number(values[0]) and _is_number(values[1]):
+            a, b = distinct_texts(values[:2])
+        return a, b, change
 
 
 @frozen
@@ -288,7 +292,7 @@ def _value_text(value: Any, is_input: bool) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return shortest(value) if is_input else digits(value)
+        return input_text(value) if is_input else digits(value)
     return printable(", ".join(map(str, value)) if isinstance(value, list) else str(value))
 
 

@@ -6,34 +6,15 @@ import math
 from collections.abc import Sequence
 
 from core.findings import Finding
+from core.number_text import RESULT_DIGITS, result_text
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """Beginnings of a cell that a spreadsheet reads as a formula."""
-_PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
 
 
-def digits(value: float | None, most: int = 6) -> str:
-    """A number for reading: six significant digits, an exponent only for very small or large numbers."""
-    if value is None or not math.isfinite(value):
-        return "infinite"
-    if value == 0.0:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    if size < -4 or size > 8:
-        return f"{value:.{most - 1}e}"
-    return f"{value:.{max(0, most - 1 - size)}f}"
-
-
-def shortest(value: float) -> str:
-    """The shortest text that reads back to the same number, without an exponent where that is not longer."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value + 0.0:g}"
-    text = repr(float(value))
-    if "e" in text and _PLAIN_FROM <= abs(value) < _PLAIN_TO:
-        from decimal import Decimal  # slow to import, and few numbers need it
-
-        text = f"{Decimal(text):f}"
-    return text.removesuffix(".0")
+def digits(value: float | None, most: int = RESULT_DIGITS) -> str:
+    """A result with equal digits down a column of a table; None is infinite, as in ``summary.json``."""
+    return "infinite" if value is None or not math.isfinite(value) else result_text(value, most, padded=True)
 
 
 def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
@@ -61,12 +42,12 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
-def finding_line(finding: Finding, angle: str = "cam angle", least: int = 0) -> str:
-    """A finding on one line; its figures have at least ``least`` digits."""
+def finding_line(finding: Finding, angle: str = "cam angle") -> str:
+    """A finding on one line."""
     drive = f"{printable(str(finding.values['drive']))}: " if "drive" in finding.values else ""
     location = (
         ""
         if finding.cam_angle_deg is None or finding.states_angle
-        else f", at {angle} {digits(finding.cam_angle_deg)} °"
+        else f", at {angle} {result_text(finding.cam_angle_deg)} °"
     )
-    return f"{finding.severity}: {drive}{finding.with_digits(least)}{location} [{finding.field}]"
+    return f"{finding.severity}: {drive}{finding.message}{location} [{finding.field}]"

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from core.design import HOLDS, Design, PairTarget, Target, get, holds_of, link_names, pairs_of
-from core.output.lines import shortest
+from core.number_text import shortest
 
 ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
 """Path of a row: the list and the index."""

@@ -15,6 +15,7 @@ from core.measured.event import Event, events, velocity_jumps
 from core.measured.fitting import EXACT, MOST, contradiction
 from core.measured.segments import difference
 from core.measured.structure import DWELL
+from core.number_text import result_text
 from core.output.lines import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
@@ -25,11 +26,6 @@ IN_INCHES = {1.27: " (0.05 in)"}
 MOST_LINES = 30  # of wrong rows; further ones are counted
 
 
-def digits(value: float, most: int = 6) -> str:
-    """A number with this number of significant digits, without trailing zeros."""
-    return f"{value + 0.0:.{most}g}"
-
-
 def notes(fit: MotionFit) -> tuple[str, ...]:
     """Sentences on the table, on assumptions about it, and on the fit."""
     return (*fit.table.layout.guesses, *fit.table.notes, *_fit_notes(fit))
@@ -38,10 +34,10 @@ def notes(fit: MotionFit) -> tuple[str, ...]:
 def _fit_notes(fit: MotionFit) -> Iterator[str]:
     table, unit = fit.table, fit.table.unit
     if fit.is_guessed:
-        yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is estimated from the rows"
+        yield f"the measuring error is not stated; {result_text(fit.error, 2)} {unit} is estimated from the rows"
     for gap in fit.gaps:
         treatment = "the spline bridges the gap" if gap.level is None else "the rows at both ends are level: a dwell"
-        yield f"no rows from {digits(gap.start)} to {digits(float(np.mod(gap.end, 360.0)) or 360.0)} deg; {treatment}"
+        yield f"no rows from {result_text(gap.start)} to {result_text(float(np.mod(gap.end, 360.0)) or 360.0)} deg; {treatment}"
     result, use = fit.outliers, "omitted from the fit" if fit.left_out else "fitted with the others"
     if result.wrong:
         yield f"{table.lines_text(result.wrong)}: wrong, no smooth curve joins them to their neighbours; {use}"
@@ -57,10 +53,10 @@ def _fit_notes(fit: MotionFit) -> Iterator[str]:
         last, first = table.closing
         gap_at_end = (table.values[last] - table.values[first]) / table.size
         if abs(gap_at_end) > LARGE * sqrt(2.0) * fit.error:
-            yield f"the table does not close: a turn later, the deviation of line {table.lines[last]} is {digits(gap_at_end, 4)} {unit}"
+            yield f"the table does not close: a turn later, the deviation of line {table.lines[last]} is {result_text(gap_at_end)} {unit}"
     if fit.error and fit.rms > 1.001 * fit.error and not fit.segments:
         why = f"{MOST} points" if len(fit.points) >= MOST else "rows that repeat a cam angle"
-        yield f"{why} leave {digits(fit.rms, 4)} {unit}, more than the measuring error"
+        yield f"{why} leave {result_text(fit.rms)} {unit}, more than the measuring error"
     if fit.error == 0.0 and fit.smoothing and not fit.segments:
         yield f"more rows than {MOST} points can interpolate; the curve is the nearest one"
     if fit.waves < WAVES and fit.error and not fit.segments and fit.residuals.size >= LEAST_WAVES:
@@ -68,17 +64,17 @@ def _fit_notes(fit: MotionFit) -> Iterator[str]:
     yield from _column_notes(fit)
     for jump in fit.jumps:
         per = f"{table.motion_unit}/deg2"
-        yield f"the acceleration jumps at {digits(jump.angle)} deg, from {digits(jump.before, 4)} to {digits(jump.after, 4)} {per}"
+        yield f"the acceleration jumps at {result_text(jump.angle)} deg, from {result_text(jump.before)} to {result_text(jump.after)} {per}"
     for step in velocity_jumps(fit):
         per = f"{table.motion_unit}/deg"
-        yield f"the velocity jumps at {digits(step.angle)} deg, from {digits(step.before, 4)} to {digits(step.after, 4)} {per}"
+        yield f"the velocity jumps at {result_text(step.angle)} deg, from {result_text(step.before)} to {result_text(step.after)} {per}"
     order, motion_unit = table.layout.order, fit.motion.unit
     if order:
-        position = f"its lowest position is {digits(fit.lowest)} {motion_unit}"
+        position = f"its lowest position is {result_text(fit.lowest)} {motion_unit}"
         yield f"a table of {PLURALS[table.layout.quantity]} does not determine the position of the follower; {position}"
         if abs(fit.offset) > EXACT * float(np.ptp(table.values)) / abs(table.size):
-            gained = f"{digits(fit.offset * table.size * 360.0, 4)} {motion_unit}{'' if order == 1 else '/deg'}"
-            correction = f"{digits(fit.offset, 4)} {unit} is subtracted from every row"
+            gained = f"{result_text(fit.offset * table.size * 360.0)} {motion_unit}{'' if order == 1 else '/deg'}"
+            correction = f"{result_text(fit.offset)} {unit} is subtracted from every row"
             yield f"over a turn the table gains {gained}, which no cam can; {correction}"
 
 
@@ -89,7 +85,7 @@ def _column_notes(fit: MotionFit) -> Iterator[str]:
         column, integral = by_order[gap.order], by_order[gap.order - 1]
         rows = np.flatnonzero(np.isin(np.round(fit.table.angles, 6), np.round(gap.angles, 6)))
         yield (
-            f"{column.name} contradicts {integral.name}: overall it is {digits(gap.factor, 4)} times its derivative, "
+            f"{column.name} contradicts {integral.name}: overall it is {result_text(gap.factor)} times its derivative, "
             f"and {rows.size} rows deviate by more than their errors, {fit.table.lines_text(rows.tolist())}; "
             f"{_roles(fit, integral, column)}: correct the unit or the speed, or choose which to trust"
         )
@@ -107,11 +103,12 @@ def _column_notes(fit: MotionFit) -> Iterator[str]:
         wrong = used[residuals > LARGE * allowed]
         if wrong.size:
             worst = int(used[np.argmax(residuals)])
-            part = f", {digits(100.0 * float(residuals.max()) / size, 2)} % of its largest" if size else ""
-            location = f"line {fit.table.lines[worst]} ({digits(float(fit.table.angles[worst]))} deg)"
+            part = f", {result_text(100.0 * float(residuals.max()) / size, 2)} % of its largest" if size else ""
+            location = f"line {fit.table.lines[worst]} ({result_text(float(fit.table.angles[worst]))} deg)"
             yield (
                 f"{column.name}: {wrong.size} of {used.size} rows contradict the motion by more than {LARGE:g} times their error "
-                f"of {digits(column_fit.error, 2)} {column.unit}: {digits(float(residuals.max()), 3)} {column.unit} at most{part}, "
+                f"of {result_text(column_fit.error, 2)} {column.unit}: {result_text(float(residuals.max()), 3)} "
+                f"{column.unit} at most{part}, "
                 f"{location}; "
                 f"{fit.table.lines_text(wrong.tolist())}"
             )
@@ -137,9 +134,9 @@ def wrong_rows(fit: MotionFit) -> list[int]:
 def row_line(fit: MotionFit, row: int) -> str:
     """A row with its residual: ``line 57 (54.5 deg): 12.34 mm, 4.98 mm from the curve``."""
     table = fit.table
-    location = f"line {table.lines[row]} ({digits(float(table.angles[row]))} deg)"
-    value = digits(float(table.values[row] / table.size))
-    return f"{location}: {value} {table.unit}, {digits(float(fit.residuals[row]), 4)} {table.unit} from the curve"
+    location = f"line {table.lines[row]} ({result_text(float(table.angles[row]))} deg)"
+    value = result_text(float(table.values[row] / table.size))
+    return f"{location}: {value} {table.unit}, {result_text(float(fit.residuals[row]))} {table.unit} from the curve"
 
 
 def segment_rows(fit: MotionFit, segment: SegmentFit) -> np.ndarray:
@@ -181,11 +178,11 @@ def segment_lines(fit: MotionFit, segments: Sequence[SegmentFit]) -> list[str]:
     for segment in segments:
         rows, (largest, _) = segment_rows(fit, segment), segment_residuals(fit, segment)
         lines = f"lines {fit.table.lines[rows[0]]}-{fit.table.lines[rows[-1]]}" if rows.size else "no line"
-        location = f"{digits(segment.start_deg)} ... {digits(segment.start_deg + segment.span_deg)} deg"
-        rise = "" if segment.law == "dwell" else f": {digits(segment.rise)} {fit.motion.unit}"
+        location = f"{result_text(segment.start_deg)} ... {result_text(segment.start_deg + segment.span_deg)} deg"
+        rise = "" if segment.law == "dwell" else f": {result_text(segment.rise)} {fit.motion.unit}"
         alternatives = f"; {', '.join(segment.ambiguous)} fit equally well, none is chosen" if segment.ambiguous else ""
         texts.append(
-            f"{lines} ({location}) are {segment.law} within {digits(largest, 2)} {fit.table.unit}{rise}{alternatives}"
+            f"{lines} ({location}) are {segment.law} within {result_text(largest, 2)} {fit.table.unit}{rise}{alternatives}"
         )
     return texts
 
@@ -194,18 +191,18 @@ def event_lines(fit: MotionFit, listed: Sequence[Event]) -> list[str]:
     """Lines for each event: ``110 ... 250 deg, 140 deg off the base circle, lift 9.4 mm``, durations at lifts, ramps."""
     unit, lines = fit.motion.unit, []
     for event in listed:
-        location = f"{digits(event.start)} ... {digits(event.end)} deg"
+        location = f"{result_text(event.start)} ... {result_text(event.end)} deg"
         lines.append(
-            f"{location}: {digits(event.end - event.start)} deg off the base circle, lift {digits(event.lift)} {unit}"
+            f"{location}: {result_text(event.end - event.start)} deg off the base circle, lift {result_text(event.lift)} {unit}"
         )
         for at in event.durations:
-            location = f"{digits(at.start)} ... {digits(at.end)} deg"
+            location = f"{result_text(at.start)} ... {result_text(at.end)} deg"
             lines.append(
-                f"at {digits(at.lift)} {unit} lift{IN_INCHES.get(at.lift, '')}: {digits(at.end - at.start)} deg, {location}"
+                f"at {result_text(at.lift)} {unit} lift{IN_INCHES.get(at.lift, '')}: {result_text(at.end - at.start)} deg, {location}"
             )
         for ramp in event.ramps:
-            location = f"{digits(ramp.start, 4)} ... {digits(ramp.end, 4)} deg"
-            lines.append(f"ramp {location}: {digits(ramp.velocity, 3)} {unit}/deg")
+            location = f"{result_text(ramp.start)} ... {result_text(ramp.end)} deg"
+            lines.append(f"ramp {location}: {result_text(ramp.velocity, 3)} {unit}/deg")
     return lines
 
 
@@ -242,16 +239,16 @@ def fit_figures(fit: MotionFit) -> list[tuple[str, str]]:
     power = 5 - 2 * fit.table.layout.order
     is_exact = float(np.abs(fit.residuals).max()) <= EXACT * float(np.abs(fit.table.values / fit.table.size).max())
     return [
-        ("measuring error", f"{digits(fit.error, 4)} {unit}"),
-        ("rms residual", f"{digits(0.0 if is_exact else fit.rms, 4)} {unit}"),
+        ("measuring error", f"{result_text(fit.error)} {unit}"),
+        ("rms residual", f"{result_text(0.0 if is_exact else fit.rms)} {unit}"),
         ("largest residual", "none; the curve interpolates all rows" if is_exact else row_line(fit, fit.largest)),
         *_column_figures(fit),
-        ("points", f"{len(fit.points)} of {len(fit.residuals)} rows, {digits(fit.freedom, 3)} free values"),
+        ("points", f"{len(fit.points)} of {len(fit.residuals)} rows, {result_text(fit.freedom, 3)} free values"),
         (
             "smoothing",
-            f"{digits(fit.smoothing, 4)} deg{'' if power == 1 else f'^{power}'}" if fit.smoothing else "none",
+            f"{result_text(fit.smoothing)} deg{'' if power == 1 else f'^{power}'}" if fit.smoothing else "none",
         ),
-        ("stroke", f"{digits(fit.stroke)} {motion_unit}, from {digits(fit.lowest)} {motion_unit}"),
+        ("stroke", f"{result_text(fit.stroke)} {motion_unit}, from {result_text(fit.lowest)} {motion_unit}"),
     ]
 
 
@@ -259,7 +256,7 @@ def _column_figures(fit: MotionFit) -> Iterator[tuple[str, str]]:
     for column_fit in fit.columns[1:]:
         largest = float(np.nanmax(np.abs(column_fit.residuals), initial=0.0))
         size = float(np.nanmax(np.abs(column_fit.column.values), initial=0.0)) / abs(column_fit.column.size)
-        value = f"rms {digits(column_fit.rms, 4)}, largest {digits(largest, 4)} {column_fit.column.unit}"
+        value = f"rms {result_text(column_fit.rms)}, largest {result_text(largest)} {column_fit.column.unit}"
         yield f"residual of {column_fit.column.quantity}", "none" if largest <= NEGLIGIBLE * size else value
 
 

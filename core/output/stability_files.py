@@ -11,6 +11,7 @@ from textwrap import wrap
 import numpy as np
 
 from core.design import UNITS
+from core.number_text import result_text
 from core.output.export import TONGUES, as_texts, csv, table, tongues_csv
 from core.output.report import report
 from core.output.summary import summary, to_json
@@ -175,12 +176,12 @@ def shaft_tables(
 def stiffness_text(needed: Stiffness) -> str:
     """Stiffness that a speed requires of the shaft, in one line."""
     if needed.allowed:
-        return f"At {needed.rpm:.6g} rpm the present {needed.current:.6g} N·m/rad is outside every forbidden band."
-    softer = "" if needed.softer is None else f" or at most {needed.softer:.6g}"
+        return f"At {result_text(needed.rpm)} rpm the present {result_text(needed.current)} N·m/rad is outside every forbidden band."
+    softer = "" if needed.softer is None else f" or at most {result_text(needed.softer, 5)}"
     position = "in" if needed.inside else "too near"
     return (
-        f"At {needed.rpm:.6g} rpm the shaft needs at least {needed.stiffer:.6g} N·m/rad{softer}; "
-        f"the present {needed.current:.6g} is {position} a forbidden band."
+        f"At {result_text(needed.rpm, 5)} rpm the shaft needs at least {result_text(needed.stiffer, 5)} N·m/rad{softer}; "
+        f"the present {result_text(needed.current)} is {position} a forbidden band."
     )
 
 

@@ -18,6 +18,7 @@ from core.errors import NoSolution
 from core.frozen import frozen
 from core.motion import TURN
 from core.motion.extremes import find_highest
+from core.number_text import result_text
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
 from core.study import Study
@@ -122,7 +123,7 @@ def torque_figure(study: Study, efforts: tuple[DriveEffort, ...]) -> Figure:
     plots: dict[str, list[PlotCurve]] = {}
     for i, (drive, effort) in enumerate(zip(_drives(study), efforts, strict=True)):
         values = drive.torque(study)
-        label = f"{effort.label}: peak {effort.peak:.4g}, rms {effort.rms:.4g}"
+        label = f"{effort.label}: peak {result_text(effort.peak)}, rms {result_text(effort.rms)}"
         plots.setdefault(effort.unit, []).append(PlotCurve(x, np.append(values, values[0]), label, i))
     return Figure(
         "cam_or_servo",
@@ -153,7 +154,7 @@ def field_plot(study: Study, rms: float) -> Plot:
         if limit is not None
     )
     loop = PlotCurve(np.append(speed, speed[0]), np.append(torque, torque[0]), "Working points")
-    level = PlotCurve(fastest * RECTANGLE[0], rms * RECTANGLE[1], f"rms {rms:.4g}", 3, dashed=True)
+    level = PlotCurve(fastest * RECTANGLE[0], rms * RECTANGLE[1], f"rms {result_text(rms)}", 3, dashed=True)
     x_title, y_title = ("Speed, mm/s", "Force, N") if linear else ("Motor speed, rpm", "Motor torque, N·m")
     return Plot(x_title, y_title, (loop, level, *edges))
 
@@ -324,10 +325,12 @@ def elastic_lines(study: Study) -> list[str]:
         return []
     spread = ""
     if figures["highest_natural_hz"] > 1.001 * figures["lowest_natural_hz"]:
-        spread = f", {digits(figures['lowest_natural_hz'], 4)} to {digits(figures['highest_natural_hz'], 4)} Hz over the stroke"
+        spread = (
+            f", {digits(figures['lowest_natural_hz'])} to {digits(figures['highest_natural_hz'])} Hz over the stroke"
+        )
     lines = [
-        f"Natural frequency {digits(figures['natural_hz'], 5)} Hz{spread}: {digits(figures['periods_per_turn'], 4)} periods a turn, "
-        f"damping ratio {digits(figures['damping_ratio'], 4)}"
+        f"Natural frequency {digits(figures['natural_hz'])} Hz{spread}: {digits(figures['periods_per_turn'])} periods a turn, "
+        f"damping ratio {digits(figures['damping_ratio'])}"
     ]  # fmt: skip
     if not figures["residual"]:
         return [*lines, "The motion has no dwell in which it could come to rest"]
@@ -345,7 +348,7 @@ def elastic_lines(study: Study) -> list[str]:
             (
                 f"from {digits(residual['from_deg'])} °",
                 digits(residual["to_deg"]),
-                *(digits(value, 4) for value in values),
+                *(digits(value) for value in values),
             )
         )
     return [*lines, *columns(rows)]

@@ -39,6 +39,7 @@ from core.frozen import frozen
 from core.laws import Piece
 from core.motion import Angles, CompiledMotion, program
 from core.motion.program import piece_ends
+from core.number_text import result_text
 from core.units import split_unit
 
 TURN = 2.0 * np.pi
@@ -407,7 +408,7 @@ class _Branch:
             unit, scale = self._requested.unit, self._requested.scale
             raise _error(
                 "motion.start_" + unit, self._requested.start, f"at cam angle 0 deg output {self._name} cannot have this position",
-                f"{float(y.min()) / scale:.9g} ... {float(y.max()) / scale:.9g} {unit}",
+                f"{result_text(float(y.min()) / scale, 6)} ... {result_text(float(y.max()) / scale, 6)} {unit}",
             )  # fmt: skip
         x = at[meets] + error[meets] / (error[meets] - error[meets + 1]) * (at[meets + 1] - at[meets])
         motion, drawn = design.drive.motion, design.drive.linkage.drawn
@@ -463,13 +464,13 @@ class _Branch:
         beyond = (target <= self._y[0] + close) | (target >= self._y[-1] - close)
         if beyond.any():
             scale, unit = self._requested.scale, self._requested.unit
-            ends = f"{self._y[0] / scale:.9g} ... {self._y[-1] / scale:.9g} {unit}"
+            ends = f"{result_text(self._y[0] / scale, 6)} ... {result_text(self._y[-1] / scale, 6)} {unit}"
             i = int(np.argmax(beyond))
             end = self._x[0] if target[i] <= self._y[0] + close else self._x[-1]
-            position = f"{np.rad2deg(end):.6g} deg" if self._turns else f"{1e3 * end:.6g} mm"
+            position = f"{result_text(np.rad2deg(end))} deg" if self._turns else f"{result_text(1e3 * end)} mm"
             raise _error(
-                "motion.inverse", f"{target[i] / scale:.9g} {unit}",
-                f"at cam angle {np.rad2deg(theta[i]):.6g} deg output {self._name} meets a dead centre, the driver at {position}",
+                "motion.inverse", f"{result_text(target[i] / scale, 6)} {unit}",
+                f"at cam angle {result_text(np.rad2deg(theta[i]))} deg output {self._name} meets a dead centre, the driver at {position}",
                 f"between {ends}",
             )  # fmt: skip
 

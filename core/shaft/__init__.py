@@ -15,7 +15,7 @@ from core.shaft.curve import (
     rms,
     torque_at,
 )
-from core.shaft.flywheel import Flywheel, findings, has_flywheel, lag, motor_inertia, periodic_response, rounded_up
+from core.shaft.flywheel import Flywheel, findings, has_flywheel, lag, motor_inertia, periodic_response
 from core.shaft.speed import SpeedCurve, SteadyTurns, speed_fluctuation, steady_speed
 
 if TYPE_CHECKING:
@@ -68,7 +68,6 @@ __all__ = [
     "peaks",
     "periodic_response",
     "rms",
-    "rounded_up",
     "speed_fluctuation",
     "steady_speed",
     "torque_at",

@@ -35,6 +35,7 @@ from core.errors import NoSolution
 from core.frozen import frozen
 from core.laws import Piece, shifted
 from core.motion import TURN
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 from core.shaft.curve import NODES, LoadCurve, nodes, polyval, to_powers
 from core.shaft.flywheel import energy_range, highest_at, sign_changes, torque_deviation
@@ -485,7 +486,7 @@ def _require_smooth(load: LoadCurve) -> None:
         worst = int(np.argmax(np.abs(jump)))
         angles = np.sort(np.rad2deg((load.start + load.width)[jumps] % TURN))
         raise NoSolution(
-            f"the torque that it balances jumps, by up to {abs(float(jump[worst])):.6g} N m,",
+            f"the torque that it balances jumps, by up to {result_text(abs(float(jump[worst])))} N m,",
             "balancer",
             "smooth the motions there, so that no acceleration jumps",
             [(float(a), float(a)) for a in angles],
@@ -503,7 +504,7 @@ def _slack_fault(load: LoadCurve, balancer: Balancer) -> NoSolution | None:
     return NoSolution(
         f"with {balancer.preload_n:g} N its spring is slack where the motion is least, and the motion has a kink there,",
         "balancer.preload_n",
-        f"enlarge it, to {least:.3g} N at least",
+        f"enlarge it, to {result_text(least, 3)} N at least",
         [(angle, angle)],
     )
 

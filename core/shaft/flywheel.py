@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import floor, log, log10, pi
+from math import log, pi
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from core.errors import NoSolution
 from core.findings import ERROR, NOTE, Finding
 from core.frozen import frozen
 from core.motion import TURN, Angles
+from core.number_text import rounded_up
 from core.numerics.lazy import checkpoint
 from core.shaft.curve import NODES, LoadCurve, by_blocks, locate, peaks, polyval, powers, rms
 from core.shaft.speed import SpeedCurve, SteadyTurns, deviation_range, speed_fluctuation, steady_speed
@@ -220,12 +221,6 @@ def highest_at(curve: LoadCurve) -> float:
 
 TOLERANCE = 1e-4  # of the limit on the fluctuation: a flywheel typed with five digits satisfies it
 SEARCH_WIDTH = 1e-4  # relative, at which the search for the least flywheel ends; three digits are shown
-
-
-def rounded_up(value: float, digits: int) -> float:
-    """A size rounded up to so many digits."""
-    near = float(f"{value:.{digits}g}")
-    return near if near >= value else float(f"{near + 10.0 ** (floor(log10(value)) + 1 - digits):.{digits}g}")
 
 
 @frozen(eq=False)

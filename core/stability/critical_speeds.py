@@ -13,6 +13,7 @@ from core.dynamics import Loading
 from core.errors import NoStability
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
+from core.number_text import result_text
 from core.plot import Plot, PlotCurve
 from core.stability.coefficients import APPROXIMATE, EXACT, LOAD, LOAD_SLOPE, RETUNED, Coefficients
 from core.stability.floquet import monodromy, tongues
@@ -345,7 +346,7 @@ def _by_contact(averages: Averages, means: np.ndarray) -> tuple[PlotCurve, ...]:
         is_lost = (
             np.zeros(row.size, dtype=bool) if averages.is_contact_lost is None else averages.is_contact_lost[number]
         )
-        label = f"{q:.3g}" if number else f"Q = {q:.3g}"
+        label = result_text(q, 3) if number else f"Q = {result_text(q, 3)}"
         curves.append(PlotCurve(averages.eta, np.where(is_lost, np.nan, row), label, number))
         if is_lost.any():
             # with the neighbours, so that no piece of the curve is missing
@@ -357,7 +358,7 @@ def _by_contact(averages: Averages, means: np.ndarray) -> tuple[PlotCurve, ...]:
 def history_plot(run: History) -> Plot:
     """Wind-up in time (Kim1990 Figs. 9 to 12), with a mark where the follower leaves the cam."""
     y = np.linspace(0.0, run.ended, round(run.ended * PER_TURN) + 1)
-    curve = PlotCurve(y, run.at(y)[0], f"η = {run.eta:.4g}, Q = {run.q:.4g}")
+    curve = PlotCurve(y, run.at(y)[0], f"η = {result_text(run.eta)}, Q = {result_text(run.q)}")
     return Plot("Turns of the input", "Twist β, turns", (curve,), contact_marks(run))
 
 
@@ -385,7 +386,7 @@ def steady_plots(turn: SteadyTurn) -> tuple[Plot, ...]:
         if np.isfinite(curves_by_model[model]).all()
     )
     mean = 0.0 if abs(turn.mean_torque) < ROUNDING * turn.torque_amplitude else turn.mean_torque
-    note = f"torque in the shaft {mean:.3g} ± {turn.torque_amplitude:.3g} N·m"
+    note = f"torque in the shaft {result_text(mean, 3)} ± {result_text(turn.torque_amplitude, 3)} N·m"
     plots = [Plot(INPUT_ANGLE, "Wind-up, °", curves, note=note)]
     for unit in dict.fromkeys(follower.unit for follower in turn.followers):
         rows = [(i, follower) for i, follower in enumerate(turn.followers) if follower.unit == unit]
@@ -419,7 +420,7 @@ def contact_marks(run: History) -> tuple[tuple[float, str], ...]:
     if run.contact_lost is None:
         return ()
     event = f"{run.leaving} leaves its cam" if run.leaving else "leaves the cam"
-    return ((run.contact_lost, f"{event} at {run.contact_lost:.4g}"),)
+    return ((run.contact_lost, f"{event} at {result_text(run.contact_lost)}"),)
 
 
 # -- the chart ---------------------------------------------------------------------------------------------

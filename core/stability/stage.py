@@ -12,8 +12,9 @@ import numpy as np
 
 from core.design import ElasticShaft, si
 from core.errors import NoSolution, NoStability
-from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual, distinct_texts
+from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.frozen import frozen
+from core.number_text import COMPARED_DIGITS, distinct_texts, result_text
 from core.numerics.lazy import postpone
 from core.stability.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
 from core.stability.critical_speeds import (
@@ -293,9 +294,9 @@ class Stability:
         eta = self.machine.natural / (rpm / RPM)
         if eta > FARTHEST_ETA:
             raise NoStability(
-                f"at {rpm:.6g} rpm the shaft swings {eta:.6g} times a turn; the tongues end at {FARTHEST_ETA:g}",
+                f"at {result_text(rpm)} rpm the shaft swings {result_text(eta)} times a turn; the tongues end at {FARTHEST_ETA:g}",
                 "shaft.speed_rpm",
-                f"allowed: {self.machine.rpm(FARTHEST_ETA):.6g} rpm and more",
+                f"allowed: {result_text(self.machine.rpm(FARTHEST_ETA), 5)} rpm and more",
             )
         return stiffness_for(self.coefficients, self.machine, rpm, count_up_to(max(ETA_MAX, eta + 1.0)))
 
@@ -362,7 +363,7 @@ def stability(
     )
     if machine.eta > MOST_SWINGS:
         raise NoStability(
-            f"the shaft swings {machine.eta:.3g} times a turn, more than the {MOST_SWINGS:g} that can be computed",
+            f"the shaft swings {result_text(machine.eta, 3)} times a turn, more than the {MOST_SWINGS:g} that can be computed",
             "shaft.speed_rpm",
             "increase it, or use a softer shaft",
         )
@@ -395,7 +396,7 @@ def contact_forces(
 # -- limits: running in a forbidden band of speed, or near one ---------------------------------------------
 
 FIELD = "shaft.stiffness_nm_per_rad"
-SPEED_DIGITS = 5
+SPEED_DIGITS = COMPARED_DIGITS
 FAR = 1.0  # relative distance, or growth, from which on it is a factor instead of a percentage
 
 
@@ -419,12 +420,10 @@ def speed_sentence(shaft: Stability) -> str:
         )
     if shaft.linear[-1].growth > TOLERANCE:  # above the computed bands
         grows = growth_text(shaft.linear[-1].growth)
-        return (
-            f"{rpm:.{SPEED_DIGITS}g} rpm is inside an unstable range: the twist of the shaft grows by {grows} a turn."
-        )
+        return f"{result_text(rpm, SPEED_DIGITS)} rpm is inside an unstable range: the twist of the shaft grows by {grows} a turn."
     nearest = min(shaft.bands, key=lambda b: (b.growth < NOTICEABLE, b.distance(rpm)), default=None)
     if nearest is None:
-        return f"{rpm:.{SPEED_DIGITS}g} rpm is clear: the shaft has no forbidden speeds."
+        return f"{result_text(rpm, SPEED_DIGITS)} rpm is clear: the shaft has no forbidden speeds."
     where, speed = speed_range(nearest, rpm)
     clear = "keeps clear of every band" if nearest.distance(rpm) > CLEAR else "is clear of every band, but close to one"
     return f"{speed} rpm {clear}; the nearest is {where} rpm, {margin_text(nearest, rpm)}."
@@ -445,13 +444,13 @@ def margin_text(band: ForbiddenBand, rpm: float) -> str:
         return "inside"
     part = band.distance(rpm)
     side = "above" if band.rpm_lo > rpm else "below"
-    return f"{100.0 * part:.2g} % {side}" if part < FAR else f"{1.0 + part:.3g} times as fast"
+    return f"{result_text(100.0 * part, 2)} % {side}" if part < FAR else f"{result_text(1.0 + part, 3)} times as fast"
 
 
 def growth_text(growth: float) -> str:
     """Growth per turn from its logarithm: `2.3 %`, `a factor of 12`."""
     part = math.expm1(growth)
-    return f"{100.0 * part:.2g} %" if part < FAR else f"a factor of {1.0 + part:.3g}"
+    return f"{result_text(100.0 * part, 2)} %" if part < FAR else f"a factor of {result_text(1.0 + part, 3)}"
 
 
 def nearest_bands(shaft: Stability, count: int) -> tuple[ForbiddenBand, ...]:

@@ -20,6 +20,7 @@ import numpy as np
 from core.errors import NoStability
 from core.frozen import frozen
 from core.motion import EPS
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 from core.stability.coefficients import (
     CENTRIPETAL,
@@ -201,7 +202,7 @@ def tongues_of_order(
             square, error = _lowest(coefficients_of_both, truncated, inner, outer, eigenvalue_count, skip)
         except np.linalg.LinAlgError:
             raise NoStability(
-                f"at Q = {q.max():.6g} the load is stiffer than the shaft, which does not hold the cam",
+                f"at Q = {result_text(q.max())} the load is stiffer than the shaft, which does not hold the cam",
                 "shaft.stiffness_nm_per_rad",
                 "increase it, or decrease Q",
             ) from None

@@ -25,6 +25,7 @@ from core.findings import WARNING, Finding
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.motion.extremes import Extreme
+from core.number_text import result_text
 from core.study.drive_forces import pairings
 from core.study.extremes import extremes_of, has_quantity
 from core.study.quantities import names_of, quantities_of, quantity
@@ -371,7 +372,7 @@ def _typical_polar(study: Study) -> LimitValue | None:
         return None
     shaft = 1e3 * math.cbrt(16.0 * torque / (math.pi * TORSION_MPA * MPA))
     reason = (
-        f"a shaft of {shaft:.3g} mm transmits {torque:.4g} N·m at {TORSION_MPA:g} MPa (assumed), and its hub is "
+        f"a shaft of {result_text(shaft, 3)} mm transmits {result_text(torque)} N·m at {TORSION_MPA:g} MPa (assumed), and its hub is "
         f"{HUB_PART:g} times as wide"
     )
     return _reasoned(0.5 * HUB_PART * shaft, reason)

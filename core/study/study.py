@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from core.design import drive_names, only
 from core.errors import NoStability
+from core.number_text import result_text
 from core.numerics.lazy import lazy
 from core.shaft import Flywheel
 from core.study.camshaft import Camshaft, is_complete
@@ -80,7 +81,7 @@ class Study(DriveForces):
         stability = self.flexible_shaft()
         if stability.steady_turn is None:
             eta, q = stability.machine.eta, stability.machine.q
-            problem = f"there is no steady response at η = {eta:.6g}, Q = {q:.6g}"
+            problem = f"there is no steady response at η = {result_text(eta)}, Q = {result_text(q)}"
             raise NoStability(problem, "shaft.speed_rpm", "choose another speed")
         return stability.steady_turn
 

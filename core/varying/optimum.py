@@ -21,6 +21,7 @@ from core.find.shaft import with_least_flywheel
 from core.find.trial import FindingsCheck, has_uneven_speed
 from core.frozen import frozen
 from core.laws import LAWS
+from core.number_text import count_text, result_text, signed_text
 from core.study import Study, many
 from core.study.batch import FAULTY
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
@@ -115,7 +116,7 @@ def optimise(study: StudyOfMany, progress: ProgressCallback | None = None, start
     sets = list(product(*(_choices(axis) for axis in words)))
     if len(sets) > MAX_COMBINATIONS:
         raise KindynaError(
-            f"vary: {len(sets):,} combinations of words and whole numbers are too many; allowed: at most {MAX_COMBINATIONS}"
+            f"vary: {count_text(len(sets))} combinations of words and whole numbers are too many; allowed: at most {MAX_COMBINATIONS}"
         )
     if study.file.robust is not None:
         return _robust(study, space, words, sets, progress, starts)
@@ -513,7 +514,7 @@ def _violated_limits(study: StudyOfMany, optimum: Optimum) -> Iterator[str]:
     for limit, side, bound in bounds:
         value = float(reached[limit.key][0])
         if not side * value <= side * bound:
-            yield f"{limit.key} = {value:.7g}, {'most' if side > 0.0 else 'least'} {bound:g}"
+            yield f"{limit.key} = {result_text(value, 5)}, {'most' if side > 0.0 else 'least'} {bound:g}"
 
 
 def _fixed_torque(optimum: Optimum, goal: Goal) -> str:
@@ -534,12 +535,12 @@ def _fixed_torque(optimum: Optimum, goal: Goal) -> str:
             f"force times y' alone is {_newton_metres(force_torque)} N·m, more than all {_newton_metres(torque)} N·m,"
         )
     at = peak.angle_deg[goal.key][0]
-    return f"{quantity(TORQUE).label}: {part} at {at:.2f}°, which motion and load determine, for any lengths"
+    return f"{quantity(TORQUE).label}: {part} at {result_text(at)}°, which motion and load determine, for any lengths"
 
 
 def _newton_metres(torque: float) -> str:
-    """A torque with four digits, a large one to 1 N·m."""
-    return f"{abs(torque):,.0f}" if abs(torque) >= NO_DECIMALS else f"{abs(torque):.4g}"
+    """Size of a torque."""
+    return result_text(abs(torque))
 
 
 def _better_law(study: StudyOfMany, optimum: Optimum) -> str:
@@ -559,8 +560,8 @@ def _better_law(study: StudyOfMany, optimum: Optimum) -> str:
         if side * value < least and not check.new(with_flywheel(variant, design)[0]):
             label, unit, least = LAWS[law].label, split_unit(goal.quantity)[1].symbol, side * value
             better = (
-                f"Another law, {label} ({law}), with the same numbers brings the first goal to {value:.5g}"
-                f"{f' {unit}' if unit else ''} ({100.0 * (value / best - 1.0):+.1f} %)"
+                f"Another law, {label} ({law}), with the same numbers brings the first goal to {result_text(value)}"
+                f"{f' {unit}' if unit else ''} ({signed_text(100.0 * (value / best - 1.0), 3)} %)"
             )
     return better
 

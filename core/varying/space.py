@@ -24,6 +24,7 @@ from core import __version__
 from core.design import Design, Info, edited, faults
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
+from core.number_text import count_text, result_text
 from core.process import resources, user_cache
 from core.project import dumps, dumps_table
 from core.project.files import OwnFolder, is_folder, write_all
@@ -171,7 +172,10 @@ def sobol(dimensions: int, seed: int, start: int, count: int) -> np.ndarray:
 
 def none_built_text(count: int, code: str, often: int) -> str:
     """Message that none of the designs can be built, with the most frequent reason."""
-    return f"vary: none of the {count:,} designs can be built, most ({often:,}) for {code}; vary other fields, or other bounds"
+    return (
+        f"vary: none of the {count_text(count)} designs can be built, most ({count_text(often)}) for {code}; vary "
+        "other fields, or other bounds"
+    )
 
 
 def study_values(
@@ -348,8 +352,9 @@ class Run:
         steps = "fewer steps, or points = 4096 in place of the steps of every field"
         fewer = steps if self.space.points == 1 else "fewer points, as points = 4096"
         return (
-            f"vary: {self.count:,} designs ({product}) are too many: about {duration(self.count / rate)} at {rate:,.0f} a second; "
-            f"allowed: at most {MAX_DESIGNS:,}; give {fewer}"
+            f"vary: {count_text(self.count)} designs ({product}) are too many: about "
+            f"{duration(self.count / rate)} at {result_text(rate)} a second; "
+            f"allowed: at most {count_text(MAX_DESIGNS)}; give {fewer}"
         )
 
     def compute(
@@ -491,8 +496,8 @@ def duration(seconds: float) -> str:
     """A time in words: ``40 s``, ``3 min``, ``2.5 h``, ``12 days``."""
     for size, unit, most in ((1.0, "s", 90.0), (60.0, "min", 90.0), (3600.0, "h", 48.0)):
         if seconds < most * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 86400.0:.3g} days"
+            return f"{result_text(seconds / size, 3)} {unit}"
+    return f"{result_text(seconds / 86400.0, 3)} days"
 
 
 # -- processes ---------------------------------------------------------------------------------------------

@@ -38,6 +38,7 @@ from core.blend import (
 )
 from core.design import UNITS, Info
 from core.design.fields import LONGEST_MM
+from core.number_text import MINUS
 from core.output.texts import succession_verdict
 from kindyna_gui.blend.kind import CURVE_SIZE, KindChoice, curve_icon
 from kindyna_gui.blend.request import AUTOMATIC, count_text, default_request, has_both, open_candidates, plan, reason
@@ -46,7 +47,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.look import MessageLabel, bold_label, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import MINUS, nice_below
+from kindyna_gui.pictures.units import nice_below, typed
 from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import symbol_of
 
@@ -260,7 +261,7 @@ class Questions(QWidget):
         self.general.show_message("")
         start, end = self.start.number, self.end.number
         crossed = start is not None and end is not None and not start <= end - LEAST_SPAN
-        order = f"The end must be at least {LEAST_SPAN:g}° after the start" if crossed else ""
+        order = f"The end must be at least {typed(LEAST_SPAN)}° after the start" if crossed else ""
         angles = self.start.fault() or self.end.fault() or order
         back = self.back.fault() if self.unequal.isChecked() and has_both(self.kind.type) else ""
         strokes = self.stroke.fault() or back

@@ -24,10 +24,10 @@ from core.blend.request import RETURN_NAMES, rounded
 from core.design import UNITS, Motion, NamedCurve, Segment, join_angles
 from core.design.edits import is_dwell
 from core.frozen import frozen
-from core.output.lines import shortest
+from core.number_text import MINUS, shortest
 from core.output.texts import changed_segment, curve_rows, flat_rows
 from kindyna_gui.labels import law_label
-from kindyna_gui.pictures.units import MINUS, brief, measure, number, readable, short
+from kindyna_gui.pictures.units import brief, measure, number, readable, short
 from kindyna_gui.settings import size_of
 
 POINT = "point"

@@ -35,7 +35,7 @@ from kindyna_gui.blend.request import (
 from kindyna_gui.forms.number_box import NumberBox, parsed
 from kindyna_gui.look import MessageLabel, coloured, icon, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import nice_below
+from kindyna_gui.pictures.units import nice_below, short
 from kindyna_gui.rebuilt import remove_part
 from kindyna_gui.settings import size_of, symbol_of
 
@@ -412,7 +412,9 @@ class SettingsArea(QScrollArea):
 
     def _row_with_error(self, error: BlendError) -> RangedRow | None:
         if error.setting == POINT:
-            angles = [(f"point at {row.at.number:.9g} deg", row) for row in self.points if row.at.number is not None]
+            angles = [
+                (f"point at {short(row.at.number, 6)} deg", row) for row in self.points if row.at.number is not None
+            ]
             return next((row for text, row in angles if str(error).startswith(text)), None)
         row = self.rows.get(error.setting)
         return row if row is not None and row.is_used else None

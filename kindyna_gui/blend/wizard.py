@@ -16,8 +16,8 @@ from core.design import UNITS, Design, faults, require_motion
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
+from core.number_text import shortest
 from core.output.channels import channels
-from core.output.lines import shortest
 from core.requests import command_words
 from core.study import Study
 from kindyna_gui.background import Background, Job

@@ -14,7 +14,7 @@ from core.design import Design, Entry, Process, entries, get, load_lists, row_at
 from core.dynamics import element_at, peak_load
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.output.lines import shortest
+from core.number_text import shortest
 from core.output.load_text import row_attachments, row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session

@@ -46,7 +46,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import NO_UNIT, Info
-from core.output.lines import shortest
+from core.number_text import shortest
 from core.units import Unit, accepted_units
 from kindyna_gui.labels import rounded_to, value_text
 from kindyna_gui.pictures.style import SCREEN
@@ -108,7 +108,7 @@ def is_window_shortcut(event: QKeyEvent) -> bool:
 # -- typed numbers and calculations ----------------------------------------------------------------------
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
-_SIGNS = str.maketrans({"\u2212": "-", "×": "*", "÷": "/", "\u00a0": " "})
+_SIGNS = str.maketrans({"\u2212": "-", "×": "*", "÷": "/", "\u00a0": " ", "\u202f": "", "\u2009": ""})
 _LONGEST = 100  # characters of a calculation
 
 _OPERATIONS: Mapping[type, Callable[[Fraction, Fraction], Fraction]] = MappingProxyType(

@@ -51,6 +51,7 @@ from kindyna_gui.graph.graph_choice import swatch
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
+from kindyna_gui.pictures.units import typed
 
 AXES = {"x": "Along the bottom", "left": "On the left", "right": "On the right"}
 RANGE = Info("Range", "empty: to the ends of the curves", optional=True)
@@ -167,7 +168,7 @@ class AxesForm(QWidget):
         changed: GraphAxis = replace(scale, **{end: None if value is None else value * size})
         if changed.low is not None and changed.high is not None and changed.low >= changed.high:
             limit = (changed.high if end == "low" else changed.low) / size
-            self._show_allowed(axis, end, f"{'less' if end == 'low' else 'more'} than {limit:g}")
+            self._show_allowed(axis, end, f"{'less' if end == 'low' else 'more'} than {typed(limit)}")
         elif changed.log and value is not None and value <= 0.0:
             self._show_allowed(axis, end, "above 0 on a logarithmic axis")
         else:

@@ -17,6 +17,7 @@ from core.dynamics import ContactMap, Flight, Flights
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import rounded_up
 from core.output.subject_files import (
     SPECTRUM_SPEEDS,
     contact_force_map,
@@ -24,7 +25,7 @@ from core.output.subject_files import (
     spectrum_speeds,
     vibration_units,
 )
-from core.shaft import Flywheel, has_flywheel, rounded_up
+from core.shaft import Flywheel, has_flywheel
 from core.study import Camshaft, Study, extremes_of, quantities_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import fill_choices
@@ -34,7 +35,7 @@ from kindyna_gui.labels import reason, step_text
 from kindyna_gui.look import answer_label, row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
-from kindyna_gui.pictures.units import DisplayUnit, digits, measure, readable, short, with_unit
+from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, readable, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
@@ -168,7 +169,7 @@ class FlywheelView(View):
         floor = ROUNDING * max(torque_size(drive) for drive in full_study.drives.values())
         inertia_floor = floor / (shaft.speed_fluctuation * study.omega**2)
         self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
-        allowed = f"{100 * shaft.speed_fluctuation:g} %"
+        allowed = f"{short(100 * shaft.speed_fluctuation)} %"
         percent = f"{allowed} fluctuation of speed"
         self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
         self.use_button.setToolTip(f"Set the inertia to {digits(self._needed, DIGITS)} kg·m², required for {percent}")
@@ -358,10 +359,10 @@ def _flight_text(study: Study, result: Flights) -> list[str]:
         return lift_off_lines(study)
     first, unit = result.flights[0], UNITS[study.program.motion.unit]
     height = with_unit(short(first.height / unit.factor, 4), unit.symbol)
-    text = f"Lift-off at {math.degrees(first.lift):.2f}°, {height} high"
+    text = f"Lift-off at {number(math.degrees(first.lift), 2)}°, {height} high"
     if math.isfinite(first.land):
         speed = with_unit(short(first.speed / unit.factor, 4), f"{unit.symbol}/s")
-        text += f", impact at {math.degrees(first.land):.2f}° with {speed}"
+        text += f", impact at {number(math.degrees(first.land), 2)}° with {speed}"
     if not result.steady:
         return [f"{text}; flights do not repeat within three turns."]
     count = len(result.flights) - result.repeats

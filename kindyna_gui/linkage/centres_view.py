@@ -36,7 +36,7 @@ from kindyna_gui.pictures.drawing.polygons import (
     velocity_step_text,
 )
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import digits
+from kindyna_gui.pictures.units import digits, number
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import fill, widget_with
 from kindyna_gui.requirements import lists_links, require_centres, require_links
@@ -442,7 +442,7 @@ class PolygonView(View):
         absent = self._chosen == (VELOCITIES, "") != self._current_choice()
         self.note.show_message(NO_POLYGON if absent else "")
         name = study.angle_name.capitalize()
-        self.sheet.show_diagram(diagram, f"{name} {math.degrees(theta):.1f}°")
+        self.sheet.show_diagram(diagram, f"{name} {number(math.degrees(theta), 1)}°")
 
 
 def _row(widgets: Sequence[QWidget], stretched: QWidget | None = None, *, top: int = 0, bottom: int = 0) -> QHBoxLayout:

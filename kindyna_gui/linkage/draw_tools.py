@@ -33,6 +33,7 @@ from core.mechanism.drawing_targets import (
     outline,
 )
 from core.mechanism.drawn import PointPositions, frame_link, link_pose, point_positions, slider_line
+from kindyna_gui.pictures.units import typed
 
 POINT, LINE, PERPENDICULAR, ANGLE, GRID, FREE = "point", "line", "perpendicular", "angle", "grid", ""
 NEAR, ALONG, TURN = 10.0, 7.0, 6.0  # snap distances from a point, a line and a ray, pixels
@@ -180,7 +181,7 @@ def _aligned(
         ray = cmath.rect(1.0, math.radians(step))
         on = start + ray * ((at - start) * ray.conjugate()).real
         if abs(on - at) * scale <= TURN:
-            return _on_ray(lines, start, ray, on, scale, f"{step % 360.0:g}°")
+            return _on_ray(lines, start, ray, on, scale, f"{typed(step % 360.0)}°")
     return _on_line(lines, grid, scale) or Snap(grid, GRID)
 
 

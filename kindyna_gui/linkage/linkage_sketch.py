@@ -20,6 +20,7 @@ from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin
 from core.mechanism.drivers import wheel_pairs
 from kindyna_gui.linkage.draw_tools import ANGLE, FACE, GRID, LINE, PERPENDICULAR, POINT, Snap, grid_step, row_index
 from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
+from kindyna_gui.pictures.units import number, short, typed
 
 BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half width of a bar, radius of a pin, half sides of a block, pixels
 FORCE = 46.0  # length of the arrow of a force, pixels
@@ -298,7 +299,7 @@ class LinkageSketch:
         painter.drawArc(QRectF(pin.x() - 13, pin.y() - 13, 26, 26), 16 * 70, 16 * 130)
         ratio = self.linkage.ratios.get(second.link)
         unit = PER.get((input_slides(self.linkage, second), not driver_turns(self.linkage)), ": 1")
-        text = second.motion or ("ratio?" if ratio is None else f"{ratio:.4g} {unit}")
+        text = second.motion or ("ratio?" if ratio is None else f"{short(ratio)} {unit}")
         rect = QRectF(pixel.x() - 92.0, pixel.y() - 9.0, 100.0, 18.0)
         painter.drawText(rect, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
 
@@ -357,7 +358,7 @@ class LinkageSketch:
                 if first not in self.positions or second not in self.positions:
                     continue
                 value = abs(link.places[second] - link.places[first])
-                text = f"{value:.2f}".rstrip("0").rstrip(".")
+                text = number(value, 2).rstrip("0").rstrip(".")
                 a, b = self.positions[first], self.positions[second]
                 if abs(b - a) * self.scale < 34.0:
                     continue
@@ -400,9 +401,9 @@ class LinkageSketch:
         parts = [snap.label] if snap.label else []
         if start is not None and snap.at != start:
             direction = snap.at - start
-            parts.insert(0, f"{abs(direction):.4g} mm, {math.degrees(cmath.phase(direction)):.4g}°")
+            parts.insert(0, f"{short(abs(direction))} mm, {short(math.degrees(cmath.phase(direction)))}°")
         elif snap.mark == GRID:
-            parts.append(f"{snap.at.real:g}, {snap.at.imag:g}")
+            parts.append(f"{typed(snap.at.real)}, {typed(snap.at.imag)}")
         if parts:
             painter.drawText(QPointF(x + 12.0, y - 10.0), "  ".join(parts))
 

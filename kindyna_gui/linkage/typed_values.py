@@ -22,7 +22,7 @@ from core.errors import DesignError, KindynaError
 from core.frozen import frozen
 from core.mechanism.drawing_edits import with_length, with_local_point, with_moved, with_name
 from core.mechanism.drawn import assembled, fault, link_pose, unit_vector, with_input_values
-from core.output.lines import shortest
+from core.number_text import shortest
 from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.labels import no_number
 from kindyna_gui.linkage.draw_tools import (

@@ -36,6 +36,7 @@ from kindyna_gui.linkage.draw_tools import nearest_mark
 from kindyna_gui.linkage.typed_values import Box, Typed, TypedBoxes
 from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import typed
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import Settings
 
@@ -106,7 +107,7 @@ def read_content(path: Path) -> UnderlayContent:
         reader.setAutoTransform(False)
         size = reader.size()
         if size.width() * size.height() > PIXELS:
-            at_most = f"{PIXELS / 1e6:g} megapixels"
+            at_most = f"{typed(PIXELS / 1e6)} megapixels"
             raise FileError(f"{path}: {size.width()} x {size.height()} pixels; allowed: at most {at_most}")
         image = reader.read()
         if not image.isNull():

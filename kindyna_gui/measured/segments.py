@@ -14,7 +14,6 @@ from core.laws import LAWS
 from core.measured import QUANTITIES, MotionFit, RowFault, SegmentFit, Switches, segment_kinds
 from core.measured.event import events
 from core.output.measured_text import (
-    digits,
     event_lines,
     notes,
     row_line,
@@ -259,9 +258,9 @@ class SegmentTable(RowsTable):
 def _row(fit: MotionFit, segment: SegmentFit) -> TableRow:
     rows, (residual, _) = segment_rows(fit, segment), segment_residuals(fit, segment)
     lines = f"{fit.table.lines[rows[0]]}-{fit.table.lines[rows[-1]]}" if rows.size else ""
-    ends = (f"{digits(angle)}°" for angle in (segment.start_deg, segment.start_deg + segment.span_deg))
-    rise = f"{digits(segment.rise)} {symbol(fit.motion.unit)}"
-    cells = (*ends, "", rise, f"{digits(residual, 2)} {symbol(fit.table.unit)}", lines)
+    ends = (f"{short(angle)}°" for angle in (segment.start_deg, segment.start_deg + segment.span_deg))
+    rise = f"{short(segment.rise)} {symbol(fit.motion.unit)}"
+    cells = (*ends, "", rise, f"{short(residual, 2)} {symbol(fit.table.unit)}", lines)
     return TableRow(cells, tip=_ambiguity_text(segment))
 
 

@@ -20,7 +20,6 @@ from core.measured.columns import ColumnLayout
 from core.motion import program
 from core.output.controllers.motion import ControllerMotion, motion_text, read_motion, with_controller_motion
 from core.output.controllers.rows import INTERPOLATIONS, controllers
-from core.output.measured_text import digits
 from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
@@ -33,6 +32,7 @@ from kindyna_gui.look import bold_label
 from kindyna_gui.measured.form import symbol
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import short
 from kindyna_gui.rebuilt import STRETCH, fill
 
 TITLE, FILES = "Import controller table", "Tables of controllers (*)"
@@ -158,7 +158,7 @@ def fit_marks(fit: MotionFit) -> dict[int, Mark]:
             line, unit = int(table.lines[row]), symbol(column_fit.column.unit)
             previous = marks.get(line, Mark((), ""))
             left_out = ", left out" if i or row in fit.left_out else ""
-            text = f"{column_fit.column.name}: {digits(float(expected), 5)} {unit} expected{left_out}"
+            text = f"{column_fit.column.name}: {short(float(expected))} {unit} expected{left_out}"
             marks[line] = Mark((*previous.columns, columns[i]), "; ".join(filter(None, (previous.text, text))))
     by_order = {
         column_fit.column.order: (column, column_fit.column.name)

@@ -19,7 +19,7 @@ from core.design import UNITS, Design, Motion, SplineCurve, join_angles, join_le
 from core.design.edits import is_dwell
 from core.frozen import frozen
 from core.motion import Join
-from core.output.lines import shortest
+from core.number_text import MINUS, shortest
 from core.study import Quantity, Study
 from kindyna_gui.labels import sentence, value_text
 from kindyna_gui.pictures.items import text_size
@@ -29,7 +29,7 @@ from kindyna_gui.pictures.plots.lines import Z_CURVE, Z_REFERENCE
 from kindyna_gui.pictures.plots.plot import Span, peak, shown_range, spans
 from kindyna_gui.pictures.plots.quantities import Curve
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
-from kindyna_gui.pictures.units import MINUS, digits, nice_below, readable, short, with_unit
+from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.settings import point, sized, symbol_of
 
 POINT, LINE, LEVEL = "point", "line", "level"
@@ -277,7 +277,7 @@ def _mark(join: Join, motion: Motion, order: int) -> JoinMark:
 
 def jump_text(join: Join, order: int, motion: Motion) -> str:
     """Text of the jump with its sign, in the motion's unit per radian of cam angle."""
-    return digits(float(join.jump[order]) / motion.scale, 3)
+    return short(float(join.jump[order]) / motion.scale)
 
 
 def mark_variants(row: Sequence[JoinMark]) -> tuple[Parts, ...]:

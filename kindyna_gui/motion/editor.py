@@ -23,7 +23,7 @@ from core.design import Design, move_join, require_motion
 from core.errors import KindynaError
 from core.motion.extremes import Extremes
 from core.motion.split import shift_motion
-from core.output.lines import shortest
+from core.number_text import shortest
 from core.study import Quantity, Study
 from kindyna_gui.documents.pins import Bands
 from kindyna_gui.documents.session import Session

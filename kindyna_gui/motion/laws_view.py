@@ -30,7 +30,7 @@ from core.design.edits import is_dwell
 from core.find import law_candidates, moving_segments
 from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
-from core.output.lines import shortest
+from core.number_text import shortest
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import law_label, value_text

@@ -36,7 +36,7 @@ from core.design.edits import balance
 from core.frozen import frozen
 from core.laws import EVERY_LAW, find_law, named_law
 from core.motion import Join
-from core.output.lines import shortest
+from core.number_text import shortest
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox, parsed
 from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable

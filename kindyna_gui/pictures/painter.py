@@ -29,7 +29,7 @@ from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.quantities import channel_extremes, quantities_for, without_equal_curves
 from kindyna_gui.pictures.style import LIGHT, Theme
-from kindyna_gui.pictures.units import UNSEEN
+from kindyna_gui.pictures.units import UNSEEN, number
 from kindyna_gui.rebuilt import fill
 
 if TYPE_CHECKING:
@@ -189,8 +189,8 @@ class PlotStack(PaperSheet):
         super().__init__(theme)
         column = fill(QVBoxLayout(self), margins=MARGIN, spacing=4)
         self.plots: list[CurvePlot] = []
-        for number, row in enumerate(rows):
-            plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)
+        for index, row in enumerate(rows):
+            plot = CurvePlot(self, names=index == 0, angles=index == len(rows) - 1, theme=theme)
             if marks:
                 plot.text_room = TEXT_ROOM
             fill_plot(plot, study, row, unseen, marks, bands)
@@ -321,7 +321,7 @@ def polygon_sheet(study: Study, angle_deg: float) -> PolygonSheet:
     sheet.resize(*SHEET_OF_POLYGON)
     sheet.set_box(velocity_box(velocity_polygon(study.linkage), study.omega))
     at_angle = study.at_theta(np.array([radians(angle_deg)]))
-    name = f"{study.angle_name.capitalize()} {angle_deg:.1f}°"
+    name = f"{study.angle_name.capitalize()} {number(angle_deg, 1)}°"
     sheet.show_diagram(velocity_diagram(velocity_polygon(at_angle.linkage), study.omega), name)
     return sheet
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from core.frozen import frozen
 from core.motion import Angles
+from core.number_text import RESULT_DIGITS, fixed_text, input_text, result_text, signed_text
 from core.study import Study
 from core.units import display_units
 from kindyna_gui.settings import point, size_of, symbol_of
@@ -23,7 +24,7 @@ PIECES = (64, 8, 4)  # numbers of points that one straight piece may replace, in
 PER_SCALE = 2.0  # a line thinned for one scale is used down to a scale so many times smaller
 TURN = 2.0 * pi
 NOTHING_DRAWN = "Nothing is drawn yet"  # description of an empty plot
-MINUS, THIN_SPACE = "\u2212", "\u2009"
+ROUNDED_ZERO = 5e-13  # a smaller value is the rounding error of zero
 MOST, FINEST = 1e5, 1e-3  # a peak outside these limits is shown with a power of ten in the unit
 
 # -- thinned lines ---------------------------------------------------------------------------------------
@@ -191,45 +192,46 @@ def legible(text: str) -> str:
 
 
 def number(value: float, decimals: int) -> str:
-    """Value with fixed decimals, thin spaces between thousands from five digits on, and never minus zero."""
-    text = f"{abs(value):.{max(0, decimals)}f}"
-    integer, _, fraction = text.partition(".")
-    if len(integer) > 4:
-        integer = f"{int(integer):,}".replace(",", THIN_SPACE)
-    text = f"{integer}.{fraction}" if fraction else integer
-    if value < 0.0 and text.strip(f"0.{THIN_SPACE}"):
-        text = MINUS + text
-    return text.replace(".", point())
+    """Value with fixed decimals, and never minus zero."""
+    return fixed_text(value, decimals).replace(".", point())
 
 
-def digits(value: float, most: int = 4) -> str:
-    """Value with ``most`` significant digits."""
-    if not math.isfinite(value):
-        return "∞" if value > 0.0 else f"{MINUS}∞" if value < 0.0 else "none"
-    if value == 0.0:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    text = number(value, min(most - 1 - size, 12))
-    return text if text.strip("0.,") else "0"  # a rounding error of zero
+def digits(value: float, most: int = RESULT_DIGITS) -> str:
+    """Value with ``most`` significant digits, for columns and readings that change."""
+    return _shown(value, most, padded=True)
 
 
-def short(value: float, most: int = 6) -> str:
+def short(value: float, most: int = RESULT_DIGITS) -> str:
     """Value with at most ``most`` significant digits, without trailing zeros."""
-    text = digits(value, most)
-    return text.rstrip("0").rstrip(point()) if point() in text else text
+    return _shown(value, most, padded=False)
 
 
-def measure(value: float, symbol: str, most: int = 4) -> str:
+def _shown(value: float, most: int, padded: bool) -> str:
+    value = 0.0 if abs(value) < ROUNDED_ZERO else value
+    return result_text(value, most, padded).replace(".", point())
+
+
+def signed(value: float, most: int = RESULT_DIGITS) -> str:
+    """Difference with its sign."""
+    return signed_text(value, most).replace(".", point())
+
+
+def typed(value: float) -> str:
+    """Input with all its digits."""
+    return input_text(value).replace(".", point())
+
+
+def measure(value: float, symbol: str, most: int = RESULT_DIGITS) -> str:
     """Value with its unit, in the preferred unit; no space before a degree sign."""
     return with_unit(digits(value / size_of(symbol), most), symbol_of(symbol))
 
 
-def brief(value: float, symbol: str, most: int = 6) -> str:
+def brief(value: float, symbol: str, most: int = RESULT_DIGITS) -> str:
     """Value with its unit, in the preferred unit, without trailing zeros."""
     return with_unit(short(value / size_of(symbol), most), symbol_of(symbol))
 
 
-def readable_text(value: float, symbol: str, most: int = 4) -> str:
+def readable_text(value: float, symbol: str, most: int = RESULT_DIGITS) -> str:
     """Value in the unit in which it needs no exponent, with at most ``most`` significant digits."""
     unit = readable(symbol, abs(value))
     return with_unit(short(value / unit.size, most), unit.symbol)

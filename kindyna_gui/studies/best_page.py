@@ -23,6 +23,7 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
 from kindyna_gui.look import bold_label, coloured, described
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import number
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.studies.rows import ToleranceRows, WaveRow
 from kindyna_gui.studies.texts import figure_label, label_of, optimum_html, parts_html, tighter_html, value_text
@@ -69,7 +70,7 @@ class BestPage(QWidget):
         self.goals = [self._word(f"{title}: quantity", self._choose) for title in GOALS]
         for direction in self.directions:
             fill_choices(direction, {SMALL: "least", LARGE: "greatest"})
-        self.robust = QCheckBox(f"Robust: {100.0 * SHARE:.2f} % of machines within the limits")
+        self.robust = QCheckBox(f"Robust: {number(100.0 * SHARE, 2)} % of machines within the limits")
         self.robust.toggled.connect(lambda on: self.robust_changed.emit(SHARE if on else None))
         self.start, self.stop, self.take = QPushButton("Find the best"), QPushButton("Stop"), QPushButton("Take over")
         for button in (self.start, self.stop, self.take):

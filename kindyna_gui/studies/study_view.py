@@ -25,6 +25,7 @@ from PySide6.QtWidgets import (
 from core.design import Design, Tolerance, get
 from core.design.limits import Waviness
 from core.errors import DesignError, KindynaError
+from core.number_text import count_text
 from core.study import Study
 from core.varying import (
     StudyFile,
@@ -43,7 +44,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
-from kindyna_gui.labels import in_sentence, reason, thousands
+from kindyna_gui.labels import in_sentence, reason
 from kindyna_gui.look import described, scrolled
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
@@ -322,11 +323,11 @@ class StudyView(BackgroundView):
     def _describe(self, survey: Survey) -> None:
         """Show the number of designs, and the most frequent reason why designs cannot be built."""
         failed = survey.reason[survey.reason != ""]
-        text = f"{thousands(survey.reason.size)} designs"
+        text = f"{count_text(survey.reason.size)} designs"
         if failed.size:
             codes, counts = np.unique(failed.astype(str), return_counts=True)
             most = reason_text(str(codes[counts.argmax()]))
-            text += f", {thousands(failed.size)} without a result, mostly: {in_sentence(most)}"
+            text += f", {count_text(failed.size)} without a result, mostly: {in_sentence(most)}"
         self._say(f"{text}{' …' if self.surveys.is_computing else ''}")
 
     def _say(self, text: str) -> None:

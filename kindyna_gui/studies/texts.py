@@ -8,14 +8,15 @@ from types import MappingProxyType
 
 from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
 from core.laws import LAWS
+from core.number_text import count_text
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying import Optimum, StudyOfMany, ToleranceResult
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
-from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence, thousands
+from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import short, with_unit
+from kindyna_gui.pictures.units import number, short, signed, with_unit
 from kindyna_gui.studies.plots import SurveyQuantity
 
 STATISTICS: Mapping[str, str] = MappingProxyType(
@@ -154,7 +155,8 @@ def share_html(design: Design, result: ToleranceResult) -> str:
     assert share is not None, "there are limits"
     low, high = (100.0 * bound for bound in share.interval)
     lines = [
-        f"<b>{100.0 * share.value:.2f} % of {thousands(share.machines)} machines keep the limits</b> ({low:.2f} … {high:.2f} %)"
+        f"<b>{number(100.0 * share.value, 2)} % of {count_text(share.machines)} machines keep the limits</b> "
+        f"({number(low, 2)} … {number(high, 2)} %)"
     ]
     for corner in result.corners:
         slug = corner.limit.key.partition(":")[0]
@@ -168,10 +170,10 @@ def tighter_html(design: Design, result: ToleranceResult) -> str:
     """Return which tolerances to tighten."""
     tighter = result.tighter
     if tighter is None:
-        return f"Halving tolerances twice does not bring {100.0 * SHARE:.2f} % of machines within the limits."
+        return f"Halving tolerances twice does not bring {number(100.0 * SHARE, 2)} % of machines within the limits."
     names = [f"{escape(name_of(design, path))} to 1/{2**times}" for path, times in tighter.halved.items()]
     cost = f", cost {short(tighter.cost, 3)}" if any(row.cost is not None for row in design.tolerances) else ""
-    return f"<b>Tighten {', '.join(names)}</b>: {100.0 * tighter.share.value:.2f} % keep the limits{cost}"
+    return f"<b>Tighten {', '.join(names)}</b>: {number(100.0 * tighter.share.value, 2)} % keep the limits{cost}"
 
 
 def parts_html(design: Design, result: ToleranceResult) -> str:
@@ -184,7 +186,7 @@ def parts_html(design: Design, result: ToleranceResult) -> str:
             slope_unit = f"{figure_unit}/{unit}" if unit else figure_unit
             slope_text = with_unit(short(slope, 3), slope_unit) if slope == slope else "none"
             rows.append(
-                f"<tr><td>{escape(name_of(design, path))}</td><td align=right>{100.0 * part:.1f} %</td>"
+                f"<tr><td>{escape(name_of(design, path))}</td><td align=right>{number(100.0 * part, 1)} %</td>"
                 f"<td align=right>{escape(slope_text)}</td></tr>"
             )
     return f"<table width='100%' cellspacing=1>{''.join(rows)}</table>"
@@ -195,11 +197,7 @@ def optimum_html(design: Design, study: StudyOfMany, optimum: Optimum) -> str:
     lines = []
     for goal in study.file.goals:
         now, before = optimum.goals[goal.key], optimum.before[goal.key]
-        change = (
-            f" ({100.0 * (now / before - 1.0):+.1f} %)".replace("-", "−")
-            if before and before == before and now == now
-            else ""
-        )
+        change = f" ({signed(100.0 * (now / before - 1.0), 3)} %)" if before and before == before and now == now else ""
         name = escape(label_of(design, goal.quantity))
         lines.append(
             f"<b>{name} {escape(value_text(goal.key, now))}</b>, before {escape(value_text(goal.key, before))}{change}"
@@ -227,7 +225,8 @@ def optimum_html(design: Design, study: StudyOfMany, optimum: Optimum) -> str:
     if optimum.share is not None:
         low = 100.0 * optimum.share.interval[0]
         lines.append(
-            f"{100.0 * optimum.share.value:.2f} % of {thousands(optimum.share.machines)} machines keep the limits, {low:.2f} % at least"
+            f"{number(100.0 * optimum.share.value, 2)} % of {count_text(optimum.share.machines)} machines keep "
+            f"the limits, {number(low, 2)} % at least"
         )
     if optimum.is_better and optimum.starts > 1:
         lines.append(f"{optimum.agreeing} of {optimum.starts} starts lead to this design.")

@@ -29,7 +29,7 @@ from core.design import (
 from core.design import with_shaft as give_shaft
 from core.design.design import with_servo, without_servo
 from core.errors import KindynaError
-from core.output.lines import shortest
+from core.number_text import shortest
 from core.project import load, load_linked, save
 from core.requests import command_words
 from kindyna_gui import dialogs

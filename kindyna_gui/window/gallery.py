@@ -43,6 +43,7 @@ from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import short
 from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.requirements import lists_links
@@ -349,7 +350,7 @@ def _choice(number: int, circuit: Circuit) -> GalleryChoice:
     ends = np.array([circuit.range.low, circuit.range.high])
     turns = driver_turns(circuit.design.drive.linkage)
     low, high = np.rad2deg(ends) if turns else 1e3 * ends
-    span = f"driver {low:.4g} ... {high:.4g} {'°' if turns else 'mm'}"
+    span = f"driver {short(low)} ... {short(high)} {'°' if turns else 'mm'}"
     current = " (current)" if circuit.is_current else ""
     return GalleryChoice(f"{number}: {span}{current}", f"Circuit {number}: {span}{current}", lambda: circuit.design)
 

@@ -22,6 +22,7 @@ from kindyna_gui.documents.texts import misfit_sentences, waiting_text
 from kindyna_gui.labels import named_value, reason
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import number
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import add_entry, call_soon, clear_menu, connect_all, single_shot
 from kindyna_gui.requirements import suggestions_for
@@ -281,7 +282,7 @@ class StatusLine(QStatusBar):
         self.saved.setText("unsaved changes" if self._session.modified else named)
 
     def _angle_changed(self, theta: float) -> None:
-        self.angle.setText(f"{self._session.study.angle_name} {theta * 180.0 / pi:.1f}°")
+        self.angle.setText(f"{self._session.study.angle_name} {number(theta * 180.0 / pi, 1)}°")
 
 
 def counted(findings: Iterable[Finding]) -> tuple[str, str]:

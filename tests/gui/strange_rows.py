@@ -162,7 +162,7 @@ def test_the_limit_is_written_read_and_judged(pressed: Path, capsys: pytest.Capt
     assert project.load(pressed) == PRESSED
     assert main(["check", str(pressed)]) == 0
     said = capsys.readouterr().out
-    assert re.search(r"squeeze [\d.]+ N at [\d.]+ deg, your limit [\d.]+ N: press less", said), said
+    assert re.search(r"squeeze [\d.\u202f]+ N at [\d.]+ deg, your limit [\d.\u202f]+ N: press less", said), said
 
 
 @pytest.mark.parametrize(("name", "counts"), [("card_picker", True), ("rocker_cam", False)])
@@ -190,9 +190,11 @@ def test_the_quantity_stands_in_tables_and_report_beside_its_limit(
     assert (told["limit"], told["source"]) == (80000.0, "own")
     capsys.readouterr()
     main(["report", str(pressed), "--samples", "36"])
-    lines = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip().startswith("Squeeze")]
+    lines = [
+        re.split(" +", line) for line in capsys.readouterr().out.splitlines() if line.strip().startswith("Squeeze")
+    ]
     assert [len(line) for line in lines] == [3, 6, 6], "among inputs, extremes and limits"
-    assert lines[2][4:] == ["80000.0", "own"]
+    assert lines[2][4:] == ["80\u202f000", "own"]
 
 
 def test_the_quantity_is_picked_and_drawn_with_the_line_of_its_limit(same_window: Open, pressed: Path) -> None:

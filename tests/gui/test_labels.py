@@ -9,7 +9,7 @@ from mechanisms import with_follower
 
 from core.design import NO_UNIT, UNITS
 from core.errors import KindynaError, NoSolution
-from core.output.lines import shortest
+from core.number_text import shortest
 from core.project import load
 from core.study import Study
 from kindyna_gui.forms.number_box import parsed
@@ -83,7 +83,7 @@ def test_an_error_names_fields_as_the_forms_do() -> None:
 @pytest.mark.parametrize(
     ("told", "shown"),
     [
-        ("peak -18 mm/deg^2 at a join", "Peak -18 mm/deg² at a join"),
+        ("peak -18 mm/deg^2 at a join", "Peak \u221218 mm/deg² at a join"),
         ("falls to 30.4 deg, usual are 40 deg and more", "Falls to 30.4°, usual are 40° and more"),
         ("smoothing 3 deg^5, from deg to degree", "Smoothing 3 deg^5, from deg to degree"),
         ("allowed: >= 0", "Allowed: ≥ 0"),

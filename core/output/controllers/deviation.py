@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from core.frozen import frozen
+from core.number_text import result_text
 from core.output.controllers.errors import QUANTITIES
 from core.output.controllers.placing import RowPlacer, equal_steps
 from core.output.controllers.rows import KINDS, UNKNOWN, evaluate
@@ -77,23 +78,23 @@ def text(cam: Ecam) -> str:
         for name, symbol, value, at in zip(
             ("position", "velocity", "acceleration"), units, cam.deviation.values, cam.deviation.at_deg, strict=False
         ):
-            lines.append(f"largest error of the {name}: {value:.4g} {symbol} at {at:.6g} deg")
+            lines.append(f"largest error of the {name}: {result_text(value)} {symbol} at {result_text(at)} deg")
         if cam.speed_rpm:
             lines += [
-                f"at {cam.speed_rpm:g} rpm: {value:.4g} {symbol} ({name.split('_')[0]})"
+                f"at {cam.speed_rpm:g} rpm: {result_text(value)} {symbol} ({name.split('_')[0]})"
                 for name, value, symbol in errors_at_speed(cam)
             ]
     for jump in cam.jumps:
-        bound = "" if jump.bound is None else f", with an error of at most {jump.bound:.3g} {unit}"
+        bound = "" if jump.bound is None else f", with an error of at most {result_text(jump.bound, 3)} {unit}"
         rows_text = "both sides of it have a row" if jump.rows == 2 else f"one row for both sides{bound}"
-        lines.append(f"the {jump.of} jumps by {jump.jump:.4g} at {jump.at_deg:.6g} deg: {rows_text}")
+        lines.append(f"the {jump.of} jumps by {result_text(jump.jump)} at {result_text(jump.at_deg)} deg: {rows_text}")
     if cam.cycle is not None:
         c, step = cam.cycle, "m/s²" if cam.slave.unit == "mm" else "°/s²"
-        above = "at no speed" if c.dominates_above_rpm is None else f"above {c.dominates_above_rpm:.4g} rpm"
+        above = "at no speed" if c.dominates_above_rpm is None else f"above {result_text(c.dominates_above_rpm)} rpm"
         lines.append(
             f"cycles of {cam.request.cycle_ms:g} ms at {abs(cam.speed_rpm):g} rpm: the acceleration steps by "
-            f"{c.acceleration_step:.4g} {step} "
-            f"at {c.at_deg:.6g} deg; {above} the error of the cycle exceeds that of the table"
+            f"{result_text(c.acceleration_step)} {step} "
+            f"at {result_text(c.at_deg)} deg; {above} the error of the cycle exceeds that of the table"
         )
     lines += [f"open: {fact}" for fact in cam.controller.open]
     return "\n".join(lines) + "\n"

@@ -12,6 +12,7 @@ import numpy as np
 from core.bounds import BYTES, ROWS
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import result_text
 from core.output.controllers.rows import Controller, fill, fill_rows, placeholders
 
 LARGEST_COUNT = 2**31 - 1
@@ -156,7 +157,8 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
             if reversals.size:
                 raise KindynaError(
                     f"{row.slug}: its rows ascend from 0 to 1, and the slave reverses at "
-                    f"{master[reversals[0]] / (end - start):.4g} of the master; allowed: --segment N, one that rises or falls throughout"
+                    f"{result_text(master[reversals[0]] / (end - start))} of the master; allowed: --segment N, "
+                    "one that rises or falls throughout"
                 )
     columns = {
         "index": np.arange(1, slave.size + 1),
@@ -175,7 +177,8 @@ def _columns(row: Controller, table: FileTable) -> tuple[dict[str, np.ndarray], 
     for key, values in result.items():
         if row.integer and float(np.abs(values).max()) > LARGEST_COUNT:
             raise KindynaError(
-                f"{row.slug}: {key} reaches {float(np.abs(values).max()):.6g}; allowed: integers of 32 bits, up to +-{LARGEST_COUNT}: "
+                f"{row.slug}: {key} reaches {result_text(float(np.abs(values).max()), 5)}; allowed: integers of "
+                f"32 bits, up to +-{LARGEST_COUNT}: "
                 f"choose a smaller {'--master-per-turn' if key == 'master' else '--slave-scale'}"
             )
     return result, header

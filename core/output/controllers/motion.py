@@ -21,6 +21,7 @@ from core.design.design import Design
 from core.design.motion_edits import without_marks
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import result_text
 from core.output.controllers.layout import FileTable, read_file
 from core.output.controllers.rows import KINDS, Controller, Table, evaluate
 from core.output.controllers.slave import TURN
@@ -53,7 +54,7 @@ def read_motion(row: Controller, data: bytes, interpolation: str | None = None, 
     table = table_from_file(row, contents, per_turn)
     if abs(table.x[0]) > 1e-9 or abs(table.x[-1] - TURN) > 1e-6:
         raise KindynaError(
-            f"{row.slug}: the master runs from {table.x[0]:.9g} to {table.x[-1]:.9g} deg; allowed: from 0, one turn"
+            f"{row.slug}: the master runs from {result_text(table.x[0], 6)} to {result_text(table.x[-1], 6)} deg; allowed: from 0, one turn"
         )
     gain = float(table.states[0, -1] - table.states[0, 0])
     gain = gain if abs(gain) > 1e-9 else 0.0

@@ -11,13 +11,13 @@ import numpy as np
 
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import result_text, rounded_up
 from core.numerics.lazy import checkpoint
 from core.output.controllers.errors import Cycle, Deviation, cycle_effect, largest_errors, table_at
 from core.output.controllers.layout import FileTable, file_bytes, read_file, round_column, rounded_table, rounding_error
 from core.output.controllers.placing import SAMPLING_ERROR, SPLIT, RowPlacer, equal_steps
 from core.output.controllers.rows import KINDS, UNKNOWN, Controller, Table
 from core.output.controllers.slave import EQUAL, NEAR, PLACED, TURN, EcamRequest, Slave
-from core.output.files.profile_request import rounded_up
 
 NOT_PUBLISHED = "not certified: how this controller interpolates is not published"
 TRIES, MARGIN = 8, 1e-3
@@ -328,7 +328,8 @@ class _TableBuilder:
                 value, limit = f"{rounded_up(least.values[k], 4):g} {units[k]}", self.limits[k]
                 lines.append(
                     f"{OPTIONS[k]} {limit:g}: {self.row.slug} cannot keep it; the least error of the {ERROR_NAMES[k]} is {value}, at "
-                    f"{least.at_deg[k]:.6g} deg, limited by {self._limiting_cause(x, k, least, units)}; allowed: at least {value}"
+                    f"{result_text(least.at_deg[k], 5)} deg, limited by "
+                    f"{self._limiting_cause(x, k, least, units)}; allowed: at least {value}"
                 )
         return "\n".join(lines)
 
@@ -343,10 +344,13 @@ class _TableBuilder:
             i = int(near[0])
             jump_order = int(np.flatnonzero(self.slave.jumps[:, i])[0])
             size = abs(float(self.slave.jumps[jump_order, i]))
-            cause = f"the jump of the {ERROR_NAMES[jump_order]} by {size:.4g} {units[jump_order]} at {edges[i]:.6g} deg"
+            cause = f"the jump of the {ERROR_NAMES[jump_order]} by {result_text(size)} {units[jump_order]} at {result_text(edges[i])} deg"
             if order == 0 and jump_order:
                 share = Fraction(KINDS[self.kind].jump[jump_order - 1]).limit_denominator(99)
-                cause += f", which at the step {step:.3g} deg causes up to about {share} h{'²' * (jump_order - 1)}|Δ{'va'[jump_order - 1]}|"
+                cause += (
+                    f", which at the step {result_text(step, 3)} deg causes up to about {share} "
+                    f"h{'²' * (jump_order - 1)}|Δ{'va'[jump_order - 1]}|"
+                )
             return cause
         if order == 0 and least.values[0] <= 3.0 * self._rounding:
             return "the digits of its numbers" + (": choose a larger --slave-scale" if self.row.integer else "")
@@ -388,7 +392,7 @@ class _TableBuilder:
         end_error = abs(result[-1] - TURN)
         if not (np.diff(result) > 0.0).all() or end_error > NEAR:
             closest_requested = float(np.diff(x).min())  # negative where a row at a jump passes its neighbour
-            distance = f" at a distance of {closest_requested:.3g} deg" if closest_requested > 0.0 else ""
+            distance = f" at a distance of {result_text(closest_requested, 3)} deg" if closest_requested > 0.0 else ""
             raise KindynaError(
                 f"--master-per-turn {self.per_turn:g}: too coarse, the master would not rise from row to row"
                 f"{distance}{', or the turn is no whole number' if end_error > NEAR else ''}; choose a larger one"
@@ -396,7 +400,8 @@ class _TableBuilder:
         result[-1] = TURN
         if self.row.least_step and (least_distance := float(np.diff(result).min())) < self.row.least_step - NEAR:
             raise KindynaError(
-                f"{self.row.slug}: the distance of two rows is {least_distance:.3g} deg; allowed: at least {self.row.least_step:g} deg"
+                f"{self.row.slug}: the distance of two rows is {result_text(least_distance, 3)} deg; allowed: "
+                f"at least {self.row.least_step:g} deg"
             )
         return result
 

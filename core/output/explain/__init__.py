@@ -13,6 +13,7 @@ from core.errors import KindynaError, NoSolution
 from core.findings import Finding, Residual
 from core.frozen import frozen
 from core.motion.extremes import Extreme
+from core.number_text import input_text, result_text
 from core.output.channels import channels, existing
 from core.output.explain.shaft import FIGURES, has_figure, shaft_columns
 from core.output.explain.workings import calculation_of
@@ -69,7 +70,7 @@ class Explanation:
 
     def headline(self, most: int) -> str:
         """Label, angle and value with at most this number of digits; why it is infinite, where it is."""
-        at = "" if self.at_deg is None else f" at {self.at_deg:.6g}°"
+        at = "" if self.at_deg is None else f" at {input_text(self.at_deg)}°"
         text = f"{self.label}{at}: {digits(self.value, most)} {self.unit if not self.why else ''}".rstrip()
         return f"{text}: {self.why}" if self.why else text
 
@@ -276,17 +277,24 @@ def as_row(explanation: Explanation) -> Mapping[str, Any]:
     }
 
 
+WORKING_DIGITS = 9  # of a calculation that is repeated by hand
+
+
 def as_text(explanation: Explanation) -> str:
     """An explanation for the terminal."""
-    lines = [explanation.headline(9), *(f"  {line}" for line in explanation.equations), f"  after {explanation.source}"]
+    lines = [
+        explanation.headline(WORKING_DIGITS),
+        *(f"  {line}" for line in explanation.equations),
+        f"  after {explanation.source}",
+    ]
     rows = [
-        (letter.symbol, digits(letter.value, 9), letter.unit, letter.meaning, letter.origin)
+        (letter.symbol, digits(letter.value, WORKING_DIGITS), letter.unit, letter.meaning, letter.origin)
         for letter in explanation.letters
     ]
     lines += columns(rows, left=1) if rows else ()
     if explanation.residual is not None:
         name, residual = explanation.residual
-        lines.append(f"certificate: {name} = {residual.value:.3g}, bound {residual.bound:.3g}")
+        lines.append(f"certificate: {name} = {result_text(residual.value, 3)}, bound {result_text(residual.bound, 3)}")
     return "\n".join(lines) + "\n"
 
 

@@ -11,6 +11,7 @@ from core.errors import KindynaError, NoCam
 from core.frozen import frozen
 from core.motion import Angles
 from core.motion.extremes import find_extremes
+from core.number_text import result_text, rounded_down, rounded_up
 from core.numerics.derivatives import dot
 from core.numerics.lazy import checkpoint
 from core.output.files.fewest import largest_deviation
@@ -23,7 +24,7 @@ from core.output.files.profile_curve import (
     offset_curve,
 )
 from core.output.files.profile_fit import FITS, Arcs, Cubics
-from core.output.files.profile_request import Points, ProfileRequest, points, rounded_down, rounded_up
+from core.output.files.profile_request import Points, ProfileRequest, points
 from core.study import Study
 
 CERTAIN = 1e-11  # relative to the curve's size: accuracy of its points
@@ -149,8 +150,8 @@ def _require_room(study: Study, cutting: float) -> None:
     width = faces[INNER].radius_mm + faces[OUTER].radius_mm
     if 2.0 * cutting > width:
         raise KindynaError(
-            f"cutter: a radius of {cutting:g} mm does not go into the groove, which is {width:.9g} mm wide; "
-            f"allowed: at most {0.5 * width:.9g} mm"
+            f"cutter: a radius of {cutting:g} mm does not go into the groove, which is {result_text(width, 6)} mm wide; "
+            f"allowed: at most {result_text(0.5 * width, 6)} mm"
         )
 
 
@@ -159,13 +160,15 @@ def _require_reach(study: Study, curve: ProfileCurve, rolling: float, cutting: f
     gap = find_uncut_hollow(curve, curve.exact, study.program, rolling, cutting)
     if gap is None:
         return
-    concave = f"whose concave radius of curvature is {gap.radius:.5g} mm there, " if np.isfinite(gap.radius) else ""
+    concave = (
+        f"whose concave radius of curvature is {result_text(gap.radius)} mm there, " if np.isfinite(gap.radius) else ""
+    )
     remedy = (
-        f"choose a radius of at most {rounded_down(gap.radius, 5):.5g} mm"
+        f"choose a radius of at most {result_text(rounded_down(gap.radius, 5), 5)} mm"
         if np.isfinite(gap.radius)
         else "choose a smaller radius"
     )
-    uncut = f"{gap.uncut:.3g} mm" if gap.uncut >= NEGLIGIBLE else f"less than {NEGLIGIBLE:g} mm"
+    uncut = f"{result_text(gap.uncut, 3)} mm" if gap.uncut >= NEGLIGIBLE else f"less than {NEGLIGIBLE:g} mm"
     raise NoCam(
         f"a radius of {cutting:g} mm does not reach all of the profile, {concave}and leaves {uncut} uncut",
         "cutter",

@@ -20,6 +20,7 @@ from core.measured.table import gaps
 from core.measured.units import ANGLE_UNITS, TIME_UNITS, meaning
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
+from core.number_text import result_text
 from core.numerics.derivatives import cross, dot
 from core.numerics.lazy import checkpoint
 from core.output.export import SUMMARY, csv
@@ -228,7 +229,7 @@ class ProbeSetup:
             return None
         samples = self.exact(self.study.program.angles(np.deg2rad([gap.begin])))
         centre = complex(samples.z[0] + self.side * self.radius * 1j * samples.tangent[0])
-        uncut = f", which leaves {gap.uncut:.3g} mm between them" if gap.uncut > NEGLIGIBLE else ""
+        uncut = f", which leaves {result_text(gap.uncut, 3)} mm between them" if gap.uncut > NEGLIGIBLE else ""
         return self._not_reached(centre, gap.radius, uncut)
 
     def _flat_hollow(self) -> Finding | None:
@@ -240,8 +241,8 @@ class ProbeSetup:
         return self._not_reached(complex(self.side * 1j * samples.tangent[0]), 1.0 / sharpest.value, "")
 
     def _not_reached(self, direction: complex, radius: float, uncut: str) -> Finding:
-        hollow = f", of radius {radius:.5g} mm," if np.isfinite(radius) else " between two parts of it"
-        probe = self.kind.label + (f", radius {self.radius:.6g} mm" if self.kind.radius else "")
+        hollow = f", of radius {result_text(radius)} mm," if np.isfinite(radius) else " between two parts of it"
+        probe = self.kind.label + (f", radius {result_text(self.radius)} mm" if self.kind.radius else "")
         values: dict[str, float | str] = {"probe": probe, "hollow": hollow, "left": uncut, "radius_mm": radius}
         return Finding("probe-hollow", NOTE, "inspection.radius_mm", self._angle(direction), values)
 
@@ -346,7 +347,7 @@ def _require_room(setup: ProbeSetup) -> None:
     room = 0.5 * sum(face.radius_mm for face in faces.values()) if OUTER in faces else np.inf
     if setup.radius > room:
         raise KindynaError(
-            f"radius {setup.radius:g} mm: the probe does not go into the groove; allowed: at most {room:.9g} mm"
+            f"radius {setup.radius:g} mm: the probe does not go into the groove; allowed: at most {result_text(room, 6)} mm"
         )
 
 
@@ -360,7 +361,7 @@ def _require_tolerance(setup: ProbeSetup) -> None:
     if band >= greatest:
         raise KindynaError(
             f"tolerance {band:g} mm: as large as the profile's least convex radius or its distance from the cam centre; "
-            f"allowed: below {greatest:.5g} mm"
+            f"allowed: below {result_text(greatest, 5)} mm"
         )
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from core.cam import OUTER, SECOND, faces_of, form_row, keyway_corners, keyway_unknown
 from core.errors import KindynaError, NoCam
 from core.frozen import frozen
+from core.number_text import result_text, rounded_up
 from core.numerics.derivatives import cross
 from core.output.files.fitted_curve import (
     FittedCurve,
@@ -34,7 +35,7 @@ from core.output.files.fitted_curve import (
 )
 from core.output.files.profile_curve import MM, exact_profile
 from core.output.files.profile_fit import FITS, Arcs, Cubics
-from core.output.files.profile_request import SAMPLINGS, ProfileRequest, rounded_up
+from core.output.files.profile_request import SAMPLINGS, ProfileRequest
 from core.requests import require_in_range as in_range
 from core.study import Study
 
@@ -251,7 +252,7 @@ def comment(job: ProfileDrawing) -> list[str]:
         f"Cam turns {SENSES[job.study.sense][1]} ({values['rotation']}) as drawn",
         f"Units: mm; origin: {values['origin']}",
         f"Points: {values['points']}, {values['sampling']}; {values['fit']}",
-        f"Length: {values['length_mm']:.9g} mm",
+        f"Length: {result_text(values['length_mm'], 6)} mm",
         f"Deviation from the exact curve: at most {rounded_up(values['deviation_mm'], 4)!r} mm{allowed}",
         *(
             f"Layer {name}: profile, {row['flank']} flank, {row['points']} points, at most {rounded_up(row['deviation_mm'], 4)!r} mm"

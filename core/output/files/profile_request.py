@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import ceil, floor, log10
+from math import ceil
 from types import MappingProxyType
 from typing import Any
 
@@ -14,31 +14,12 @@ from core.design.fields import choice, flag, length, number, whole
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import degrees
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 from core.output.files.fewest import TooManyPoints, fewest_points
 from core.output.files.profile_curve import ProfileCurve, SpanEnds
 from core.output.files.profile_fit import FITS, FitMethod
 from core.requests import option
-
-# -- numbers rounded to the safe side ---------------------------------------------------------------------------
-
-
-def rounded_up(value: float, digits: int) -> float:
-    """A positive number rounded up to this number of digits; 0 stays 0."""
-    return _rounded(value, digits, ceil)
-
-
-def rounded_down(value: float, digits: int) -> float:
-    """A positive number rounded down to this number of digits; 0 stays 0."""
-    return _rounded(value, digits, floor)
-
-
-def _rounded(value: float, digits: int, side: Callable[[float], int]) -> float:
-    if not value:
-        return 0.0
-    decimals = digits - 1 - floor(log10(value))
-    return float(f"{side(value * 10.0**decimals)}e{-decimals}")
-
 
 # -- points on a curve ------------------------------------------------------------------------------------------
 
@@ -87,7 +68,8 @@ def _equal_lengths(curve: ProfileCurve, fit: FitMethod, spacing: float) -> np.nd
     if not LEAST_POINTS <= count <= MOST_POINTS:
         low, high = curve.length / MOST_POINTS, curve.length / LEAST_POINTS
         raise KindynaError(
-            f"spacing {spacing:g} mm: the curve is {curve.length:.6g} mm long; allowed: {low:.3g} ... {high:.6g} mm"
+            f"spacing {spacing:g} mm: the curve is {result_text(curve.length, 5)} mm long; allowed: "
+            f"{result_text(low, 3)} ... {result_text(high, 5)} mm"
         )
     return np.rad2deg(curve.theta(curve.length * np.arange(count) / count))
 

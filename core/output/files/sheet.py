@@ -22,6 +22,7 @@ from core.errors import FileError, KindynaError
 from core.frozen import frozen
 from core.motion import Angles, degrees
 from core.motion.extremes import Extreme, find_extremes
+from core.number_text import result_text
 from core.output.files.fitted_curve import FittedCurve, exact_curve, fit_curve
 from core.output.files.profile_curve import ExactCurve
 from core.output.files.profile_files import ProfileDrawing
@@ -260,7 +261,7 @@ def scale_for(width: float, height: float, field: tuple[float, float]) -> tuple[
             return on_paper, real
     least = f"{SCALES[-1][0]}:{SCALES[-1][1]}"
     raise KindynaError(
-        f"a cam of {max(width, height):.6g} mm does not fit on the sheet at {least}, the smallest scale; choose larger paper"
+        f"a cam of {result_text(max(width, height))} mm does not fit on the sheet at {least}, the smallest scale; choose larger paper"
     )
 
 

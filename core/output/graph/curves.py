@@ -14,6 +14,7 @@ from core.bounds import number_from_one
 from core.design import UNITS, split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 from core.output.graph.model import ALL, AUTO, LEFT, RIGHT, Graph, GraphAxis, GraphCurve, require_no_cycle
 from core.output.graph.sources import ColumnHeading, MissingColumn, Source, column_label
@@ -251,7 +252,7 @@ def difference(first: Series, second: Series, name: str = "") -> Series:
     union = first.x if np.array_equal(first.x, x) else np.union1d(first.x, x)
     union = union[(union >= low) & (union <= high)]
     if not union.size:
-        reach = (f"{ends[0]:.6g} ... {ends[-1]:.6g}" for ends in (first.x, x))
+        reach = (f"{result_text(ends[0])} ... {result_text(ends[-1])}" for ends in (first.x, x))
         raise KindynaError(
             f"{first.name} - {second.name}: no common range of x ({' and '.join(reach)} {first.x_unit})".replace(
                 " )", ")"

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.frozen import frozen
+from core.number_text import MOST_DIGITS, result_text
 from core.output.channels import channels
 from core.output.export import SHAFT_QUANTITIES
 from core.output.lines import printable
@@ -19,6 +20,7 @@ from core.output.report import sections as content
 from core.output.report.equations import equations_of
 from core.output.report.parts import (
     Block,
+    Cell,
     Number,
     ReportEquations,
     ReportPicture,
@@ -210,7 +212,10 @@ def _profile(subject: Subject) -> list[Section]:
     study = subject.study.at_theta(np.deg2rad(np.arange(0.0, 360.0, STEP)))
     rows = [row for row in subject.channels() if row.name in OUTLINE and row.name in names_of(study.design)]
     columns = [np.rad2deg(study.theta), *(row.values(study) for row in rows)]
-    cells = [(f"{angle:g}", *(f"{value:.4f}" for value in values)) for angle, *values in zip(*columns, strict=True)]
+    cells: list[tuple[Cell, ...]] = [
+        (result_text(angle), *(Number(value, MOST_DIGITS) for value in values))
+        for angle, *values in zip(*columns, strict=True)
+    ]
     header = ("cam angle °", *(f"{row.label.lower()} {row.unit.symbol}" for row in rows))
     note = Sentences(
         (f"In steps of {STEP:g}°, in the frame of the cam; the profile file has the profile to its stated deviation.",)

@@ -13,6 +13,7 @@ from core import __version__
 from core.design.fields import choice
 from core.findings import ERROR, NOTE, WARNING
 from core.frozen import frozen
+from core.number_text import input_text
 from core.output.files.cam_drawing import mechanism_text
 from core.output.files.sheet import Letterhead, Logo, read_logo
 from core.output.lines import printable
@@ -129,7 +130,7 @@ def _title_rows(subject: Subject) -> tuple[tuple[str, str], ...]:
     counts = Counter(finding.severity for finding in findings)
     words = ", ".join(f"{counts[s]} {s}{'s' if counts[s] > 1 else ''}" for s in (ERROR, WARNING, NOTE) if counts[s])
     kept = sum(residual.kept for residual in proof.values())
-    rows = [("Mechanism", _mechanism(subject)), ("Speed", f"{design.speed_rpm:.10g} rpm{_sense(study)}")]
+    rows = [("Mechanism", _mechanism(subject)), ("Speed", f"{input_text(design.speed_rpm)} rpm{_sense(study)}")]
     assumed = len(design.assumed)
     rows += [("Assumed", f"{assumed} of the inputs, marked {content.ASSUMED}" if assumed else "none of the inputs")]
     rows += [("Findings", words or "none"), ("Certificate", f"{kept} of {len(proof)} residuals within their bounds")]

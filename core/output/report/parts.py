@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from core.frozen import frozen
+from core.number_text import MINUS, RESULT_DIGITS
 from core.output.lines import columns, digits, printable
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ class Number:
     """
 
     value: float | None
-    most: int = 6
+    most: int = RESULT_DIGITS
     size: float = 0.0
 
     def __str__(self) -> str:
@@ -88,7 +89,9 @@ class ReportTable:
         return frozenset(
             i
             for i in range(len(self.rows[0]))
-            if not any(isinstance(row[i], Number) or str(row[i]).lstrip("+-")[:1].isdigit() for row in self.rows)
+            if not any(
+                isinstance(row[i], Number) or str(row[i]).lstrip(f"+-{MINUS}")[:1].isdigit() for row in self.rows
+            )
         )
 
 

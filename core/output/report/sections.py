@@ -14,6 +14,7 @@ from core.cam import SECOND
 from core.design import CRANK, FRAME_LINK, UNITS, Design, distances, drive_at, entries, entry_at, is_assumed, only
 from core.findings import Residual
 from core.laws import find_law
+from core.number_text import COMPARED_DIGITS, MOST_DIGITS, digits_apart, input_text, result_text, signed_text
 from core.output.channels import channels, has_cycle, motion_cycle
 from core.output.lines import digits, finding_line, printable
 from core.output.load_text import ROW, row_title
@@ -45,7 +46,7 @@ def drives(camshaft: Camshaft[Study]) -> list[Section]:
         if study.loads_shaft and name not in camshaft.failures:
             torque = peaks(camshaft.drive_load(name))
             figures = [Number(v) for end in (torque.low, torque.high) for v in (end.value, math.degrees(end.theta))]
-        rows.append((printable(name), f"{drive.phase_deg:.10g}", "mirrored" if drive.mirrored else "", *figures))
+        rows.append((printable(name), input_text(drive.phase_deg), "mirrored" if drive.mirrored else "", *figures))
     header = ("Drive", "phase °", "", "lowest N·m", "at °", "highest N·m", "at °")
     keys = (f"{camshaft.slugs[name]}_torque_nm" for name in camshaft.drives)
     return section("Drives, by machine angle", table(header, rows, slug="drives", keys=keys))
@@ -55,7 +56,7 @@ def timing(design: Design) -> list[Section]:
     """Conditions on the order of events, and the events."""
     rows: list[Sequence[Cell]] = []
     for row, at in zip(design.timing, distances(design), strict=True):
-        after = (Number(at.after_deg), Number(row.least_deg), "kept" if at.kept else "BROKEN")
+        after = (Number(at.after_deg, COMPARED_DIGITS), input_text(row.least_deg), "kept" if at.kept else "BROKEN")
         rows.append((printable(row.first), printable(row.second), *after))
     header = ("First", "second", "after °", "least °", "")
     return [*section("Timing", table(header, rows, left=2, slug="timing")), *_events(design)]
@@ -169,7 +170,7 @@ def shaft_stability(study: Study) -> list[Section]:
         ("Inertia ratio Q", Number(values["q"]), ""),
         ("Natural frequency of the shaft", Number(values["natural_rpm"]), "rpm"),
         ("Harmonics", str(values["harmonics"]), ""),
-        ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
+        ("Error of an edge η", result_text(values["edge_error"], 1), ""),
     ]
     shaft = study.stability
     turn = shaft.steady_turn if shaft is not None and "steady" in values else None
@@ -197,7 +198,7 @@ def _forbidden(values: Mapping[str, Any]) -> ReportTable | Sentences:
     rows: list[Sequence[Cell]] = []
     for band in values["bands"]:
         growth = band["growth_percent_per_turn"]
-        edges = (Number(band[k], 8) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
+        edges = (Number(band[k], MOST_DIGITS) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
         doubling = math.log(2.0) / math.log1p(growth / 100.0)
         rows.append((f"tongue {band['n']}", *edges, Number(growth, 3), Number(doubling, 3)))
     header = ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth a turn %", "turns to double")
@@ -214,7 +215,7 @@ def verdicts(header: str, rows: Sequence[Mapping[str, Any]]) -> ReportTable:
     cells: list[Sequence[Cell]] = []
     for row in rows:
         turns = row["leaves_cam_at_turns"]
-        last: list[Cell] = ["" if turns is None else Number(turns, 5)] if has_loss else []
+        last: list[Cell] = ["" if turns is None else Number(turns)] if has_loss else []
         last += [row.get("leaves_cam", "")] if has_drive else []
         cells.append(
             (
@@ -270,7 +271,7 @@ def _harmonics(turn: SteadyTurn) -> ReportTable:
     ]
     rows: list[Sequence[Cell]] = []
     for k in sorted((1 + np.argsort(-sizes[0][1:], kind="stable")[:LARGEST]).tolist()):
-        cells = (Number(float(size[k]), 4) if math.isfinite(size[k]) else "no solution" for size in sizes)
+        cells = (Number(float(size[k])) if math.isfinite(size[k]) else "no solution" for size in sizes)
         rows.append((f"{k} × shaft speed", *cells))
     return table(
         ("Largest harmonics of the wind-up, °", "steady", "linear, exact (21)", "linear, approximate (22)"), rows
@@ -282,7 +283,6 @@ def _harmonics(turn: SteadyTurn) -> ReportTable:
 
 ASSUMED, AS_ABOVE = "*", "as above"
 SLOPE = "shaft.motor_slope_nm_s_per_rad"
-DIGITS = 6  # of a number
 OF_ROW = re.compile(r"(segment|link)s\[(\d+)\]")
 SEPARATE_TABLES = ("motion", "linkage")  # they have sections of their own
 
@@ -296,7 +296,7 @@ def table_sections(design: Design, names: Iterable[str], why: bool = False) -> l
         for entry in entries(design, name):
             if entry.value is None:
                 continue
-            value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
+            value = input_text(entry.value) if isinstance(entry.value, float) else str(entry.value)
             assumed = next((path for path in design.assumed if entry.path in rows_of(path)), "")
             text = reason(design, assumed or entry.path) if why else ""
             reasons = (AS_ABOVE if text in given else text,) if why else ()
@@ -351,18 +351,20 @@ def linkage_inputs(study: Study) -> list[Section]:
         for point in link.points:
             at = f"linkage.links[{i}].points"
             is_marked = any(path in assumed for path in (at, f"{at}.{point.name}", f"{at}.{point.name}.x_mm"))
-            position = f"{point.x_mm:.10g}", f"{point.y_mm:.10g}"
+            position = input_text(point.x_mm), input_text(point.y_mm)
             rows.append((str(link.number), point.name, *position, ASSUMED if is_marked else ""))
     sliders: list[Sequence[Cell]] = []
     sliders.extend(
-        (str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg)))
+        (str(s.link), str(s.on), *map(input_text, (s.through_x_mm, s.through_y_mm, s.angle_deg)))
         for s in linkage.sliders
     )
     driver, facts = linkage.driver, mechanism(study)
     action = "turns" if driver.kind == CRANK else "follows the motion"
     against = "" if driver.on == FRAME_LINK else f" against link {driver.on}"
-    lines = [f"Link {driver.link} {action}{against}, {driver.speed_rpm:.10g} rpm"]
-    lines += [f"Branch {', '.join(f'{s.joint} {s.side:+d}' for s in linkage.branch)}"] if linkage.branch else []
+    lines = [f"Link {driver.link} {action}{against}, {input_text(driver.speed_rpm)} rpm"]
+    lines += (
+        [f"Branch {', '.join(f'{s.joint} {signed_text(s.side)}' for s in linkage.branch)}"] if linkage.branch else []
+    )
     lines += [f"Solved as {', '.join(d['kind'] + ' ' + '-'.join(map(str, d['links'])) for d in facts['dyads'])}"]
     if facts["four_bar"]:
         lines += [f"Four-bar: {facts['four_bar']['kind']} (Grashof)"]
@@ -393,7 +395,14 @@ def motion(study: Study) -> list[Section]:
     at = 0.0
     for segment in motion.segments:
         end = at + segment.span_deg
-        rows.append((_law_label(segment.curve.law), f"{at:.10g}", f"{end:.10g}", f"{segment.rise:.10g}"))
+        rows.append(
+            (
+                _law_label(segment.curve.law),
+                input_text(round(at, 9)),
+                input_text(round(end, 9)),
+                input_text(segment.rise),
+            )
+        )
         at = end
     jumps: list[Sequence[Cell]] = [
         (Number(j["cam_angle_deg"]), *(Number(j[k]) for k in PER_RADIAN)) for j in joins(study)
@@ -448,7 +457,8 @@ def base(study: Study) -> list[Section]:
         return []
     base = study.linkage.base
     rows = [
-        (BASE_LABELS.get(name, name), Number(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in base.items()
+        (BASE_LABELS.get(name, name), Number(v / UNITS[u].factor, MOST_DIGITS), UNITS[u].symbol)
+        for name, (v, u) in base.items()
     ]
     level = [
         BASE_LABELS.get(name, name) for name, (v, u) in base.items() if u == "deg" and 0.0 < _off_level(v) < NEARLY
@@ -522,10 +532,10 @@ def limits(study: Study, stages: Sequence[str]) -> list[Section]:
     figures = tuple(limit_rows(study, stages))
     rows: list[Sequence[Cell]] = []
     for row in figures:
-        limit = "" if row.limit is None else Number(row.limit)
-        rows.append(
-            (row.label, UNITS[row.unit].symbol, Number(row.value), Number(row.cam_angle_deg), limit, row.source)
-        )
+        most = digits_apart([value for value in (row.value, row.limit) if value is not None], COMPARED_DIGITS)
+        limit = "" if row.limit is None else Number(row.limit, most)
+        at = Number(row.cam_angle_deg)
+        rows.append((row.label, UNITS[row.unit].symbol, Number(row.value, most), at, limit, row.source))
     header = ("", "unit", "worst", "at °", "limit", "whose")
     return section("Limits of the cam", table(header, rows, left=2, slug="limits", keys=(row.name for row in figures)))
 
@@ -570,7 +580,7 @@ def flywheel(study: Study, wheel: Mapping[str, float | None], with_mean: bool = 
         *([mean] if with_mean else []),
         ("Energy swing ΔE", Number(wheel["energy_swing_j"]), "J", "energy_swing_j"),
         (
-            f"Flywheel for {100 * shaft.speed_fluctuation:g} % fluctuation of speed{guess}",
+            f"Flywheel for {result_text(100.0 * shaft.speed_fluctuation)} % fluctuation of speed{guess}",
             Number(wheel["needed_inertia_kg_m2"]),
             "kg·m²",
             "needed_inertia_kg_m2",
@@ -591,8 +601,8 @@ def flywheel(study: Study, wheel: Mapping[str, float | None], with_mean: bool = 
 
 
 def findings(study: Study) -> list[Section]:
-    """Findings, with the digits of the tables."""
-    lines = [finding_line(f, study.angle_name, DIGITS) for f in findings_of(study)]
+    """Findings."""
+    lines = [finding_line(f, study.angle_name) for f in findings_of(study)]
     return section("Findings", Sentences(tuple(lines or ["none"])))
 
 
@@ -601,7 +611,9 @@ def certificate_rows(proof: Mapping[str, Residual]) -> ReportTable:
     rows: list[Sequence[str]] = []
     for name, residual in proof.items():
         verdict = "kept" if residual.kept else "NOT KEPT"
-        rows.append((name.replace("_", " "), f"{residual.value:.2e}", f"{residual.bound:.2e}", verdict, residual.note))
+        rows.append(
+            (name.replace("_", " "), digits(residual.value, 3), digits(residual.bound, 3), verdict, residual.note)
+        )
     return table(("", "residual", "bound", "", ""), rows, slug="certificate", keys=proof)
 
 

@@ -40,7 +40,7 @@ from kindyna_gui.pictures.style import (
     no_pen,
     rgb,
 )
-from kindyna_gui.pictures.units import readable_text, short
+from kindyna_gui.pictures.units import number, readable_text, short
 
 # -- cam and shaft -------------------------------------------------------------------------------------
 
@@ -483,8 +483,8 @@ class ProfileReading:
         else:
             shape = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / curvature, 4)} mm"
         text = (
-            f"{PROFILES[self.flank]} at {self.cam_angle:.1f}°: radius {self.radius:.2f} mm, pressure angle "
-            f"{self.pressure_angle:.1f}°, {shape}"
+            f"{PROFILES[self.flank]} at {number(self.cam_angle, 1)}°: radius {number(self.radius, 2)} mm, pressure angle "
+            f"{number(self.pressure_angle, 1)}°, {shape}"
         )
         if self.force is not None:
             text += f", force {readable_text(self.force, 'N')}"

@@ -28,7 +28,7 @@ from kindyna_gui.pictures.drawing.parts import DIMENSIONS
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Move, Outline, Tag, pinned, riding, text_size, wrapped
 from kindyna_gui.pictures.shapes import arrow_head, joined, polyline, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, TEXT, THIN, Theme, brush
-from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
+from kindyna_gui.pictures.units import nice_below, number, readable, short, with_unit
 from kindyna_gui.settings import size_of, sized
 
 # -- dimensions ----------------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ def _across(row: Dimension, outwards: complex) -> complex:
 def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """All dimensions of the drive, which move with their bodies."""
     colour = theme.family("length")
-    for number, (row, drawn, origin, turn, body) in enumerate(placed_dimensions(geometry)):
+    for index, (row, drawn, origin, turn, body) in enumerate(placed_dimensions(geometry)):
         tag = Tag(dimension_text(row), theme.text_colour(colour), theme, SMALL, backing=True)
         items = (
             ("lines", Outline(drawn.lines, theme.pen(colour, THIN))),
@@ -169,9 +169,9 @@ def dimensions(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         )
         for name, item in items:
             move = None if body is None else riding(item, body.z, body.turn)
-            yield DrawnPart(f"{DIMENSIONS}.{number}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
+            yield DrawnPart(f"{DIMENSIONS}.{index}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
         yield DrawnPart(
-            f"{DIMENSIONS}.{number}.text",
+            f"{DIMENSIONS}.{index}.text",
             tag,
             (DIMENSIONS,),
             Z_DIMENSIONS + 0.1,
@@ -362,7 +362,7 @@ class Overlay:
     def show_angle(self, degrees: float, turn: int = 0) -> None:
         """Show the current angle [deg] and the number of the turn."""
         turns = f" {'+' if turn > 0 else '-'} {abs(turn)} turn{'s' if abs(turn) > 1 else ''}" if turn else ""
-        self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°{turns}")
+        self._text.set_text(f"{self.angle_name.capitalize()} {number(degrees, 1)}°{turns}")
 
     def show_reading(self, text: str) -> None:
         """Show values next to the cam angle; "" hides them."""

@@ -44,7 +44,7 @@ from kindyna_gui.pictures.shapes import (
     stem,
 )
 from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, TEXT, THIN, VERMILION, Theme, brush
-from kindyna_gui.pictures.units import digits, nice_below
+from kindyna_gui.pictures.units import digits, nice_below, typed
 from kindyna_gui.requirements import lists_links
 
 if TYPE_CHECKING:
@@ -401,7 +401,9 @@ def shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         arc.redraw(_spiral(RIM * rim, RIM * rim, shown_twist[i]))
         for item in (spring, arc):
             item.setRotation(float(geometry.cam_rotation[i]))
-        note.set_text(f"Twist {digits(twist[i], 3)}\N{DEGREE SIGN}, drawn {times:g} \N{MULTIPLICATION SIGN} as large")
+        note.set_text(
+            f"Twist {digits(twist[i], 3)}\N{DEGREE SIGN}, drawn {typed(times)} \N{MULTIPLICATION SIGN} as large"
+        )
 
     yield DrawnPart("twist.spring", spring, (TWIST,), Z_SPRING, move)
     yield DrawnPart("twist.arc", arc, (TWIST,), Z_TWIST)

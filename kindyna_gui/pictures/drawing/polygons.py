@@ -33,6 +33,7 @@ from core.dynamics import (
 from core.frozen import frozen
 from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, PolygonSide, VelocityPolygon
 from core.mechanism import link_number
+from core.number_text import result_text
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SCREEN, SMALL, TEXT, THIN, font
 from kindyna_gui.pictures.units import nice_below, number, readable, readable_text, short, with_unit
 from kindyna_gui.settings import sized
@@ -563,7 +564,7 @@ def force_diagram(rows: Sequence[ForceOnBody], largest: float) -> PolygonDiagram
             )
             start += force
     residual, _ = imbalance(tuple(rows))
-    closed = "closed" if residual[0] == 0.0 else f"closed to {float(residual[0]):.0e} N"
+    closed = "closed" if residual[0] == 0.0 else f"closed to {result_text(float(residual[0]), 1)} N"
     text = f"{len(strokes)} forces, {closed}" if strokes else ""
     return PolygonDiagram(FORCES, tuple(strokes), lines=(text, _couples(rows), ""))
 

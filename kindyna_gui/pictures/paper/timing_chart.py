@@ -34,7 +34,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import paint_on, png_bytes
 from kindyna_gui.pictures.paper.sheets import FILES, UNITS_PER_MM
 from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, Theme, brush, font, rgb
-from kindyna_gui.pictures.units import brief, digits, short, ticks, with_unit
+from kindyna_gui.pictures.units import brief, digits, short, ticks, typed, with_unit
 from kindyna_gui.settings import sized
 
 # -- chart ---------------------------------------------------------------------------------------------
@@ -535,7 +535,7 @@ def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], 
     painter.drawText(QRectF(0.0, 0.0, chart.width, 20.0), Qt.AlignmentFlag.AlignVCenter, design.name)
     painter.setFont(font(SMALL))
     painter.setPen(QColor(theme.quiet))
-    subtitle = f"Timing chart. {design.speed_rpm:g} rpm: a turn takes {chart.degrees_and_ms(360.0).split('  ')[1]}"
+    subtitle = f"Timing chart. {typed(design.speed_rpm)} rpm: a turn takes {chart.degrees_and_ms(360.0).split('  ')[1]}"
     painter.drawText(QRectF(0.0, 20.0, chart.width, 16.0), Qt.AlignmentFlag.AlignVCenter, subtitle)
     painter.translate(0.0, TITLE)
     chart.paint(painter, ChartHighlights(pair=pair))

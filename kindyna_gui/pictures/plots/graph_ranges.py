@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.frozen import frozen
+from core.number_text import MINUS, NARROW_SPACE
 from core.output.graph import GraphAxis, GraphData, ValueAxis, quantity_kind
 from kindyna_gui.pictures.plots.plot import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, Ends, value_ticks
-from kindyna_gui.pictures.units import MINUS, DisplayUnit, nice_step, number, readable, short
+from kindyna_gui.pictures.units import DisplayUnit, nice_step, number, readable, short
 from kindyna_gui.settings import sized
 
 FREE = 0.05  # of the range, left free above and below the curves
@@ -168,7 +169,7 @@ def _powers(ends: Ends, pixels: float, least: float) -> list[tuple[float, str]]:
 
 
 def _plain(text: str) -> str:
-    return text.replace(MINUS, "-").replace("\u2009", "")
+    return text.replace(MINUS, "-").replace(NARROW_SPACE, "")
 
 
 _UP = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -30,8 +30,9 @@ from core.study.member_quantities import gain_per_turn
 from core.study.quantities import OF_MEMBERS, TRANSMISSION, member_of, names_of, shape_of
 from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
-from kindyna_gui.labels import grouped, reason
+from kindyna_gui.labels import reason
 from kindyna_gui.pictures.style import THIN, Theme, floor_of, shade, without_noise
+from kindyna_gui.pictures.units import short
 from kindyna_gui.requirements import LINKAGE_WITHOUT_CAM, why_no_pressure
 
 SAMPLES = 49  # angles on each piece of a law
@@ -475,7 +476,7 @@ def figures_of(study: Study, default: Sequence[str]) -> list[str]:
 def _life(life: RollerLife, roller: str) -> str:
     if not isfinite(life.hours):
         return f"Nothing loads {roller}"
-    return f"Life of {roller}, L10: {grouped(life.million_turns)} million turns, {grouped(life.hours)} h at {grouped(life.rpm)} rpm"
+    return f"Life of {roller}, L10: {short(life.million_turns)} million turns, {short(life.hours)} h at {short(life.rpm)} rpm"
 
 
 def why_missing(study: Study, row: Quantity) -> str:

@@ -225,7 +225,7 @@ class ChartPlot(FixedPlot):
             self.machine_point.setPos(at)
             self.machine_point.setVisible(low <= at.x() <= high and at.y() <= top)
             beyond = " →" if at.x() > high else " ↑" if at.y() > top else ""
-            ratios = "" if self.is_plain else f", η = {machine.eta:.3g}, Q = {machine.q:.3g}{beyond}"
+            ratios = "" if self.is_plain else f", η = {short(machine.eta, 3)}, Q = {short(machine.q, 3)}{beyond}"
             self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm{ratios}")
             right = (high - at.x()) / (high - low) * self._view.width() > self._tag.size[0] + 14.0
             self._tag.set_lean(0.0 if right else 1.0, 1.0)

@@ -128,7 +128,7 @@ def test_the_smallest_radii_are_those_of_a_dense_scan(name: str) -> None:
 def test_the_report_shows_figures_and_limits_side_by_side() -> None:
     text = report(Study(edited(LIFT, "limits.pressure_angle_rise_deg", 12.5), 36))
     rows = {line.split("  ")[0]: line for line in text.split("Limits of the cam")[1].splitlines()}
-    assert rows["Pressure angle, rise"].split()[-2:] == ["12.5000", "own"]
+    assert rows["Pressure angle, rise"].split()[-2:] == ["12.500", "own"]
     assert rows["Pressure angle, return"].endswith("VDI 2142; Norton ch. 7")
     assert "1420.17" in rows["Smallest concave radius of the profile"]
 

@@ -474,7 +474,7 @@ def test_a_pressure_angle_beyond_the_own_limit_names_its_roller_and_what_mends_i
     (note,) = found(limited, "pressure-angle-rise")
     assert note.field == "follower.second.angle_deg"  # type: ignore[attr-defined]
     assert note.message == (  # type: ignore[attr-defined]
-        f"pressure angle of the second roller {second[rises].max():.4g} deg on the rise at {note.cam_angle_deg:.5g} deg, your limit "  # type: ignore
+        f"pressure angle of the second roller {second[rises].max():.5g} deg on the rise at {note.cam_angle_deg:.4g} deg, your limit "  # type: ignore
         "30 deg: turn the second roller's arm, or change its length, or lengthen the rise"
     )
     rows = {row.name: row.value for row in limit_rows(Study(limited), ("cam",))}

@@ -126,7 +126,7 @@ def test_the_laws_as_text(run: Run) -> None:
     assert lines[0].split() == ["law", "velocity", "acceleration", "jerk", "torque"]
     assert [line.split()[0] for line in lines[1:]] == list(LAWS)
     rows = {line.split()[0]: line for line in lines}
-    assert rows["modified-sine"].split() == ["modified-sine", "1.75960", "5.52796", "69.4664", "5.45775"]
+    assert rows["modified-sine"].split() == ["modified-sine", "1.760", "5.528", "69.47", "5.458"]
     assert rows["parabolic"].split()[3] == "infinite"
     jumping = {slug for slug, line in rows.items() if line.endswith("acceleration jumps at an end")}
     ends = {slug: law(np.array([0.0, 1.0]))[2] for slug, law in LAWS.items()}
@@ -482,7 +482,7 @@ def test_what_moves_otherwise_in_the_design_is_told(run: Run, tmp_path: Path) ->
     told = run.text(*words, "--stroke", "120").splitlines()[-1]
     changed = project.load(path).drive.motion.segments[1]
     assert (changed.curve.law, changed.rise) == ("modified-sine", -120.0)
-    assert told.startswith("in the design segment 2, modified-sine, changes to close the turn: -120.0")
+    assert told.startswith("in the design segment 2, modified-sine, changes to close the turn: \u2212120 mm")
     rows = run.json(*words, "--stroke", "90")
     assert [row["rise_mm"] for row in rows] == [90.0], "nothing but the curves as JSON"
 

@@ -177,6 +177,6 @@ def test_friction_slows_the_flight_and_a_follower_that_it_stops_strikes_nothing(
     texts = [f.message for f in findings_of(Study(level)) if f.code == "flank-change"]
     assert (
         texts[0]
-        == "the contact changes to the inner flank at 60 deg: over a play of 0.05 mm it strikes with 0.0278 m/s"
+        == "the contact changes to the inner flank at 60 deg: over a play of 0.05 mm it strikes with 0.02784 m/s"
     )
     assert texts[2].endswith("inner flank at 179.48 deg")

@@ -111,7 +111,7 @@ def test_a_spring_for_more_speed_keeps_the_follower_at_that_speed(rpm: float, wh
     usual = find(fast, what, {})
     assert usual.is_valid
     assert usual.reasons["loads.least_contact_force_n"].startswith("2 % of the largest")
-    assert usual.reasons["loads.least_contact_force_n"].endswith(f"up to {1.1 * rpm:.6g} rpm")
+    assert usual.reasons["loads.least_contact_force_n"].endswith(f"up to {1.1 * rpm:.4g} rpm")
     for made in (just, usual.machine):
         assert "separation" not in [each.code for each in findings_of(Study(made), ("dynamics",))]
     faster = extremes_of(Study(edited(usual.machine, SPEED, 1.1 * rpm)), "dynamics", ("contact_force",))[

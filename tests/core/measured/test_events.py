@@ -66,5 +66,5 @@ def test_a_ramp_and_the_jumps_of_velocity_at_its_ends_are_named(
     assert at == pytest.approx([100.0, 120.0, 240.0, 300.0], abs=0.05)
     by = [jump["after"] - jump["before"] for jump in jumps]  # type: ignore[attr-defined]
     assert by == pytest.approx([0.02, -0.02, -0.14, 0.14], abs=2e-4)
-    assert any("the velocity jumps at 240 deg, from 0 to -0.14 mm/deg" in note for note in found["notes"])  # type: ignore[attr-defined]
+    assert any("the velocity jumps at 240 deg, from 0 to \u22120.14 mm/deg" in note for note in found["notes"])  # type: ignore[attr-defined]
     assert found["suspects"] == [], "the rows at a kink are right"

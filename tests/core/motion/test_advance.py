@@ -222,7 +222,7 @@ def test_an_indexer_and_a_flying_shear_are_commands(tmp_path: Path, capsys: pyte
     assert (
         main(["indexer", "--stops", "8", "--index", "120", "--dwell", "60", "--law", "3-4-5", "--out", str(file)]) == 0
     )
-    assert "largest velocity 253.125 °/s" in capsys.readouterr().out  # 1.875 · 45° in a third of a second
+    assert "largest velocity 253.1 °/s" in capsys.readouterr().out  # 1.875 · 45° in a third of a second
     motion = load(file).drive.motion
     assert motion == indexer(Indexer(stops=8, index_deg=120.0, dwell_deg=60.0, law="3-4-5")).drive.motion
     assert (motion.advance, len(motion.segments)) == (90.0, 4)

@@ -89,7 +89,7 @@ def test_a_difference_stands_at_every_x_of_either_in_the_units_of_the_first(tmp_
     np.testing.assert_allclose(table["f_other_n"], [-45e3, 0.0, 45e3, 90e3, 135e3, np.nan], atol=1e-9)
     apart = [np.nan, 0.0, 4050 - 45e3, 8100 - 90e3, 20250 - 135e3, np.nan]
     np.testing.assert_allclose(table["force_one_minus_f_other_n"], apart, atol=1e-9)
-    assert "Force, one: 8100 N at 90 °, 16200 N at 120 °; Δx 30, Δy 8100, slope 270" in said
+    assert "Force, one: 8100 N at 90 °, 16\u202f200 N at 120 °; Δx 30, Δy 8100, slope 270" in said
 
 
 def test_a_design_less_its_own_export_is_nothing_and_shifted_speed_is_seen(tmp_path: Path) -> None:

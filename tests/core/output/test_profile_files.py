@@ -506,7 +506,7 @@ def test_a_cutter_too_large_for_a_hollow_is_refused_with_what_it_leaves(tmp_path
     line = check_refused(
         tmp_path, f"cutter: a radius of {radius} mm", design, "--out", tmp_path / "cam.csv", "--cutter", radius
     )
-    assert f"{concave:.5g} mm" in line
+    assert f"{concave:.4g} mm" in line
     profile, centres = exact(design, count=7200), exact(design, radius, 7200)
     places = cKDTree(np.column_stack((profile.real, profile.imag)))
     free = centres[places.query(np.column_stack((centres.real, centres.imag)))[0] >= radius - 1e-5]

@@ -112,7 +112,7 @@ def test_a_crank_that_cannot_turn_is_looked_at_where_it_can() -> None:
     assert (np.minimum(degrees, 360.0 - degrees) < limit).all()
     (error,) = [f for f in findings_of(study, ("linkage",)) if f.severity == "error"]
     assert error.code == "crank-cannot-turn"
-    assert f"0...{limit:.6g}, {360.0 - limit:.6g}...360 deg" in error.message
+    assert f"0...{limit:.4g}, {360.0 - limit:.4g}...360 deg" in error.message
     assert error.cam_angle_deg == pytest.approx(limit)
     extremes = extremes_of(study, "linkage")
     assert extremes["link.4_velocity"].high.value == math.inf
@@ -138,8 +138,8 @@ def test_a_motion_that_asks_too_much_names_its_angles() -> None:
     assert 0.0 < low < 180.0 < high < 360.0
     assert high == pytest.approx(360.0 - low, abs=1e-9)
     reached = 182.0 + 60.0 * (low / 180.0 - math.sin(math.tau * low / 180.0) / math.tau)
-    assert f"at cam angle {low:.6g}...{high:.6g} deg" in str(caught.value)
-    assert f"within 182...{reached:.6g} deg, but the motion moves it to {reached:.6g}...242 deg" in str(caught.value)
+    assert f"at cam angle {low:.4g}...{high:.4g} deg" in str(caught.value)
+    assert f"within 182...{reached:.4g} deg, but the motion moves it to {reached:.4g}...242 deg" in str(caught.value)
 
 
 REFUSED = """
@@ -414,7 +414,7 @@ def test_a_crank_that_can_hardly_move_is_refused_where_no_angle_lies_in_its_rang
     design = with_drive(
         straight, mechanism=replace(straight.drive.mechanism, links=(frame, *straight.drive.mechanism.links[1:]))
     )
-    told = r"linkage\.links: .* within 0\.5699\d*\.\.\.0\.5759\d* deg, which contain none of the 90 driver angles"
+    told = r"linkage\.links: .* within 0\.57\.\.\.0\.5759 deg, which contain none of the 90 driver angles"
     with pytest.raises(NoPosition, match=told):
         _ = study_of(design, 90).angles
     assert study_of(design, 36_000).angles.theta.size == 1

@@ -131,9 +131,9 @@ def test_faults_of_a_study_are_all_named(place):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("points = 300", "steps = 20000", ("2,400,000,000 designs", "a second", "points = 4096")),
-        ("points = 300", "points = 1000000000", ("6,000,000,000 designs", "a second", "fewer points")),
-        ("low = 800.0\nhigh = 950.0", "low = 3000.0\nhigh = 3100.0", ("none of the 1,800 designs", "no-assembly")),
+        ("points = 300", "steps = 20000", ("2\u202f400\u202f000\u202f000 designs", "a second", "points = 4096")),
+        ("points = 300", "points = 1000000000", ("6\u202f000\u202f000\u202f000 designs", "a second", "fewer points")),
+        ("low = 800.0\nhigh = 950.0", "low = 3000.0\nhigh = 3100.0", ("none of the 1800 designs", "no-assembly")),
         ('quantity = "pressure', 'quantity = "pleasure', ("quantities[0].quantity", "no such column")),
     ],
 )

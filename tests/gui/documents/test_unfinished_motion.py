@@ -302,7 +302,7 @@ def test_a_rise_alone_is_marked_with_what_it_misses_and_what_would_close_it(user
     assert view.model.is_faulty(1, RISE)
     assert view.incomplete_bar.isVisible()
     assert view.incomplete_bar.trouble.text() == "Segment 2, rise: the follower ends 40 mm above its start"
-    assert "-40 mm" in view.incomplete_bar.remedy.text()
+    assert "\u221240 mm" in view.incomplete_bar.remedy.text()
     assert user.cell(view.model.rowCount() - 1, JOIN).startswith("Δs")
     assert user.number("motion.stroke_mm").value == 40.0
     assert user.window.isWindowModified()

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton, QStyle, QStyleOptionSpinBox, QToolTip, QVBoxLayout, QWidget
 
 from core.design import UNITS, Info
-from core.output.lines import shortest
+from core.number_text import shortest
 from kindyna_gui.forms.number_box import NumberBox
 
 LENGTH = Info("Length", low=0.0, high=1e9, open_low=True)
@@ -307,7 +307,7 @@ def test_the_tip_of_a_rounded_number_is_the_whole_one(bench: Bench) -> None:
     box = narrow(bench, LONG)
     box.setToolTip("its help")
     QApplication.sendEvent(box, QHelpEvent(QEvent.Type.ToolTip, QPoint(5, 5), box.mapToGlobal(QPoint(5, 5))))
-    assert QToolTip.text() == f"{shortest(LONG)}<br>its help"
+    assert QToolTip.text() == f"{shortest(LONG)}<br>its help".replace("-", "\u2212")
     QToolTip.hideText()
 
 

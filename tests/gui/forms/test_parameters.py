@@ -13,7 +13,7 @@ from sampled import spread
 from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
-from core.output.lines import shortest
+from core.number_text import shortest, typeset
 from core.project import load, save
 from kindyna_gui.export import Exports
 from kindyna_gui.files.beginnings import beginning
@@ -57,7 +57,7 @@ def test_every_entry_has_its_row_what_matters_most_first_else_in_the_order_of_th
             entry = rows[path]
             assert field.unit is None or field.unit.text() == entry.unit.symbol
             assert entry.info.label.partition("_")[0] in field.label.text()
-            for part in (entry.path, entry.info.help, entry.info.allowed(entry.unit)):
+            for part in (entry.path, entry.info.help, typeset(entry.info.allowed(entry.unit))):
                 assert escape(part.replace(">=", "≥")) in field.label.toolTip()
             if isinstance(field.editor, NumberBox):
                 assert field.editor.text() == ("" if entry.value is None else shortest(entry.value))
@@ -278,7 +278,7 @@ def test_a_fault_shows_at_the_other_field_too(user: User) -> None:
     user.enter(X, "-900")
     layout = user.field("follower.layout")
     assert "Layout: has the cam left of the pivot" in user.field(X).trouble
-    assert layout.trouble.startswith("Has the cam left of the pivot, but pivot x = -900; allowed: ")
+    assert layout.trouble.startswith("Has the cam left of the pivot, but pivot x = \u2212900; allowed: ")
     assert (user.field(X).editor.is_waiting, layout.editor.is_waiting) == (True, False)
     user.enter(X, "870")
     assert layout.trouble == ""
@@ -305,7 +305,7 @@ def test_a_radius_out_of_reach_is_told_with_the_radii_that_are_not(user: User) -
     """Whoever edits the base radius need not change the roller arm."""
     user.enter("cam.base_radius_mm", "50")
     told = user.field("cam.base_radius_mm").trouble
-    assert "pivot 876.160415 mm from the cam centre" in told
+    assert "pivot 876.16 mm from the cam centre" in told
     assert (
         "make the roller arm 676.161 ... 1076.16 mm long, or base radius + roller radius 225.08 ... 1527.24 mm" in told
     )

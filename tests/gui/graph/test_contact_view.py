@@ -37,7 +37,7 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     found = Study(user.design).lift_off
     assert found is not None
     rpm = found.omega * 30.0 / math.pi
-    assert f"it leaves the cam at {rpm:.6g} rpm and above" in view.text.text()
+    assert f"it leaves the cam at {rpm:.4g} rpm and above" in view.text.text()
     zero = np.concatenate([y for _, y in view.plot.lines[1:]])
     assert rpm == pytest.approx(np.nanmin(zero), rel=1e-3)
     user.session.edit("shaft.speed_rpm", 1500.0, "Speed")

@@ -42,7 +42,7 @@ def test_the_pulley_goes_ahead_of_the_cam_as_the_shaft_twists(open_user: Open) -
         assert twist == pytest.approx(true, rel=1e-2)
         assert np.rad2deg(turn.wind_up(np.deg2rad([cam + true]))) == pytest.approx(true, abs=1e-9), "of the input there"
     user.session.edit("shaft.stiffness_nm_per_rad", 850.0, "Change stiffness")
-    wait_for(lambda: view.up_to_date and "looked for" not in view.scene.item("twist.text").text)  # type: ignore[attr-defined]
+    wait_for(lambda: view.up_to_date and "being calculated" not in view.scene.item("twist.text").text)  # type: ignore[attr-defined]
     assert stated(view)[1] > 20.0
     largest = np.rad2deg(Study(user.session.design).steady_turn.wind_up_range.high.value)
     assert 10.0 < largest * stated(view)[1] <= 30.0

@@ -276,7 +276,7 @@ def test_the_ends_of_a_polynomial_are_typed(user: User) -> None:
     user.session.edit("motion.segments[1].law", "polynomial", "x")
     user.enter("motion.segments[1].start.velocity", "-2.5")
     assert curve(user) == PolynomialCurve(PolynomialEnd(-2.5))
-    assert user.steps[-1] == "Change segment 2, start velocity to -2.5 mm/°"
+    assert user.steps[-1] == "Change segment 2, start velocity to \u22122.5 mm/°"
     user.enter("motion.segments[1].end.jerk", "0.01")
     assert curve(user) == PolynomialCurve(PolynomialEnd(-2.5), PolynomialEnd(jerk=0.01))
     user.enter("motion.segments[1].end.jerk", "0")
@@ -361,8 +361,8 @@ def test_points_are_typed(user: User) -> None:
     assert curve(user) == SplineCurve((SplinePoint(15.0, -40.0, -5.0),))
     assert user.steps[-3:] == [
         "Change segment 2, point 1 angle to 15°",
-        "Change segment 2, point 1 value to -40 mm",
-        "Change segment 2, point 1 velocity to -5 mm/°",
+        "Change segment 2, point 1 value to \u221240 mm",
+        "Change segment 2, point 1 velocity to \u22125 mm/°",
     ]
     study = user.session.study
     there = study.program.state(study.program.angles(np.deg2rad(np.array([50.0])))).y[:, 0]

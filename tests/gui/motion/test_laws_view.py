@@ -298,7 +298,7 @@ def test_the_arrow_offers_every_segment(laws: LawsView) -> None:
     menu.aboutToShow.emit()
     texts = [action.text() for action in menu.actions()]
     assert texts == segment_texts(LIFT.drive.motion)
-    assert texts[1] == "2  Modified sine, 35° … 76.5°, -150 mm"
+    assert texts[1] == "2  Modified sine, 35° … 76.5°, \u2212150 mm"
     assert [action.isChecked() for action in menu.actions()] == [True, False, False, False, False]
     menu.actions()[3].trigger()
     assert laws.session.design.drive.motion.segments[3].curve.law == "mcv33"

@@ -125,7 +125,7 @@ def test_a_flying_shear_runs_with_its_material(user: User) -> None:
 def test_the_figures_of_a_turn_stand_above_the_diagram(user: User) -> None:
     text = user.motion().header.cycle.text()
     assert text.startswith(
-        "Mean speed 300 mm/s; index error 0 mm; rms 64.6254 N; energy 15.0283 J a turn, 10.5 J with recovery"
+        "Mean speed 300 mm/s; index error 0 mm; rms 64.63 N; energy 15.03 J a turn, 10.5 J with recovery"
     )
     assert user.motion().header.cycle.isVisible()
 

@@ -222,7 +222,7 @@ def test_a_point_is_drawn_in_both_directions(user: User) -> None:
     assert spans(user) == [35.0, 56.5, 192.0, 41.5, 35.0]
     assert level in (-22.0, -20.0, -18.0)  # pixels are whole, levels step by 2 mm
     assert rises(user) == [0.0, level - 150.0, 0.0, 150.0 - level, 0.0]
-    assert user.steps == [f"Move start of segment 3 to 91.5°, {level:g} mm"]
+    assert user.steps == [f"Move start of segment 3 to 91.5°, \u2212{-level:g} mm"]
 
 
 def test_sideways_a_point_keeps_its_level(user: User) -> None:
@@ -462,8 +462,8 @@ def test_undo_forgets_the_motion_before(user: User) -> None:
     user.enter_cell(1, RISE, "-120")
     user.enter_cell(1, RISE, "-100")
     assert shown_before(user)
-    user.choose("Edit", "Undo Change rise of segment 2 to -100 mm")
-    user.choose("Edit", "Undo Change rise of segment 2 to -120 mm")
+    user.choose("Edit", "Undo Change rise of segment 2 to \u2212100 mm")
+    user.choose("Edit", "Undo Change rise of segment 2 to \u2212120 mm")
     assert user.design == LIFT
     assert not shown_before(user)
 
@@ -510,7 +510,7 @@ def test_keys_choose_and_move_a_join(user: User) -> None:
     assert len(user.steps) == 1
     user.press(Qt.Key.Key_Down, modifier=ALT)
     step = paper.scale_now().level_step
-    assert user.steps == [f"Move start of segment 3 to 77.55°, {-step:g} mm"]
+    assert user.steps == [f"Move start of segment 3 to 77.55°, \u2212{step:g} mm"]
     user.press(Qt.Key.Key_PageUp)
     user.press(Qt.Key.Key_Left, modifier=ALT)
     assert spans(user)[:2] == [34.5, 43.05]

@@ -93,10 +93,10 @@ def test_joins_say_what_jumps() -> None:
     design = edited(LIFT, "motion.segments[1].law", "constant-velocity")
     drive = design.drive.motion
     joins = Study(design).program.joins
-    assert join_text(joins[0], drive) == "s Δv\u00a0207 a j"
+    assert join_text(joins[0], drive) == "s Δv\u00a0207.1 a j"
     assert join_help(joins[0], drive).splitlines()[:2] == [
         "Continuous in displacement, acceleration, jerk",
-        "Velocity jumps by \u2212207 mm/rad",
+        "Velocity jumps by \u2212207.1 mm/rad",
     ]
     design = edited(LIFT, "motion.segments[1].law", "simple-harmonic")
     assert join_text(Study(design).program.joins[0], design.drive.motion).startswith("s v Δa\u00a01411")
@@ -145,7 +145,7 @@ def test_angles_are_typed(user: User) -> None:
 def test_rises_are_typed_and_balanced(user: User) -> None:
     user.enter_cell(1, RISE, "-120")
     assert column(user, RISE) == ["0", "-120", "0", "120", "0"]
-    assert user.steps == ["Change rise of segment 2 to -120 mm"]
+    assert user.steps == ["Change rise of segment 2 to \u2212120 mm"]
 
 
 def test_a_key_begins_to_type(user: User) -> None:

@@ -95,11 +95,11 @@ def test_units_are_chosen_so_that_no_exponent_is_needed(symbol: str, peak: float
     ("text", "expected"),
     [
         (number(-1234.5, 1), "−1234.5"),
-        (number(12345.0, 0), "12\u2009345"),
+        (number(12345.0, 0), "12\u202f345"),
         (number(-0.004, 2), "0.00"),
         (digits(0.0012346), "0.001235"),
         (digits(-45.678), "−45.68"),
-        (digits(1e7), "10\u2009000\u2009000"),
+        (digits(1e7), "10\u202f000\u202f000"),
         (digits(0.0), "0"),
         (digits(float("inf")), "∞"),
         (digits(float("-inf")), "−∞"),

@@ -427,7 +427,7 @@ def test_the_design_is_scaled_in_one_step(same_window: Open) -> None:
 
     user.clicks("Scale", before=fill)
     user.choose("Edit", "Scale the design...")
-    assert seen[0].startswith("Lengths × 0.1, masses × 0.001, moments of inertia × 1e-05. Angles, speeds, forces")
+    assert seen[0].startswith("Lengths × 0.1, masses × 0.001, moments of inertia × 1e\u22125. Angles, speeds, forces")
     assert user.design == rescaled(LIFT, 0.1)
     assert user.steps == ["Scale the design by 0.1"]
     user.choose("Edit", "Undo Scale the design by 0.1")

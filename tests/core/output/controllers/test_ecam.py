@@ -107,7 +107,7 @@ def test_the_rounding_of_integers_belongs_to_the_error(tmp_path, capsys):
     says = capsys.readouterr().err
     assert code == 2
     assert (
-        "the least error of the position is 0.004965 mm, at 307.266 deg, limited by the digits of its numbers: choose a larger"
+        "the least error of the position is 0.004965 mm, at 307.27 deg, limited by the digits of its numbers: choose a larger"
         in says
     )
     assert not (tmp_path / "no").exists()
