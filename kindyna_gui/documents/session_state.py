@@ -303,12 +303,16 @@ class SessionState(QObject):
         """Return the typed design that a path belongs to: the drive, or the full design for what its drives share."""
         return self.typed_full_design if self._is_shared(path) else self.typed
 
+    def valid_holder(self, path: str) -> Any:
+        """Return the last valid design that a path belongs to: the drive, or the full design for what its drives share."""
+        return self.full_design if self._is_shared(path) else self.design
+
     def is_waiting(self, path: str, read: Callable[[Design], Any]) -> bool:
         """Whether the value typed at a path is not applied yet, because it does not fit the others."""
         if self.incomplete is None:
             return False
         try:
-            return bool(read(self.full_design if self._is_shared(path) else self.design) != read(self.holder(path)))
+            return bool(read(self.valid_holder(path)) != read(self.holder(path)))
         except (KeyError, DesignError):  # only the typed design has it
             return True
 

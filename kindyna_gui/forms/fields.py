@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from html import escape
 from itertools import pairwise
 from typing import Any
@@ -418,6 +419,10 @@ class Field(QObject):
         self.select()
 
     # -- for the form -------------------------------------------------------------------------------------
+
+    def shows(self, spec: FieldSpec) -> bool:
+        """Whether the row is that of a specification, so that it can remain when others are added or removed."""
+        return replace(self.spec, read=spec.read) == spec
 
     def focus(self) -> None:
         """Move the focus to the editor and select its text."""

@@ -6,7 +6,7 @@ Fields that are seldom needed are folded behind a button, as long as others are 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +21,7 @@ from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea, fill
+from kindyna_gui.rebuilt import ContentArea, fill, remove_part
 
 LAST_VALID = "The drawing and the plots still show the last valid values."
 POINT_FIELDS = 24  # points of a force table with fields of their own; the full table goes through the clipboard
@@ -167,7 +167,7 @@ class Form(QScrollArea):
         self._content = ContentArea(session)
         self.setWidget(self._content)
         self._shown: tuple[Any, Any, Any] | None = None
-        self._values: dict[str, tuple[Any, bool]] = {}
+        self._states: dict[str, tuple[Any, bool, bool, str]] = {}  # value, assumed, waiting, misfit
         self._headings: list[str] = []
         self._folded: frozenset[str] = frozenset()
         self._unfolded, self._filter = False, ""
@@ -225,14 +225,12 @@ class Form(QScrollArea):
         same = before is not None and shown[0] is before[0] and shown[1] == before[1] and shown[2] is before[2]
         if same and not self._is_other_design:
             return
-        is_new = before is None or shown[2] is not before[2]  # other values may be waiting
         rows = rows_of(design, self._section)
         headings = [heading_of(design, row.path) for row in rows]
         folded = _folding(rows)
         are_others = False
         if [row.path for row in rows] != list(self._fields) or headings != self._headings:
-            self._headings, self._values = headings, {}
-            self._folded = folded
+            self._headings, self._folded = headings, folded
             self._build([_spec_of(design, row) for row in rows])
             are_others = True
         elif not self._folded <= folded or self._is_other_design:
@@ -240,47 +238,91 @@ class Form(QScrollArea):
             self._unfolded = self._unfolded and not self._is_other_design
             self._show_rows()
         self._is_other_design = False
+        values, misfit = self._valid_values(), self._session.misfit
         for row in rows:
-            state = row.value, is_assumed(design, row.path)
-            if is_new or self._values.get(row.path) != state:
-                self._values[row.path] = state
+            is_waiting = values is not None and (row.path not in values or values[row.path] != row.value)
+            state = row.value, is_assumed(design, row.path), is_waiting, misfit.at(row.path)
+            if self._states.get(row.path) != state:
+                self._states[row.path] = state
                 self._fields[row.path].refresh(design)
         if are_others:
             self.fields_changed.emit()
+
+    def _valid_values(self) -> Mapping[str, Any] | None:
+        """Return the values of the last valid design, while what is typed does not fit; else None."""
+        if self._session.incomplete is None:
+            return None
+        valid = self._session.valid_holder(self._section)
+        if part_of(valid, self._section) is None:
+            return {}
+        return {row.path: row.value for row in entries(valid, self._section)}
 
     def _begin(self) -> None:
         self._is_other_design = True
 
     def _build(self, specs: list[FieldSpec]) -> None:
+        """Create fields; on a page without groups those of the same design that were there before only move."""
+        groups: dict[str, list[tuple[str, FieldSpec]]] = {}
+        for heading, spec in zip(self._headings, specs, strict=True):
+            groups.setdefault(self._group_of(spec.path), []).append((heading, spec))
+        kept: dict[str, Field] = {}
+        if not self._is_other_design and [*groups] == [*self._groups] == [""]:
+            kept = {
+                s.path: self._fields[s.path] for s in specs if s.path in self._fields and self._fields[s.path].shows(s)
+            }
+            self._empty(kept)
+        else:
+            self._begin_page(groups)
+        self._fields = {spec.path: kept.get(spec.path) or Field(self._session, spec) for spec in specs}
+        self._states = {path: state for path, state in self._states.items() if path in kept}
+        for group, rows in groups.items():
+            part, before = self._groups[group], ""
+            grid = part.layout()
+            assert isinstance(grid, QGridLayout)
+            header = self._header_of(group)
+            if header is not None:
+                grid.addWidget(header, 0, 0, 1, COLUMNS)
+            for row, (heading, spec) in enumerate(rows):
+                if heading and heading != before:
+                    grid.addWidget(Heading(heading), 3 * row + 1, 0, 1, COLUMNS)
+                before, field = heading, self._fields[spec.path]
+                field.setParent(part)  # deleted together
+                field.add_to(grid, 3 * row + 2)
+        self._show_rows()
+        # else the fields are squeezed under the scroll bar
+        paper = self._content.content
+        assert paper is not None
+        self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
+
+    def _begin_page(self, groups: Iterable[str]) -> None:
+        """Begin a page without fields."""
         paper = QWidget()
         column = fill(QVBoxLayout(paper), margins=(10, 7, 6, 6), spacing=0)
-        self._fields, self._groups = {}, {}
-        grid, before = QGridLayout(), ""
-        for spec, heading in zip(specs, self._headings, strict=True):
-            group = self._group_of(spec.path)
-            if group not in self._groups:
-                part = self._groups[group] = QWidget()
-                grid, before = _grid(part), ""
-                header = self._header_of(group)
-                if header is not None:
-                    grid.addWidget(header, grid.rowCount(), 0, 1, COLUMNS)
-                column.addWidget(part)
-                part.setVisible(group == self._group)
-            if heading and heading != before:
-                grid.addWidget(Heading(heading), grid.rowCount(), 0, 1, COLUMNS)
-            before = heading
-            field = Field(self._session, spec)
-            field.setParent(paper)  # deleted together
-            field.add_to(grid, grid.rowCount())
-            self._fields[spec.path] = field
+        self._groups = {group: QWidget() for group in groups}
+        for group, part in self._groups.items():
+            grid = fill(QGridLayout(part), margins=0, spacing=(6, 3))
+            grid.setColumnStretch(1, 1)
+            column.addWidget(part)
+            part.setVisible(group == self._group)
         self.more = text_button("", flat=True)
         self.more.clicked.connect(lambda: self._fold(not self._unfolded))
         column.addWidget(self.more)
         column.addStretch(1)
         self._content.replace(paper)
-        self._show_rows()
-        # else the fields are squeezed under the scroll bar
-        self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
+
+    def _empty(self, kept: Mapping[str, Field]) -> None:
+        """Remove headings and fields from the page, but for the fields that are kept."""
+        (part,) = self._groups.values()
+        grid, removed = part.layout(), QWidget(part)
+        assert grid is not None
+        while (item := grid.takeAt(0)) is not None:
+            if isinstance(heading := item.widget(), Heading):
+                heading.setParent(removed)
+        for path, field in self._fields.items():
+            if path not in kept:
+                for child in (field, *field.widgets()):
+                    child.setParent(removed)
+        remove_part(removed, self._session)
 
     def _fold(self, unfolded: bool) -> None:
         self._unfolded = unfolded
@@ -337,9 +379,3 @@ class Form(QScrollArea):
     def in_trouble(self) -> bool:
         """Whether a value was refused or does not fit the others."""
         return any(field.trouble for field in self._fields.values())
-
-
-def _grid(part: QWidget) -> QGridLayout:
-    grid = fill(QGridLayout(part), margins=0, spacing=(6, 3))
-    grid.setColumnStretch(1, 1)
-    return grid

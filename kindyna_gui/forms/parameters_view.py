@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Protocol
+from weakref import WeakSet
 
 from PySide6.QtCore import Qt, Signal, SignalInstance
 from PySide6.QtGui import QIcon
@@ -111,6 +112,7 @@ class ParametersView(View):
         self.tabs.setCurrentIndex(len(first))
         self.loads.added.connect(self.load_added)
         self.loads.picked.connect(self.load_picked)
+        self._watched: WeakSet[Field] = WeakSet()  # fields whose trouble is shown
         self._subject = ""  # the drive that is shown
         self._scrolls: dict[str, tuple[str, int]] = {}
         session.started.connect(self._scrolls.clear)
@@ -184,8 +186,9 @@ class ParametersView(View):
     def _fields_changed(self, section: str) -> None:
         """Set the Tab order and the mark of a page whose fields have changed."""
         in_tab_order(self.name, self.filter, *(editor for page in self.pages.values() for editor in page.editors))
-        for field in self.forms[section].fields.values():
+        for field in set(self.forms[section].fields.values()) - set(self._watched):
             field.trouble_changed.connect(partial(self._show_trouble, section, field))
+            self._watched.add(field)
         self._mark_tab(section)
 
     def settle(self) -> None:

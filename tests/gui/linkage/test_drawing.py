@@ -653,6 +653,18 @@ def test_drawing_adds_nothing_to_a_frame_while_it_is_not_used(open_user: Open) -
     assert frame() <= before
 
 
+def test_the_eighth_loose_bar_costs_at_most_twice_the_first(open_user: Open) -> None:
+    """With the forms at its side, which get fields for the new bar alone."""
+    pen = start(open_user, whole=True, size=(1440, 900))
+    strokes = [calls(lambda y=y: pen.drag(complex(-60, y), complex(-20, y))) for y in range(40, -40, -10)]
+    assert len(pen.places) == 16
+    fields = pen.user.parameters().forms["linkage"].fields
+    assert fields["linkage.links[8].points.Q.x_mm"].editor.text() == "40"
+    assert strokes[-1] <= 2.0 * strokes[0]
+    pen.user.session.stack.undo()
+    assert "linkage.links[8].points.Q.x_mm" not in pen.user.parameters().forms["linkage"].fields
+
+
 @pytest.mark.stress
 def test_a_point_on_the_line_of_a_bar_leaves_its_face(open_user: Open) -> None:
     """A link is hit anywhere on its face, also where its three points lie in line."""
