@@ -144,7 +144,7 @@ class TrialCount:
 class FindView(BackgroundView):
     """Dimension to find, its limits, and the result with its curve."""
 
-    is_design_wide = True
+    is_design_wide = arranges_itself = True
     stages = ("linkage", "cam")
     pause_ms = 200
 
@@ -210,6 +210,9 @@ class FindView(BackgroundView):
             QBoxLayout(QBoxLayout.Direction.TopToBottom), self._form, (result, 1), margins=(8, 6, 8, 6), spacing=6
         )
         self.set_content_layout(self._sides)
+        self.content.setMinimumWidth(
+            FORM_WIDTH
+        )  # not that of limits and curve next to each other: a dock could not shrink
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Place the curve next to the limits where the view is wide enough, else below them."""

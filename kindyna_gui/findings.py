@@ -142,7 +142,7 @@ class CertificateView(View):
 FINDING_HEADINGS = (TableHeading("Finding", wide=True), TableHeading("Remedy"), TableHeading("Angle °", number=True))
 REMEDY = 1  # column
 GAP = 4  # above and below the sentence, pixels
-LEAST_ROWS, MOST_HEIGHT = 2, 110  # findings that the view shows at least; their largest height, pixels
+LEAST_ROWS, MOST_HEIGHT = 3, 260  # findings that the view shows at least; their largest height, pixels
 
 
 class FindingsView(View):

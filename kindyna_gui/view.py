@@ -270,6 +270,8 @@ class View(ThemedPart):
     - ``is_design_wide``: shows all drives, so it refreshes after a change of any drive
     - ``is_unavailable``: this kind of design has nothing for the view, which shows a sentence instead
     - ``pause_ms``: refresh once editing pauses that long, and soon after the mouse releases what it drags; 0: after each step
+    - ``arranges_itself``: its parts are next to each other only where they have room, so that ``minimumSizeHint`` follows the
+      width
     - ``reading_ms``: shortest time between two angles shown while the cam turns; 0: every angle
     """
 
@@ -278,6 +280,7 @@ class View(ThemedPart):
     pause_ms: int = 0
     reading_ms: int = 0
     is_design_wide: bool = False
+    arranges_itself: bool = False
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()

@@ -57,7 +57,7 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
         "kindyna_gui.pictures.drawing.geometry.Geometry.__init__",
         "kindyna_gui.requirements.require_centres",
         "kindyna_gui.requirements.require_links",
-        "kindyna_gui.window.layouts.Layouts._show_kind_docks",
+        "kindyna_gui.window.layouts.Layouts._kinds_of_design",
     ),
     "a menu or a group of the gallery belongs to one kind: the links of a linkage": (
         "kindyna_gui.window.linkage_menus._linkage",

@@ -8,7 +8,7 @@ from math import degrees, radians
 from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
@@ -33,6 +33,7 @@ from kindyna_gui.view import ExplainableNumber
 
 TORQUE = "drive_torque"  # the quantity whose sum over the drives is drawn, too
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
+LEAST_HEIGHT = 123  # with 80 pixels between the axes, without names of curves
 SHARES: Mapping[str, int] = MappingProxyType(
     {"displacement": 22, "velocity": 18, "acceleration": 18, "jerk": 18, "pressure_angle": 24}
 )
@@ -102,7 +103,12 @@ def _closed(machine_angle: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 class PlotView(PlotsView):
-    """Plot of a few quantities of one unit; quantities that the design does not have are listed with the reason."""
+    """Plot of a few quantities of one unit; quantities that the design does not have are listed with the reason.
+
+    Signal ``height_requested`` (pixels, False): least height with the names of the curves.
+    """
+
+    height_requested = Signal(int, bool)
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)
@@ -203,6 +209,8 @@ class PlotView(PlotsView):
         else:
             self.plot.show_message(self.message)
         self.note.show_message("\n".join(filter(None, notes)) if drawn else "")
+        below = 0 if self.note.isHidden() else self.note.heightForWidth(self.width())
+        self.height_requested.emit(LEAST_HEIGHT + round(self.plot.legend.height) + below, False)
         self.request_extremes(study)
 
     def shown_parts(self, study: Study) -> Hashable:

@@ -305,6 +305,7 @@ class SegmentsView(MarkedView):
 
     abilities_changed = Signal(dict)
     stages = ("motion",)
+    arranges_itself = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMainWindow, QMenu, QTabBar, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QMainWindow, QMenu, QSizePolicy, QTabBar, QTabWidget, QVBoxLayout, QWidget
 
 from core.design import Design
 from core.study import names_of
@@ -86,9 +86,23 @@ class CentralPages(QWidget):
         return page
 
     def _front_changed(self, index: int) -> None:
-        page = self.tabs.widget(index)
-        if isinstance(page, TabPage):
-            page.build()
+        front = self.tabs.widget(index)
+        for page in self._pages.values():  # one behind others needs no room
+            policy = QSizePolicy.Policy.Preferred if page is front else QSizePolicy.Policy.Ignored
+            page.setSizePolicy(policy, policy)
+        if isinstance(front, TabPage):
+            front.build()
+
+    @property
+    def least(self) -> tuple[int, int]:
+        """Least width and height for the page in front, above the player bar."""
+        page = self.tabs.currentWidget()
+        sizes = [VIEWS[page.name].least] if isinstance(page, TabPage) else []
+        if self.current is not None:
+            sizes.append(self.current.minimumSizeHint().toTuple())
+        width, height = (max((size[axis] for size in sizes), default=0) for axis in (0, 1))
+        tabs = self.tabs.tabBar().sizeHint().height() if self.tabs.count() > 1 else 0
+        return max(width, self.bar.minimumWidth()), height + tabs + self.bar.minimumHeight()
 
     @property
     def open_pages(self) -> tuple[tuple[str, ...], str]:

@@ -38,11 +38,11 @@ LEFT, RIGHT, TOP, BOTTOM = (
     Area.BottomDockWidgetArea,
 )
 CENTRE = Area.NoDockWidgetArea  # no dock: a page in the middle of the window
+TAB = 26  # width of a tab beyond its text [pixels]
 NEAR = 8  # largest gap between a tab bar and its dock [pixels]
 FORMS = frozenset({"parameters"})
 """Docks that need no more width in a large window; pictures do."""
-_ANY_HEIGHT = (1 << 24) - 1  # Qt's QWIDGETSIZE_MAX
-_ANY = 0, _ANY_HEIGHT
+ANY_HEIGHT = (1 << 24) - 1  # Qt's QWIDGETSIZE_MAX
 
 # -- sizes of docks when the window is resized -------------------------------------------------------------
 
@@ -85,6 +85,8 @@ class DockShares(QObject):
         self._sizes: dict[str, QSize] = {}
         self._noted, self._seen = QSize(), QSize()  # sizes of the window: at the note, and at the last check
         self._echo = False
+        self.refit: Callable[[], bool] = lambda: False
+        """Lays out the docks for another size of the window; False: their proportions are restored."""
         self._late = single_shot(self, self._settle)
         window.installEventFilter(self)
         for dock in self._docks:
@@ -98,7 +100,7 @@ class DockShares(QObject):
     @property
     def noted_sizes(self) -> tuple[Mapping[str, QSize], QSize]:
         """Sizes of docks that the user last saw, by name, and the size of the window at that time."""
-        if self._noted == self._window.size():  # tabs may have been added since
+        if self._noted == self._seen == self._window.size():  # tabs may have been added since
             self._sizes = {name: self._size(dock) for name, dock in self._front().items()}
         return self._sizes, self._noted
 
@@ -117,10 +119,14 @@ class DockShares(QObject):
         if not self._window.isVisible():
             return
         front, size = self._front(), self._window.size()
-        grown, self._seen = size != self._seen, size
+        grown = size != self._seen
+        is_by_rule = grown and self.refit()
+        self._seen = size
         if self._sizes.keys() != front.keys():
             grown = self._echo = False
-        if grown:
+        if is_by_rule:
+            self._late.start()
+        elif grown:
             self._restore(front)
             self._echo = True  # the docks report the sizes that they have just received
             self._late.start()
@@ -152,6 +158,30 @@ class DockShares(QObject):
 
 # -- rows of the views -----------------------------------------------------------------------------------
 
+
+@frozen
+class Need:
+    """Size at which a view can be read, in pixels, without the title of its dock.
+
+    Attributes
+    ----------
+    width, height : int
+        Least size.
+    most : int
+        Height above which it shows nothing more.
+    tab : int
+        Width of its tab.
+    """
+
+    width: int
+    height: int
+    most: int = ANY_HEIGHT
+    tab: int = 0
+
+
+PLOT = (250, 123)
+"""Least size of a plot with its axes: 160 by 80 pixels inside."""
+
 Make = Callable[[Session, Player], View]
 
 
@@ -177,6 +207,8 @@ class ViewRow:
         Default side of the window, or the middle; ``tasks.TASKS`` has its position in each task.
     menu, tip, keys, icon : str
         Its entry in a menu, where ``menus.MENUS`` lists it.
+    least : tuple of int
+        Width and height at which it can be read [pixels].
     picture : bool
         Whether it can be exported as a picture.
     quantities : tuple of str
@@ -192,6 +224,7 @@ class ViewRow:
     area: Area
     menu: str = ""
     tip: str = ""
+    least: tuple[int, int] = PLOT
     keys: str | None = None
     icon: str = ""
     picture: bool = False
@@ -215,45 +248,50 @@ def _plot(
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
         "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE,
-            "&Mechanism", "Show the mechanism, drawn to scale", picture=True, help="tour#See it move"),
+            "&Mechanism", "Show the mechanism, drawn to scale", least=(240, 212), picture=True, help="tour#See it move"),
         "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE,
-            "New &graph...", "Plot any channels over the cam angle, in straight or polar axes", keys="Ctrl+G", icon="graph", picture=True,
+            "New &graph...", "Plot any channels over the cam angle, in straight or polar axes",
+            least=(560, 320), keys="Ctrl+G", icon="graph", picture=True,
             help="graphs#draws channels of the design in plots"),
         "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE,
-            "&Curves", "Plot channels, tables and other designs on one graph, with differences and values",
+            "&Curves", "Plot channels, tables and other designs on one graph, with differences and values", least=(620, 360),
             icon="graph", picture=True, help="graphs#Curves on one graph"),
         "space": ViewRow("Path in space", lazily("space_view", "SpaceView"), CENTRE,
-            "Path in &space", "Show the path of the part that all drives move, in three dimensions", picture=True,
+            "Path in &space", "Show the path of the part that all drives move, in three dimensions", least=(240, 212), picture=True,
             help="camshaft#Path in space"),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
-            "&Law table", "Compare the motion laws: curves and peak values", keys="Ctrl+L", picture=True, help="laws#Motion laws"),
+            "&Law table", "Compare the motion laws: curves and peak values",
+            least=(500, 400), keys="Ctrl+L", picture=True, help="laws#Motion laws"),
         "stability": ViewRow("Stability", lazily("stability_view", "StabilityView"), CENTRE,
-            "&Chart", "Show the stability chart of the flexible camshaft: tongues of instability and wind-up", keys="Ctrl+T", picture=True,
+            "&Chart", "Show the stability chart of the flexible camshaft: tongues of instability and wind-up",
+            least=(860, 340), keys="Ctrl+T", picture=True,
             help="stability#What you see"),
-        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "Show the error log",
+        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "Show the error log", least=(400, 120),
             help="tour#If something fails"),
-        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, help="tour#Change it"),
+        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, least=(388, 185), help="tour#Change it"),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
-            "&Motion table", "Edit the segments of the motion: law, span, rise", keys="Ctrl+M", help="making#By mouse"),
+            "&Motion table", "Edit the segments of the motion: law, span, rise", least=(384, 480), keys="Ctrl+M", help="making#By mouse"),
         "drives": ViewRow("Drives", lazily("drives_view", "DrivesView"), LEFT,
-            "D&rives", "Add, copy, remove, rename and phase the drives on the shaft; peak torques",
+            "D&rives", "Add, copy, remove, rename and phase the drives on the shaft; peak torques", least=(280, 200),
             help="camshaft#In the window"),
         "find": ViewRow("Find", lazily("find", "FindView"), LEFT,
             "Fi&nd", "Calculate the smallest base radius, roller, offset, pivot or span within your limits, and plot what it costs",
+            least=(384, 560),
             keys="Ctrl+F", help="finding#Finding dimensions"),
         "study": ViewRow("Study", lazily("studies.study_view", "StudyView"), LEFT,
             "St&udy", "Vary values of the design: curves over one, a map over two, parallel coordinates over more; compare designs",
-            picture=True, help="studies#In the window"),
+            picture=True, least=(600, 300), help="studies#In the window"),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT,
-            "&Instant centres", "List instant centres, angular velocities and points at the current angle",
+            "&Instant centres", "List instant centres, angular velocities and points at the current angle", least=(330, 180),
             help="linkages#Instant centres and velocities"),
         "circle": ViewRow("Circle diagram", lazily("linkage.centres_view", "CircleView"), LEFT,
-            "Circle &diagram", "Construct the instant centres step by step, as in the lecture", help="linkages#Circle diagram"),
-        "polygon": ViewRow("Polygons", lazily("linkage.centres_view", "PolygonView"), LEFT, picture=True,
+            "Circle &diagram", "Construct the instant centres step by step, as in the lecture",
+            least=(310, 180), help="linkages#Circle diagram"),
+        "polygon": ViewRow("Polygons", lazily("linkage.centres_view", "PolygonView"), LEFT, least=(240, 200), picture=True,
             help="linkages#draws all velocities from one pole"),
         "stack": ViewRow("Motion and pressure angle", lazily("graph.plots_view", "StackView"), LEFT,
             "Motion and pressure an&gle", "Plot displacement, velocity, acceleration, jerk and pressure angle over one cam angle axis",
-            picture=True, help="tour#Plots, in the tasks"),
+            picture=True, least=(250, 540), help="tour#Plots, in the tasks"),
         "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
             "&Displacement", "Plot the displacement over the cam angle"),
         "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Plot the velocity over the cam angle"),
@@ -274,36 +312,41 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "Contact &pressure", "Plot the Hertz pressure between follower and cam, and the allowable pressure", of_cam=True,
             help="followers#Contact pressure and rolling life"),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft", "ShaftTorqueView"), RIGHT,
-            "Shaft tor&que", "Plot the total torque of all drives, with flywheel and balance cam", picture=True,
+            "Shaft tor&que", "Plot the total torque of all drives, with flywheel and balance cam", least=(250, 204), picture=True,
             help="camshaft#Shaft torque"),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft", "ShaftFiguresView"), RIGHT,
-            "Shaft fig&ures", "Show the true speed of the shaft, and mean, RMS and peak torque and power of all drives", picture=True,
+            "Shaft fig&ures", "Show the true speed of the shaft, and mean, RMS and peak torque and power of all drives",
+            least=(380, 142), picture=True,
             help="camshaft#Shaft figures"),
         "against_speed": ViewRow("Against speed", lazily("shaft", "AgainstSpeedView"), RIGHT,
-            "Agai&nst speed", "Plot torque and speed fluctuation of the shaft against the machine's speed", picture=True,
+            "Agai&nst speed", "Plot torque and speed fluctuation of the shaft against the machine's speed", least=(250, 204), picture=True,
             help="camshaft#Against speed"),
         "servo": ViewRow("Cam or servo", lazily("shaft", "ServoView"), CENTRE,
-            "Ca&m or servo", "Compare a cam with flywheel and a servo: torque, operating points of the motor, energy", picture=True,
+            "Ca&m or servo", "Compare a cam with flywheel and a servo: torque, operating points of the motor, energy",
+            least=(480, 260), picture=True,
             help="controllers#The motor"),
-        "findings": ViewRow("Findings", lazily("findings", "FindingsView"), BOTTOM, help="tour#also behind their number"),
-        "certificate": ViewRow("Certificate", lazily("findings", "CertificateView"), BOTTOM,
+        "findings": ViewRow("Findings", lazily("findings", "FindingsView"), BOTTOM, least=(300, 110), help="tour#also behind their number"),
+        "certificate": ViewRow("Certificate", lazily("findings", "CertificateView"), BOTTOM, least=(300, 110),
             help="tour#the residuals that prove the results"),
         "timing": ViewRow("Timing", lazily("timing_view", "TimingView"), BOTTOM,
-            "T&iming chart", "Show the motions of all drives over the machine angle, with sequence conditions", picture=True,
+            "T&iming chart", "Show the motions of all drives over the machine angle, with sequence conditions",
+            least=(690, 200), picture=True,
             help="timing#By mouse"),
         "contact": ViewRow("Keeping contact", lazily("graph.flywheel_view", "ContactView"), RIGHT,
-            "&Keeping contact", "Map the contact force over angle and speed, and plot the lift-off of the follower", of_cam=True,
+            "&Keeping contact", "Map the contact force over angle and speed, and plot the lift-off of the follower",
+            least=(250, 262), of_cam=True,
             help="finding#Keeping contact"),
         "vibration": ViewRow("Response spectrum", lazily("graph.flywheel_view", "VibrationView"), RIGHT,
             "Resp&onse spectrum", "Plot the vibration of an elastic follower in its dwells, at the design speed and against speed",
-            picture=True, of_cam=True, help="followers#Elastic follower"),
+            picture=True, least=(250, 262), of_cam=True, help="followers#Elastic follower"),
         "compare": ViewRow("What changed", lazily("compare", "CompareView"), BOTTOM,
-            "&What changed", "Compare inputs and results with the pinned variant, largest change first", help="tour#What changed"),
+            "&What changed", "Compare inputs and results with the pinned variant, largest change first",
+            least=(480, 200), help="tour#What changed"),
         "explain": ViewRow("Explain", lazily("compare", "ExplainView"), RIGHT,
-            "&Explain a number", "Show the equation of the selected value, and each symbol with its value and origin",
+            "&Explain a number", "Show the equation of the selected value, and each symbol with its value and origin", least=(480, 330),
             help="tour#Explain a number"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
-            "&Flywheel", "Calculate the flywheel that limits the speed fluctuation", help="tour#how large it must be"),
+            "&Flywheel", "Calculate the flywheel that limits the speed fluctuation", least=(280, 200), help="tour#how large it must be"),
     }
 )  # fmt: skip
 """Every view by the name that menus and ``show_view`` use."""
@@ -316,10 +359,13 @@ PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
 class Dock(QDockWidget):
     """A dock whose view is created when it is first visible.
 
-    Signal ``seen``: the view has become visible, or hidden.
+    Signals
+    - seen: the view has become visible, or hidden
+    - need_changed: its content needs another height
     """
 
     seen = Signal()
+    need_changed = Signal()
 
     def __init__(self, name: str, row: ViewRow, make: Callable[[], View], window: QMainWindow) -> None:
         super().__init__(row.title, window)  # without a parent it would float until it is laid out
@@ -327,7 +373,7 @@ class Dock(QDockWidget):
         self._make = make
         self.view: View | None = None  # None while it has not been created
         self._paused = False
-        self._heights = _ANY
+        self._least, self._height = row.least, (0, False)
         self._soon = single_shot(self, self.wake)
         self.visibilityChanged.connect(self._visibility_changed)
 
@@ -336,31 +382,29 @@ class Dock(QDockWidget):
         if self.view is None:
             self.view = self._make()
             if hasattr(self.view, "height_requested"):
-                self.view.height_requested.connect(self._note_limit)
+                self.view.height_requested.connect(self._note_height)
             self.setWidget(self.view)
         return self.view
 
-    def _note_limit(self, least: int, is_all: bool) -> None:
-        """Note the least height of the view, and that it needs no more where this shows all of it."""
-        self._heights = (least, least if is_all else _ANY_HEIGHT)
-        self._apply_limit()
+    def _note_height(self, least: int, is_all: bool) -> None:
+        """Note the height that the content needs, and that it needs no more where this shows all of it."""
+        if (least, is_all) != self._height:
+            self._height = least, is_all
+            self.need_changed.emit()
 
-    def _apply_limit(self) -> None:
-        """Limit the height of a dock without tabs; docks in tabs with it may need more height."""
-        window = self.parent()
-        alone = isinstance(window, QMainWindow) and not self.isFloating() and not window.tabifiedDockWidgets(self)
-        self.lift_limit(self._heights if alone else _ANY)
+    def need(self) -> Need:
+        """Return the size that the view needs: that of its row, or more where its controls or its content do."""
+        width, height = self._least
+        if self.view is not None:
+            hint = QSize() if self.view.arranges_itself else self.view.minimumSizeHint()
+            width, height = max(width, hint.width()), max(self._height[0] or height, hint.height())
+        return Need(width, height, height if self._height[1] else ANY_HEIGHT, self._tab_width())
 
-    def lift_limit(self, heights: tuple[int, int] = _ANY) -> None:
-        """Set the least and largest height of the view; without argument, remove both limits."""
-        view = self.view
-        if view is not None and (view.minimumHeight(), view.maximumHeight()) != heights:
-            view.setMinimumHeight(heights[0])
-            view.setMaximumHeight(heights[1])
+    def _tab_width(self) -> int:
+        return self.fontMetrics().horizontalAdvance(self.windowTitle()) + TAB
 
     def wake(self) -> None:
         """Make or update the view if any part of the dock is visible."""
-        self._apply_limit()
         if is_in_sight(self) and not self._paused:
             self.build().wake()
         self.seen.emit()

@@ -53,15 +53,14 @@ class DockGroup:
 
 @frozen
 class DockExtent:
-    """Width or height of the docks of a side: a part of the window minus ``less`` pixels, at least ``least`` pixels."""
+    """Width or height of the docks of a side: a part of the window, at least ``least`` pixels."""
 
     part: float
     least: int = 0
-    less: int = 0
 
     def size(self, total: int) -> int:
         """Extent [pixels] in a window of this width or height."""
-        return max(self.least, 1, round(self.part * total) - self.less)
+        return max(self.least, 1, round(self.part * total))
 
 
 DEFAULT_SIDES: Mapping[Area, DockExtent] = MappingProxyType(
@@ -142,6 +141,9 @@ class Task:
         return tuple((g, (*g.names, *g.more, *(others if g is last else ()))) for g in self.groups)
 
 
+_WIDE_VIEWS = ("timing", "compare", "explain")
+"""Docks that need more width than the parameters."""
+
 _PARAMETERS = DockGroup(RIGHT, ("parameters",), ("drives", "certificate"), 1.6)
 
 _CLEAR = (
@@ -150,7 +152,7 @@ _CLEAR = (
     DockGroup(LEFT, more=CAM_CURVES),
     DockGroup(LEFT, more=FORCES),
     DockGroup(RIGHT, ("parameters",), ("motion", "drives")),
-    DockGroup(BOTTOM, more=CHECKS),
+    DockGroup(BOTTOM, more=(*_WIDE_VIEWS, *CHECKS)),
 )
 """Only the main view and the parameters; other docks open on request."""
 
@@ -162,12 +164,15 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "motion",
             (
                 DockGroup(LEFT, ("motion",), ("find",)),
+                DockGroup(LEFT, more=_WIDE_VIEWS, part=0.5),
+                DockGroup(RIGHT),
                 DockGroup(TOP, ("parameters",), ("certificate", "pressure_angle")),
                 DockGroup(BOTTOM, ("findings",)),
             ),
-            MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
+            MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(1.0)}),
             wide=(
                 DockGroup(LEFT, ("motion",), ("find",)),
+                DockGroup(LEFT, more=_WIDE_VIEWS, part=0.5),
                 DockGroup(RIGHT, ("parameters",), ("certificate", "pressure_angle")),
                 DockGroup(BOTTOM, ("findings",)),
             ),
@@ -178,7 +183,9 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Design the mechanism: its drawing next to lengths, centres and pressure angle",
             "mechanism",
             (
-                DockGroup(RIGHT, ("parameters",), ("motion", "find"), 0.6),
+                DockGroup(LEFT, more=("motion", "find", "study")),
+                DockGroup(BOTTOM, more=_WIDE_VIEWS),
+                DockGroup(RIGHT, ("parameters",), part=0.6),
                 DockGroup(RIGHT, ("pressure_angle",), part=0.4),
             ),
             linkage_docks=("centres", "circle"),
@@ -188,7 +195,8 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Check the kinematics: the mechanism next to displacement, pressure angle and limits",
             "mechanism",
             (
-                DockGroup(LEFT, more=("motion", "find")),
+                DockGroup(LEFT, more=("motion", "find", "study")),
+                DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 _PARAMETERS,
                 DockGroup(RIGHT, MOTION_CURVES),
                 DockGroup(RIGHT, CAM_CURVES),
@@ -196,7 +204,8 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             ),
             shaft_docks=("drives",),
             wide=(
-                DockGroup(LEFT, ("stack",), ("motion", "find", *MOTION_CURVES)),
+                DockGroup(LEFT, ("stack",), ("motion", "find", "study", *MOTION_CURVES)),
+                DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(RIGHT, ("parameters",), ("certificate",), 1.6),
                 DockGroup(RIGHT, more=("drives",), part=1.2),
                 DockGroup(RIGHT, CAM_CURVES[1:], CAM_CURVES[:1]),
@@ -208,10 +217,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Check the forces: the mechanism next to torque, forces, loads and flywheel",
             "mechanism",
             (
-                DockGroup(LEFT, more=("motion", "find")),
+                DockGroup(LEFT, more=("motion", "find", "study")),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.7),
                 DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.7),
-                DockGroup(BOTTOM, more=("timing",)),
+                DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(
                     RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.25
                 ),
@@ -227,7 +236,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(
                     LEFT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.15
                 ),
-                DockGroup(BOTTOM, more=("timing",)),
+                DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
                 DockGroup(RIGHT, more=("drives",), part=0.7),
             ),
@@ -254,12 +263,15 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "study",
             (
                 DockGroup(LEFT, ("study",), ("motion", "find")),
+                DockGroup(LEFT, more=_WIDE_VIEWS, part=0.5),
+                DockGroup(RIGHT),
                 DockGroup(TOP, ("parameters",)),
                 DockGroup(BOTTOM, more=("pressure_angle", "torque", *CHECKS)),
             ),
-            MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(1.0, less=INSPECTOR + SEPARATOR)}),
+            MappingProxyType({**DEFAULT_SIDES, LEFT: DockExtent(1.0)}),
             wide=(
                 DockGroup(LEFT, ("study",), ("motion", "find")),
+                DockGroup(LEFT, more=_WIDE_VIEWS, part=0.5),
                 DockGroup(RIGHT, ("parameters",)),
                 DockGroup(BOTTOM, more=("pressure_angle", "torque", *CHECKS)),
             ),

@@ -1,0 +1,136 @@
+"""kindyna_gui.window.room: no dock is laid below its least size; what does not fit is a tab, and the parameters keep their width."""
+
+from collections.abc import Iterator
+
+import pytest
+from sampled import stressed
+from window_user import Open, settle
+
+from kindyna_gui.places import example
+from kindyna_gui.screenshots import rest
+from kindyna_gui.view import is_in_sight
+from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS, Need
+from kindyna_gui.window.room import Plan, plan_docks
+from kindyna_gui.window.tasks import INSPECTOR, SEPARATOR, TASKS
+
+SIZES = (1280, 720), (1440, 900), (1920, 1080)
+BARS, BAR, TITLE = 86, 36, 26  # menus, tools and status line; player; title or tabs [pixels]
+NEEDS = {name: Need(*row.least, tab=7 * len(row.title) + 26) for name, row in VIEWS.items()}
+KINDS = "one drive", "several drives", "a linkage"
+PAGES = [name for name, row in VIEWS.items() if row.area == CENTRE]
+
+
+def planned(
+    task: str, size: tuple[int, int], kind: str, called: str = "", middle: tuple[int, int] | None = None
+) -> Plan:
+    middle = page(task, called) if middle is None else middle
+    row = TASKS[task].at(size[0])
+    opened = [name for group in row.groups for name in group.names]
+    opened += {"one drive": (), "several drives": row.shaft_docks, "a linkage": row.linkage_docks}[kind]
+    if called and called not in PAGES:
+        opened.append(called)
+    fronts = [group.names[0] for group in row.groups if group.names]
+    room, names = (size[0], size[1] - BARS), tuple(dict.fromkeys(opened))
+    return plan_docks(row, NEEDS, middle, room, names, in_front=fronts, called=called)
+
+
+def page(task: str, called: str) -> tuple[int, int]:
+    """Least size of the middle with the page called, or that of the task, in front; above the player."""
+    front = called if called in PAGES else TASKS[task].pages[-1]
+    width, height = VIEWS[front].least
+    tabs = len({*TASKS[task].pages, front}) > 1
+    return max(width, 330), height + BAR + TITLE * tabs
+
+
+def too_small(plan: Plan, size: tuple[int, int], middle: tuple[int, int]) -> Iterator[str]:
+    """Each dock, and the middle, below its least size; each side beyond the window."""
+    for group in plan.groups:
+        across, along = plan.extents[group.area], group.length
+        width, height = (across, along) if group.area in (LEFT, RIGHT) else (along, across)
+        for name in group.names:
+            if width < NEEDS[name].width or height - TITLE < NEEDS[name].height:
+                yield f"{name}: {width} x {height - TITLE}"
+            if name == "parameters" and abs(width - INSPECTOR) > 6:
+                yield f"parameters: {width} wide"
+    for area in (LEFT, RIGHT):
+        lengths = [group.length for group in plan.groups if group.area == area]
+        if lengths and sum(lengths) + SEPARATOR * (len(lengths) - 1) != size[1] - BARS:
+            yield f"{area}: {lengths}"
+    columns = sum(plan.extents[area] + SEPARATOR for area in (LEFT, RIGHT) if area in plan.extents)
+    rows = sum(plan.extents[area] + SEPARATOR for area in (TOP, BOTTOM) if area in plan.extents)
+    if size[0] - columns < middle[0] or size[1] - BARS - rows < middle[1]:
+        yield f"middle: {size[0] - columns} x {size[1] - BARS - rows}"
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("task", TASKS)
+def test_nothing_is_laid_below_its_least_size_whatever_is_called(task: str, size: tuple[int, int]) -> None:
+    wrong = {}
+    for kind in KINDS:
+        for called in ("", *VIEWS):
+            middle = page(task, called)
+            plan = planned(task, size, kind, called)
+            if not plan.fits:  # then the page of the task is a tab behind the mechanism
+                middle = page("make", "mechanism")
+                plan = planned(task, size, kind, called, middle)
+            lines = [*too_small(plan, size, middle)]
+            if called and called not in PAGES and called not in plan.fronts:
+                lines.append("the view called is not in front")
+            wrong[kind, called] = lines
+    assert {case: lines for case, lines in wrong.items() if lines} == {}
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_what_a_task_opens_is_open_and_its_large_view_last_to_be_a_tab(size: tuple[int, int]) -> None:
+    for task, row in TASKS.items():
+        for kind in KINDS:
+            plan = planned(task, size, kind)
+            names = {name for group in plan.groups for name in group.names}
+            assert names == {*plan.names}, "nothing is left out"
+            large = [group.names for group in plan.groups if row.large in group.names]
+            assert large in ([], [(row.large,)]), "nothing is behind the large view"
+
+
+def test_a_view_that_needs_more_width_does_not_widen_the_parameters() -> None:
+    for task in TASKS:
+        for called in ("compare", "explain", "timing"):
+            plan = planned(task, SIZES[0], "one drive", called)
+            group = next(group for group in plan.groups if called in group.names)
+            assert plan.sizes[group.front][0] >= VIEWS[called].least[0], (task, called)
+            assert "parameters" not in group.names
+
+
+def test_what_is_behind_tabs_in_a_small_window_is_next_to_it_in_a_large_one() -> None:
+    small, large = (len(planned("kine", size, "one drive").groups) for size in (SIZES[0], SIZES[1]))
+    assert small < large
+
+
+# -- in a window -------------------------------------------------------------------------------------------
+
+CALLED = ("explain", "compare", "timing", "find", "laws", "stability", "velocity", "centres", "certificate")
+WALKS = [stressed(name, size) for name in ("transfer_lift", "transfer_unit", "lecture_six_bar") for size in SIZES]
+
+
+@pytest.mark.parametrize(("name", "size"), [("transfer_lift", SIZES[0]), *WALKS])
+def test_a_view_called_has_its_room_and_parameters_and_window_keep_their_size(
+    open_user: Open, name: str, size: tuple[int, int]
+) -> None:
+    user = open_user(example(name), size=size, whole=True)
+    window, wrong = user.window, []
+    for task in (*TASKS, "make"):
+        for called in CALLED:
+            window.show_task(task)
+            window.reset_layout()
+            view = window.show_view(called)
+            rest(window, 0.0)
+            settle()
+            least = VIEWS[called].least
+            if view.width() < least[0] or view.height() < least[1] or not is_in_sight(view):
+                wrong.append(f"{task}: {called} is {view.width()} x {view.height()}")
+            forms = window.docks["parameters"]
+            if is_in_sight(forms) and abs(forms.width() - INSPECTOR) > 6:
+                wrong.append(f"{task}, {called}: parameters {forms.width()} wide")
+            if window.size().toTuple() != size:
+                wrong.append(f"{task}, {called}: window {window.size()}")
+                window.resize(*size)
+    assert wrong == []
