@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import degrees
 from typing import Any
 
 from PySide6.QtCore import QModelIndex, Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QPushButton, QSizePolicy
+from PySide6.QtWidgets import QCheckBox, QComboBox, QCompleter, QHBoxLayout, QLabel, QSizePolicy
 
 from core.errors import KindynaError, ResultPending
-from core.number_text import MOST_DIGITS, result_text
+from core.findings import Finding
+from core.number_text import MOST_DIGITS, RESULT_DIGITS, digits_apart, result_text
 from core.output.compare import (
+    MOST,
+    SAME,
     ComparedDesign,
     Comparison,
+    Difference,
     compare_designs,
     compared_design,
     comparison_csv,
@@ -23,14 +26,14 @@ from core.output.explain import explainable, explained, labels_of
 from core.output.lines import digits
 from core.study import STAGES, Study
 from core.study.symbols import DYNAMICS, LINKAGE
-from core.units import split_unit
 from kindyna_gui import dialogs
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, sentence
-from kindyna_gui.look import coloured, described, sign
+from kindyna_gui.look import coloured, described, sign, text_button
 from kindyna_gui.pictures.style import SCREEN, SERIF
+from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all, fill
 from kindyna_gui.requirements import NOT_PINNED, Unavailable
@@ -47,11 +50,16 @@ COMPARE_HEADINGS = (
     TableHeading("Now", number=True),
     TableHeading("Change", number=True),
 )
-MOST = 9  # characters of a number
+LONGEST = 9  # characters of a number
+PERCENT_DIGITS = 3
+GO_TIP = "Click to see its curve"
 
 
 class CompareView(View):
-    """Table of the differences from the pinned variant, largest first."""
+    """Table of the differences from the pinned variant: inputs, findings, then results, largest change first.
+
+    A click on a row leads to the field of an input, or to the curve of a result.
+    """
 
     is_design_wide = True
     stages = STAGES
@@ -65,18 +73,23 @@ class CompareView(View):
         self.offer_explanation(self.table)
         self.choice = described(QComboBox(), name="Variant to compare with")
         self.choice.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.choice.activated.connect(self._choose)
-        self.pin = QPushButton("Pin this variant")
-        self.unpin = QPushButton("Unpin")
-        self.save = QPushButton("Save...")
-        self.pin.clicked.connect(lambda: self.pins.pin(self.session.full_design))
-        self.unpin.clicked.connect(self.pins.unpin)
-        self.save.clicked.connect(self._save)
+        self.choice.setMinimumContentsLength(6)
+        self.pin, self.unpin = text_button("Pin this variant"), text_button("Unpin")
+        self.save, self.all = text_button("Save..."), text_button("All", checks=True)
         self.comparison: Comparison | None = None
         self._pinned: tuple[Study, ComparedDesign] | None = None  # of the pinned variant, which edits do not change
-        row = fill(QHBoxLayout(), self.choice, self.pin, self.unpin, self.save, margins=(6, 3, 6, 3))
+        connect_all(
+            (self.choice.activated, self._choose),
+            (self.pin.clicked, lambda: self.pins.pin(self.session.full_design)),
+            (self.unpin.clicked, self.pins.unpin),
+            (self.save.clicked, self._save),
+            (self.all.toggled, self._show),
+            (self.table.clicked, self._go),
+            (self.table.activated, self._go),
+            (self.pins.changed, self.invalidate),
+        )
+        row = fill(QHBoxLayout(), self.choice, self.all, self.pin, self.unpin, self.save, margins=(6, 3, 6, 3))
         self.set_column(row, self.table, grows=self.table)
-        self.pins.changed.connect(self.invalidate)
 
     def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
@@ -88,16 +101,53 @@ class CompareView(View):
         pinned = self.pins.full_study
         if pinned is None:
             self.comparison = None
+            self.table.show_rows([])
             raise Unavailable(NOT_PINNED)
         now = compared_design(self.session.full_study)
         if self._pinned is None or self._pinned[0] is not pinned:
             with self.pins.named():
                 self._pinned = pinned, compared_design(pinned)
         self.comparison = compare_designs(self._pinned[1], now)
-        self.table.show_rows(_rows(self.comparison, self.session))
+        self._show()
+
+    @property
+    def results(self) -> tuple[Difference, ...]:
+        """Results on display, those that changed most, or all."""
+        changed = () if self.comparison is None else self.comparison.changed
+        return changed if self.all.isChecked() else changed[:MOST]
+
+    def _show(self) -> None:
+        comparison = self.comparison
+        if comparison is None:
+            return
+        changed = len(comparison.changed)
+        self.all.setEnabled(changed > MOST)
+        self.all.setToolTip(f"Show all {changed} results that changed, or only the {MOST} that changed most")
+        known = set(explainable(self.session.study))
+        rows = [_input_row(row, self.session) for row in comparison.inputs]
+        rows += [_finding_row(finding, mark) for mark, finding in self._findings]
+        rows += [_result_row(row, row.quantity in known) for row in self.results]
+        self.table.show_rows(rows or [TableRow(("No difference from the pinned variant.", "", "", "", ""))])
+
+    @property
+    def _findings(self) -> list[tuple[str, Finding]]:
+        assert self.comparison is not None
+        rows = ("gone", self.comparison.gone), ("new", self.comparison.new)
+        return [(mark, finding) for mark, findings in rows for finding in findings]
 
     def _choose(self, row: int) -> None:
         self.pins.bring(self.choice.itemData(row))
+
+    def _go(self, index: QModelIndex) -> None:
+        """Show the field of an input or of a finding, or the curve of a result."""
+        if self.comparison is None or self._host is None:
+            return
+        fields = [row.quantity for row in self.comparison.inputs] + [finding.field for _, finding in self._findings]
+        number, results = index.row(), self.results
+        if number < len(fields):
+            self._host.focus_field(fields[number])
+        elif number - len(fields) < len(results):
+            self._host.show_result(results[number - len(fields)].quantity)
 
     def _save(self) -> None:
         path = dialogs.comparison_to_save(self, Settings().folder / "what_changed.html")
@@ -115,40 +165,42 @@ class CompareView(View):
         self.status_message.emit(written(self, path, content))
 
 
-def _rows(comparison: Comparison, session: Session) -> list[TableRow]:
-    rows = [
-        TableRow(
-            (
-                name_of(session.full_design, row.quantity) or row.quantity,
-                "input",
-                *map(_brief, (row.a, row.b, row.change), row.texts),
-            ),
-            tip=f"{row.quantity}: {row.texts[0]} → {row.texts[1]}",
-        )
-        for row in comparison.inputs
-    ]
-    for mark, findings in (("gone", comparison.gone), ("new", comparison.new)):
-        for finding in findings:
-            icon = sign("none" if mark == "gone" else finding.severity)
-            rows.append(TableRow((sentence(finding.message), mark, "", "", ""), icon))
-    known, labels = set(explainable(session.study)), labels_of(session.study)
-    for row in comparison.changed:
-        words = _quantity_text(row.quantity, labels)
-        number = ExplainableNumber(row.quantity) if row.quantity in known else None
-        rows.append(TableRow((words, row.of, *row.texts), tip=f"{words} ({row.quantity})", number=number))
-    return rows or [TableRow(("No difference from the pinned variant.", "", "", "", ""))]
+def _input_row(row: Difference, session: Session) -> TableRow:
+    name = name_of(session.full_design, row.quantity) or row.quantity
+    texts = map(_brief, (row.a, row.b, row.change), row.texts)
+    return TableRow((name, "input", *texts), tip=f"{row.quantity}: {row.texts[0]} → {row.texts[1]}")
 
 
 def _brief(value: object, text: str) -> str:
     """An input as typed; a long number from a search is shortened, to leave room for the names."""
-    return digits(value, MOST_DIGITS) if isinstance(value, float) and len(text) > MOST else text
+    return digits(value, MOST_DIGITS) if isinstance(value, float) and len(text) > LONGEST else text
 
 
-def _quantity_text(quantity: str, labels: Mapping[str, str]) -> str:
-    """Label of a column, ``Contact force, N`` or ``feed: Contact force, N``; the column where it has no label."""
-    drive, dot, column = quantity.rpartition(".")
-    label, unit = labels.get(column), split_unit(column)[1].symbol
-    return quantity if label is None else f"{drive}{': ' if dot else ''}{label}{', ' if unit else ''}{unit}"
+def _finding_row(finding: Finding, mark: str) -> TableRow:
+    icon = sign("none" if mark == "gone" else finding.severity)
+    return TableRow((sentence(finding.message), mark, "", "", ""), icon)
+
+
+def _result_row(row: Difference, is_explainable: bool) -> TableRow:
+    """A result in the unit of its plot; its change in percent where that says more."""
+    unit = readable(row.unit.symbol, row.size)
+    small = SAME * row.size
+    a, b, change = (
+        None if value is None else 0.0 if abs(value) <= small else value / unit.size
+        for value in (row.a, row.b, row.change)
+    )
+    most = digits_apart([value for value in (a, b) if value is not None])
+    difference = _number(change) if row.percent is None else with_unit(short(row.percent, PERCENT_DIGITS), "%")
+    name = f"{row.label}, {unit.symbol}".removesuffix(", ")
+    return TableRow(
+        (name, row.of, _number(a, most), _number(b, most), difference),
+        tip=f"{name} ({row.quantity}): {' → '.join(row.texts[:2])}. {GO_TIP}",
+        number=ExplainableNumber(row.quantity) if is_explainable else None,
+    )
+
+
+def _number(value: float | None, most: int = RESULT_DIGITS) -> str:
+    return "" if value is None else short(value, most)
 
 
 # -- explain view ----------------------------------------------------------------------------------------

@@ -220,6 +220,9 @@ class ViewHost(Protocol):
     def explain(self, number: ExplainableNumber) -> None:
         """Show how a number is calculated."""
 
+    def show_result(self, result: str) -> None:
+        """Bring the curve of a result to the front: of a column, with the slug of its drive before a dot, or of a figure."""
+
     def pin(self, design: Design | None = None) -> None:
         """Pin a design, by default the current one, to compare later changes with it."""
 

@@ -12,21 +12,29 @@ from typing import Any
 from core.findings import Finding
 from core.frozen import frozen
 from core.number_text import distinct_texts, input_text
+from core.output.channels import channels
+from core.output.explain.shaft import FIGURES, shaft_columns
 from core.output.lines import columns, digits, finding_line, printable
 from core.output.report.document import Document
 from core.output.report.parts import Number, ReportTable, Section, Sentences, section, table
 from core.output.summary import extremes, finding_rows, summary
 from core.project.writing import to_table
 from core.study import Study, findings_of
-from core.units import split_unit
+from core.units import Unit, quantity_kind, split_unit
 
 Results = Mapping[tuple[str, str], float | None]
 """Quantity and its extreme (empty for a total) -> value."""
 HEADER = ("what", "quantity", "of", "a", "b", "change")
+MOST = 20
+"""Results that a text shows: those that changed most."""
 LONGEST = 32
 """Longest text in a column of the terminal; longer ones are on separate lines."""
 SAME = 1e-12
 """Relative to the size of a result: a smaller change is rounding."""
+LEAST_BASE = 0.1
+"""Relative to the size of a quantity: the change of a smaller value says little in percent."""
+NO_PERCENT = ("length", "angle")
+"""Kinds of unit whose changes say more in their unit, such as those of a position."""
 
 
 @frozen
@@ -40,6 +48,7 @@ class Difference:
     a, b : values; None: missing or infinite
     size : largest magnitude of the quantity in both, to which the change is related
     is_input : whether it is an input
+    label : name of a result as in plots, without its unit
     """
 
     quantity: str
@@ -48,6 +57,21 @@ class Difference:
     b: Any
     size: float = 0.0
     is_input: bool = False
+    label: str = ""
+
+    @property
+    def unit(self) -> Unit:
+        """Unit of a result."""
+        return split_unit(self.quantity)[1]
+
+    @property
+    def percent(self) -> float | None:
+        """Change of a result in percent of the magnitude of a; None where the difference says more."""
+        change, base = self.change, abs(self.a) if _is_number(self.a) else 0.0
+        if change is None or self.is_input or quantity_kind(self.unit.symbol) in NO_PERCENT:
+            return None
+        keeps_sign = self.a * self.b > 0.0
+        return 100.0 * change / base if keeps_sign and base >= LEAST_BASE * self.size else None
 
     @property
     def change(self) -> float | None:
@@ -109,12 +133,14 @@ class ComparedDesign:
     inputs: Mapping[str, Any]
     results: Results
     findings: Mapping[tuple[str, str], Finding]
+    labels: Mapping[str, str]
 
 
 def compared_design(study: Study) -> ComparedDesign:
     """Data of a design for a comparison. Raises NoSolution as the stages do."""
     findings = {(finding.code, finding.field): finding for finding in findings_of(study)}
-    return ComparedDesign(study.design.name, dict(_entries(to_table(study.design))), dict(_results(study)), findings)
+    inputs, results = dict(_entries(to_table(study.design))), dict(_results(study))
+    return ComparedDesign(study.design.name, inputs, results, findings, dict(_labels(study)))
 
 
 def compare_designs(a: ComparedDesign, b: ComparedDesign) -> Comparison:
@@ -125,7 +151,15 @@ def compare_designs(a: ComparedDesign, b: ComparedDesign) -> Comparison:
     ]
     sizes = _sizes(a.results, b.results)
     results = [
-        Difference(*key, value, b.results[key], sizes[key[0]]) for key, value in a.results.items() if key in b.results
+        Difference(
+            *key,
+            value,
+            b.results[key],
+            sizes[key[0]],
+            label=b.labels.get(key[0]) or key[0].replace("_", " ").capitalize(),
+        )
+        for key, value in a.results.items()
+        if key in b.results
     ]
     return Comparison(
         a.name,
@@ -173,6 +207,17 @@ def _results(study: Study) -> Iterator[tuple[tuple[str, str], float | None]]:
     for slug, drive in study.solved_drives.items():
         if slug:
             yield from _extreme_rows(extremes(drive, drive.stages), f"{slug}.")
+
+
+def _labels(study: Study) -> Iterator[tuple[str, str]]:
+    """Results and their names as in plots; those of a listed drive begin with its name."""
+    for name, figure in FIGURES.items():
+        yield from ((name, figure.label), (f"torque_{name}", figure.label))
+    if study.design.listed:
+        yield from ((name, column.label) for name, column in shaft_columns(study).items())
+    for slug, drive in study.solved_drives.items():
+        for row in channels(drive.design):
+            yield (f"{slug}.{row.slug}", f"{drive.design.name}: {row.label}") if slug else (row.slug, row.label)
 
 
 def _sizes(*sets: Results) -> dict[str, float]:
@@ -234,12 +279,15 @@ def comparison_csv(comparison: Comparison) -> str:
 
 def comparison_text(comparison: Comparison) -> str:
     """Differences as text for the terminal."""
-    rows = [(row.quantity, row.of, *row.texts) for row in (*comparison.inputs, *comparison.changed)]
+    changed = comparison.changed
+    rows = [(row.quantity, row.of, *row.texts) for row in (*comparison.inputs, *changed[:MOST])]
     short = [row for row in rows if max(map(len, row[2:])) <= LONGEST]
     names = [f"a: {printable(comparison.a)}", f"b: {printable(comparison.b)}"]
     lines = columns([HEADER[1:], *short], left=2) if short else []
     lines += [f"{name}\n  a: {a}\n  b: {b}" for name, _, a, b, _ in rows if max(len(a), len(b)) > LONGEST]
     message = [] if rows else ["The designs and their results are the same."]
+    if len(changed) > MOST:
+        message = [f"{len(changed) - MOST} more results changed less; --json and --out list them."]
     return "\n".join((*names, *lines, *message, *_finding_lines(comparison))) + "\n"
 
 

@@ -34,7 +34,7 @@ from kindyna_gui.pictures.units import legible
 from kindyna_gui.rebuilt import fill
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.result_plots import show_quantity
 
 MOST = 40  # largest number of rows in the list
 WIDTH, ROW, SHOWN = 620, 24, 14  # width of the list and height of a row [pixels]; rows visible without scrolling
@@ -172,22 +172,15 @@ def _field(window: Window, design: Design, row: Entry, path: str, drive: str) ->
 
 def _channels(window: Window) -> Iterator[Match]:
     """Channels of the design; choosing one shows its plot, or else adds it to the graph."""
-    plots = {name: view for view, row in VIEWS.items() for name in row.quantities}
     for name in names_of(window.session.design):
         row = quantity(name)
         if row.slug:
-            act = partial(window.show_view, plots[name]) if name in plots else partial(_draw, window, name)
+            act = partial(show_quantity, window, name)
             symbol = legible(row.symbol)
             more = f"{symbol} {row.symbol} {greek_names(row.symbol)} {row.slug}"
             yield _match(
                 "Channel", row.label, f"{symbol}, {row.unit.symbol}".rstrip(", "), legible(row.equation), act, more
             )
-
-
-def _draw(window: Window, name: str) -> None:
-    window.show_task("graph")
-    view: Any = window.show_view("curves")
-    view.show_channel(name)
 
 
 def _help(window: Window) -> Iterator[Match]:

@@ -43,6 +43,7 @@ from kindyna_gui.window.base import CentralPages, Titles, Window
 from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, DockShares
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
+from kindyna_gui.window.result_plots import show_result
 from kindyna_gui.window.status_line import StatusLine
 from kindyna_gui.window.tasks import TASKS, TaskLayers
 
@@ -205,6 +206,10 @@ class MainWindow(Window):
         """Explain a number, at its own angle or else at the current angle."""
         view: Any = self.show_view("explain")
         view.explain(number)
+
+    def show_result(self, result: str) -> None:
+        """Bring the curve of a result to the front."""
+        show_result(self, result)
 
     def explain_here(self) -> None:
         """Explain the number selected in the view with the focus; else show the last explanation."""

@@ -14,7 +14,7 @@ from sampled import spread
 
 from core import project
 from core.__main__ import main
-from core.design import Design
+from core.design import Design, edited
 from core.output.compare import Comparison, compare_designs, compared_design, comparison_csv, comparison_data
 from core.study import Study
 
@@ -149,6 +149,32 @@ def test_what_was_typed_is_shown_as_it_was_typed(tmp_path: Path) -> None:
     assert f"  b: {', '.join(fields)}\n" in text
     wider = said(files[0], saved(tmp_path, "c.toml", WIDER)).splitlines()
     assert next(line.split() for line in wider if line.startswith("cam.base_radius_mm"))[1:] == ["400", "420", "20"]
+
+
+def test_the_text_holds_the_twenty_results_that_moved_most_and_the_data_all(tmp_path: Path) -> None:
+    files = saved(tmp_path, "a.toml", LIFT), saved(tmp_path, "b.toml", WIDER)
+    changed = held(LIFT, WIDER).changed
+    assert len(changed) > 20
+    lines = said(*files).splitlines()
+    rows = [tuple(line.split()[:2]) for line in lines if line.split()[1:2] in (["max"], ["min"])]
+    assert rows == [(row.quantity, row.of) for row in changed if row.of][: len(rows)]
+    totals = [row for row in changed[:20] if not row.of]
+    assert len(rows) + len(totals) == 20
+    assert f"{len(changed) - 20} more results changed less" in lines[-1]
+    assert len(json.loads(said(*files, "--json"))["results"]) == len(held(LIFT, WIDER).results)
+
+
+def test_a_change_is_given_in_percent_where_that_says_more() -> None:
+    """Not for lengths and angles, nor beside a value that is small or changes its sign."""
+    longer = replace(LIFT, name="a longer lift")
+    longer = edited(longer, "motion.stroke_mm", 200.0)
+    rows = {(row.quantity, row.of): row for row in held(LIFT, longer).results}
+    assert rows["velocity_mm_s", "max"].percent == pytest.approx(100.0 / 3.0)
+    assert rows["velocity_mm_s", "min"].percent == pytest.approx(-100.0 / 3.0)
+    assert rows["displacement_mm", "max"].percent is None
+    assert rows["pressure_angle_deg", "max"].percent is None
+    assert rows["pivot_x_n", "max"].a < 0.0 < rows["pivot_x_n", "max"].b
+    assert rows["pivot_x_n", "max"].percent is None
 
 
 def test_of_two_files_the_one_without_an_answer_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

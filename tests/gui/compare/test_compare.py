@@ -15,6 +15,7 @@ from core.output.explain import explained
 from core.study import Study, evaluations
 from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.dialogs import SaveAnswer
+from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.places import example
 from kindyna_gui.view import ExplainableNumber
@@ -56,6 +57,76 @@ def test_a_number_that_was_found_leaves_room_for_the_names(user: User) -> None:
     view = user.window.view("compare")
     assert isinstance(view, CompareView)
     assert "400 → 425.4531315784769" in view.table.rows.rows[0].tip
+
+
+STROKE = "motion.stroke_deg"
+
+
+def pinned_unit(open_user: Open) -> tuple[User, CompareView]:
+    """The transfer unit on 1440 × 900, pinned by keys, then with a longer stroke that is typed; what that changed."""
+    user = open_user(example("transfer_unit"), (1440, 900), whole=True)
+    user.press(Qt.Key.Key_P, modifier=Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
+    user.enter(STROKE, "26")
+    user.choose("Edit", "What changed")
+    view = user.window.view("compare")
+    assert isinstance(view, CompareView)
+    wait_for(lambda: view.up_to_date and not view.in_trouble)
+    return user, view
+
+
+def click_row(view: CompareView, row: int) -> None:
+    at = view.table.rows.index(row, 0)
+    view.table.scrollTo(at)
+    QTest.mouseClick(view.table.viewport(), Qt.MouseButton.LeftButton, pos=view.table.visualRect(at).center())
+    settle()
+
+
+def test_what_changed_reads_inputs_then_twenty_results_and_leads_to_their_curves(open_user: Open) -> None:
+    user, view = pinned_unit(open_user)
+    rows = [row.cells for row in view.table.rows.rows]
+    kinds = [row[1] for row in rows]
+    assert rows[0] == ("Feed: Segment 1, rise", "input", "24", "26", "2")
+    assert kinds.index("new") > kinds.count("input") - 1
+    results = [row for row in rows if row[1] in ("max", "min", "")]
+    assert len(results) == 20
+    assert rows[-20:] == results
+    assert ("Feed: Velocity, °/s", "max", "79.18", "85.78", "8.33 %") in rows
+    assert ("Feed: Displacement, °", "max", "24", "26", "2") in rows
+    assert view.table.horizontalScrollBar().maximum() == 0, "every number is read without widening"
+    QTest.mouseClick(view.all, Qt.MouseButton.LeftButton)
+    everything = [row.cells for row in view.table.rows.rows]
+    assert everything[: len(rows)] == rows
+    assert len(everything) > len(rows) + 20
+    QTest.mouseClick(view.all, Qt.MouseButton.LeftButton)
+    assert [row.cells for row in view.table.rows.rows] == rows
+    click_row(view, rows.index(next(row for row in rows if row[:2] == ("Feed: Pressure angle, °", "max"))))
+    plot = user.window.view("pressure_angle")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date and plot.on_screen())
+    assert "variant 1" in plot.plot.legend.text
+    click_row(view, rows.index(next(row for row in rows if row[0] == "Torque of Feed, N·m")))
+    shaft = user.window.view("shaft_torque")
+    assert shaft is not None
+    assert shaft.on_screen()
+
+
+def test_a_row_of_another_drive_selects_it_and_one_without_a_plot_goes_to_the_graph(open_user: Open) -> None:
+    user, view = pinned_unit(open_user)
+    user.session.put_full_design(put(user.session.full_design, "drives[1].cam.base_radius_mm", 300.0), "a")
+    wait_for(lambda: view.up_to_date and any(row.cells[0].startswith("Clamp: ") for row in view.table.rows.rows))
+    rows = [row.cells for row in view.table.rows.rows]
+    click_row(view, next(i for i, row in enumerate(rows) if row[0].startswith("Clamp: ") and row[1] == "input"))
+    assert user.session.names[user.session.chosen] == "Clamp"
+    user.session.choose_drive(0)
+    wait_for(lambda: view.up_to_date)
+    QTest.mouseClick(view.all, Qt.MouseButton.LeftButton)
+    names = [row.cells[0] for row in view.table.rows.rows]
+    click_row(view, names.index("Clamp: Guide force, N"))
+    assert user.session.names[user.session.chosen] == "Clamp"
+    graph = user.window.view("curves")
+    assert isinstance(graph, CurvesView)
+    wait_for(lambda: graph.up_to_date and graph.on_screen())
+    assert any(series.name.startswith("Guide force") for series in graph.data.series)
 
 
 def test_nothing_of_a_variant_is_computed_while_nothing_shows_it(user: User) -> None:
