@@ -84,10 +84,10 @@ TURN_MS = 32  # and from the refresh of another view to that of the next
 
 
 class RefreshQueue(QObject):
-    """Queue of the refreshes that may lag behind a drag of the mouse, one queue for all views of a session.
+    """Queue of the refreshes that may lag behind a drag of the mouse or steps by key, one queue for all views of a session.
 
-    The jobs run one at a time, the oldest first; while the mouse drags something, ``TURN_MS`` apart. Mouse moves that
-    arrived meanwhile are handled after each job.
+    The jobs run one at a time, the oldest first; while the mouse drags something, ``TURN_MS`` apart, and while keys step a
+    number, once they rest. Mouse moves that arrived meanwhile are handled after each job.
     """
 
     @staticmethod
@@ -102,6 +102,7 @@ class RefreshQueue(QObject):
         self._next = single_shot(self, self._run_next)
         self._last = started_clock()
         session.drag_ended.connect(self._go_on)
+        session.steps_ended.connect(self._go_on)
 
     def append(self, owner: QObject, job: Callable[[], None]) -> None:
         """Append a job, which is skipped if its owner is deleted first; a job in the queue keeps its position."""
@@ -110,7 +111,9 @@ class RefreshQueue(QObject):
             self._go_on()
 
     def _go_on(self) -> None:
-        if self._waiting:
+        if self._session.is_stepping:
+            self._next.stop()
+        elif self._waiting:
             self._next.start(0 if self._session.drag_source is None else rest(self._last, TURN_MS))
 
     def _run_next(self) -> None:
@@ -267,7 +270,8 @@ class View(ThemedPart):
     design.
 
     While the mouse drags something in one view, that view follows every move. All other views refresh through the
-    ``RefreshQueue``, as can parts of the first one (``refresh_in_turn``).
+    ``RefreshQueue``, as can parts of the first one (``refresh_in_turn``). While keys step a number, so does a view that
+    ``is_slow``.
 
     - status_message (str): what has been done, for the status line
     - ``is_design_wide``: shows all drives, so it refreshes after a change of any drive
@@ -349,6 +353,14 @@ class View(ThemedPart):
         It runs in a worker thread before ``refresh``, must not use a Qt object, and is dropped for a newer design.
         """
         return None
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether the view shows results that are too slow for each step by key."""
+        return False
+
+    def show_outdated(self) -> None:
+        """Remove the values of an earlier design, until the view refreshes; what is not a value may stay."""
 
     def fit(self) -> None:
         """Zoom to show all of the drawing."""
@@ -432,8 +444,12 @@ class View(ThemedPart):
 
     @property
     def _is_queued(self) -> bool:
-        """Whether the view refreshes through the queue, because the mouse drags something in another view."""
-        return not self.pause_ms and self._is_drag_elsewhere
+        """Whether the view refreshes through the queue: the mouse drags something in another view, or keys step a number."""
+        return not self.pause_ms and (self._is_drag_elsewhere or self._waits_for_keys)
+
+    @property
+    def _waits_for_keys(self) -> bool:
+        return self.session.is_stepping and self.is_slow
 
     @property
     def _waits_for_release(self) -> bool:
@@ -451,9 +467,11 @@ class View(ThemedPart):
 
     def invalidate(self) -> None:
         """Refresh now, or once editing pauses, if the view is on screen; else when it is shown."""
-        self._stale = True
+        is_first, self._stale = not self._stale, True
         self._preparing.stop()
         if self._is_queued:
+            if is_first and self._waits_for_keys and self.on_screen():
+                self.show_outdated()
             self._queue.append(self, self._refresh_from_queue)
         elif self.on_screen():
             if self.pause_ms:

@@ -42,6 +42,7 @@ from kindyna_gui.documents.edits import (
     refusal_reasons,
 )
 from kindyna_gui.labels import name_of, segment_of
+from kindyna_gui.rebuilt import single_shot
 
 Work = tuple[Design, IncompleteDesign | None, int]
 """The full design, what is typed while it does not fit together, and the number of the selected drive."""
@@ -49,6 +50,7 @@ Work = tuple[Design, IncompleteDesign | None, int]
 MOTION, SHAFT, BALANCER = "motion", "shaft", "balancer"
 SHARED = (SHAFT, "drives", "timing", BALANCER)  # tables that the drives of a design share
 BALANCE_CAM = "Balance cam"
+KEYS_REST_MS = 100  # from the last step by a key until the steps have ended
 
 
 class SessionState(QObject):
@@ -94,6 +96,8 @@ class SessionState(QObject):
         Another step of the circle diagram is shown.
     drag_ended
         The mouse has released what it dragged.
+    steps_ended
+        The keys rest that stepped a number.
     vary_requested : str
         The user wants to vary the number at this path of the full design.
     """
@@ -112,6 +116,7 @@ class SessionState(QObject):
     load_chosen = Signal()
     step_changed = Signal()
     drag_ended = Signal()
+    steps_ended = Signal()
     vary_requested = Signal(str)
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
@@ -139,6 +144,7 @@ class SessionState(QObject):
         self._full_study: Study | None = None
         self._at: tuple[float, Study] | None = None
         self.pending = PendingResult(self)
+        self._steps = single_shot(self, self.steps_ended.emit, KEYS_REST_MS)
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
         self.stack.cleanChanged.connect(self.file_changed)
@@ -425,6 +431,8 @@ class SessionState(QObject):
             self.design_changed.emit()
         if is_new:
             self.full_design_changed.emit()
+        if self.is_stepping:  # the rest begins once the step is shown
+            self._steps.start()
 
     def _begin(self, state: tuple[Work, Path | None], *, restored: bool = True) -> None:
         work, self.path = state
@@ -458,6 +466,15 @@ class SessionState(QObject):
         finally:
             self.refused.disconnect(listen)
             self.end_gesture()
+
+    def begin_step(self) -> None:
+        """Begin a step of a number by key, wheel or arrow; views of slow results follow once the keys rest."""
+        self._steps.start()
+
+    @property
+    def is_stepping(self) -> bool:
+        """Whether keys step a number, and do not rest yet."""
+        return self._steps.isActive()
 
     def begin_drag(self, widget: object) -> None:
         """Begin a drag in a widget; all of it is one undo step, until ``end_drag``."""

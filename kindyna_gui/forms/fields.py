@@ -244,6 +244,7 @@ class Field(QObject):
     def _number_box(self) -> NumberBox:
         box = NumberBox(self.spec.info, self.spec.unit)
         connect_all(
+            (box.stepping, self.session.begin_step),
             (box.entered, self._enter),
             (box.unreadable, lambda: self.session.refuse(self.spec.path, no_number(box.text()))),
             (box.withdrawn, lambda: self.session.clear_refusal(self.spec.path)),

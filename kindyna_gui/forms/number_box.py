@@ -319,7 +319,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     while typing, restores the number. A wrong text remains until it is corrected or withdrawn. An optional field reads an
     empty text as None.
 
-    Signals: ``entered`` (float | None) when a step is made or a typed number confirmed; ``unreadable`` when the confirmed
+    Signals: ``entered`` (float | None) when a step is made or a typed number confirmed, ``stepping`` before that of a step;
+    ``unreadable`` when the confirmed
     text is no number; ``finished`` at the end of the gesture (Enter, mouse released, focus left); ``withdrawn`` when the
     typed text is discarded; ``menu_requested`` with the point on the screen (QPoint) and the menu of the text (QMenu).
     With ``in_file_units`` it shows the field's unit, whatever the preferences say.
@@ -327,6 +328,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     in_file_units = False
 
+    stepping = Signal()
     entered = Signal(object)
     unreadable = Signal()
     finished = Signal()
@@ -467,6 +469,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self.lineEdit().setText(self._text(result))
         self.lineEdit().selectAll()
         self._tried = self.text()
+        self.stepping.emit()
         self.entered.emit(result)
 
     def drag_by(self, steps: int) -> None:

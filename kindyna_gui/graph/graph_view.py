@@ -22,7 +22,8 @@ from kindyna_gui.graph.marked_view import PlotsView
 from kindyna_gui.look import icon, text_button
 from kindyna_gui.pictures.painter import curves_file
 from kindyna_gui.pictures.paper.sheets import columns_for, polar_file
-from kindyna_gui.pictures.plots.quantities import first_graph, stages_of, why_missing
+from kindyna_gui.pictures.plots.curves import TurnCurves
+from kindyna_gui.pictures.plots.quantities import first_graph, needs_flywheel, stages_of, why_missing
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import ContentArea
@@ -174,6 +175,13 @@ class GraphView(PlotsView):
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Stages that the channels on display need."""
         return stages_of(self.selection.quantities)
+
+    @property
+    def is_slow(self) -> bool:
+        return needs_flywheel(self.session.study, self.selection.quantities)
+
+    def turn_plots(self) -> Sequence[TurnCurves]:
+        return [panel.plot for panel in self.panels]
 
     # -- display ------------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from kindyna_gui.background import Background
 from kindyna_gui.documents.pins import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar, PeakDrag
+from kindyna_gui.pictures.plots.curves import TurnCurves
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.player import Player, obey
 from kindyna_gui.view import AFTER_DRAG_MS, View
@@ -103,7 +104,8 @@ class ExtremesSearch(QObject):
 class MarkedView(View):
     """A view whose plots mark extremes.
 
-    Subclasses implement ``lacking`` and ``show_extremes``, and call ``request_extremes`` after drawing the curves.
+    Subclasses implement ``lacking``, ``show_extremes`` and ``turn_plots``, and call ``request_extremes`` after drawing the
+    curves.
     """
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -114,6 +116,21 @@ class MarkedView(View):
         self.marks.toggled.connect(self._switch_marks)
         self.bands = Bands.of(session)
         self.bands.changed.connect(self.invalidate)
+
+    def turn_plots(self) -> Sequence[TurnCurves]:
+        """Return the plots over one turn, whose cursor has values."""
+        return ()
+
+    def show_outdated(self) -> None:
+        self.extremes.stop()
+        self.show_extremes(None)
+        for plot in self.turn_plots():
+            plot.show_cursor(False)
+
+    def pull(self) -> None:
+        for plot in self.turn_plots() if self._stale else ():
+            plot.show_cursor(True)
+        super().pull()
 
     def _turn(self, theta: float) -> None:
         """Stop playing, and set the cam angle [rad]."""

@@ -22,7 +22,16 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import PlotsView
 from kindyna_gui.look import Note
-from kindyna_gui.pictures.plots.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
+from kindyna_gui.pictures.plots.curves import TurnCurves
+from kindyna_gui.pictures.plots.quantities import (
+    figures_of,
+    needs_flywheel,
+    quantities_for,
+    rows_of,
+    split,
+    stages_of,
+    why_empty,
+)
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import readable
@@ -147,6 +156,13 @@ class PlotView(PlotsView):
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Stages that the quantities on display need."""
         return stages_of(self.quantities)
+
+    @property
+    def is_slow(self) -> bool:
+        return needs_flywheel(self.session.study, self.quantities)
+
+    def turn_plots(self) -> Sequence[TurnCurves]:
+        return (self.plot,)
 
     @property
     def shows_all_drives(self) -> bool:

@@ -122,8 +122,9 @@ class TurnCurves:
 
     def show_cursor(self, shown: bool) -> None:
         """Show or hide the cursor and its values; images on paper have none."""
-        self._with_cursor = shown
-        self._show_values()
+        if shown != self._with_cursor:
+            self._with_cursor = shown
+            self._show_values()
 
     def _show_values(self) -> None:
         """Draw the cursor, and the values next to it."""

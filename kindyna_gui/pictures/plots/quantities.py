@@ -27,7 +27,7 @@ from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
 from core.study.limits import USER_BOUNDS, bounded_quantities
 from core.study.member_quantities import gain_per_turn
-from core.study.quantities import OF_MEMBERS, TRANSMISSION, member_of, names_of, shape_of
+from core.study.quantities import OF_MEMBERS, OF_MOTOR, TRANSMISSION, member_of, names_of, shape_of
 from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.labels import reason
@@ -446,6 +446,11 @@ def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
     """Stages that these quantities need, in the order of a study."""
     needed = {quantity(name).stage for name in quantities}
     return tuple(stage for stage in STAGES if stage in needed)
+
+
+def needs_flywheel(study: Study, quantities: Iterable[str]) -> bool:
+    """Whether some of these quantities need the steady speed of the flywheel, which takes longer than any other result."""
+    return study.levels_torque and not OF_MOTOR.isdisjoint(quantities)
 
 
 def split(study: Study, rows: Sequence[Quantity]) -> tuple[list[Quantity], list[str]]:

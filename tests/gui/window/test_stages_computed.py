@@ -4,8 +4,11 @@ from collections import Counter
 from collections.abc import Callable
 from threading import enumerate as enumerate_threads
 
+import numpy as np
 import pytest
+from plot_reading import cursor, curves, readouts, tags
 from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from sampled import stressed
 from window_user import Open, User, settle, wait_for
@@ -308,6 +311,40 @@ def test_an_edit_recomputes_only_what_depends_on_it(user: User) -> None:
         settle()
         assert turns() == after, f"{name}: an earlier design computes nothing"
         user.session.end_gesture()
+
+
+@pytest.mark.parametrize("name", ["torque", "camshaft_speed"])
+def test_the_flywheel_follows_once_the_keys_rest(name: str, user: User) -> None:
+    """Until then its curve is that of before, without a number; all others follow each key."""
+    view, force = user.see(name), user.window.view("contact_force")
+    assert isinstance(view, PlotView)
+    box = user.number("follower.rod_mm")
+    wait_for(lambda: view.up_to_date and force.up_to_date)
+    wait_for(lambda: not any(isinstance(each, Worker) for each in enumerate_threads()))
+    before, (*_, curve) = turns(), curves(view.plot)
+    drawn = curve.y.copy()
+    assert readouts(view.plot)
+    for _ in range(5):
+        QTest.keyClick(box, Qt.Key.Key_Up)
+        view.repaint()
+        assert turns()["flywheel"] == before["flywheel"]
+        assert not tags(view.plot), "neither a value at the cursor nor an extreme"
+        assert not cursor(view.plot).isVisible()
+        assert np.array_equal(curves(view.plot)[-1].y, drawn)
+        assert force.up_to_date
+    assert turns()["dynamics"] == before["dynamics"] + 5
+    wait_for(lambda: view.up_to_date)
+    assert turns()["flywheel"] == before["flywheel"] + 1
+    stepped, value = curves(view.plot)[-1].y.copy(), user.session.study.design.drive.mechanism.rod_mm
+    shown = [tag.text for tag in readouts(view.plot)]
+    assert cursor(view.plot).isVisible()
+    user.session.stack.undo()
+    settle()
+    assert np.array_equal(curves(view.plot)[-1].y, drawn)
+    user.enter("follower.rod_mm", f"{value}")
+    assert view.up_to_date, "what is typed is shown at once"
+    assert np.array_equal(curves(view.plot)[-1].y, stepped)
+    assert [tag.text for tag in readouts(view.plot)] == shown
 
 
 @pytest.mark.stress
