@@ -387,12 +387,12 @@ def ask_incomplete(parent: QWidget, lines: Sequence[str], closing: str, as_typed
     text = "The typed values do not fit together yet."
     box = _box(parent, QMessageBox.Icon.Question, text, "tour#asks whether to write what is typed")
     close = [f"Close the motion: {closing}."] if closing else []
-    typed = ["Save as typed: you can open the file and go on; it has no drawing or cam until the values fit."]
+    typed = ["Save unfinished: you can open the file and go on; it has no drawing or cam until the values fit."]
     last = "Save the last valid version: what you typed since then is not saved, but remains in this window."
     box.setInformativeText("\n".join((*lines, "", *close, *(typed if as_typed else []), last)))
     role = QMessageBox.ButtonRole
     buttons = {box.addButton("Close it and save", role.AcceptRole): IncompleteChoice.CLOSE} if closing else {}
-    buttons |= {box.addButton("Save as typed", role.AcceptRole): IncompleteChoice.AS_TYPED} if as_typed else {}
+    buttons |= {box.addButton("Save unfinished", role.AcceptRole): IncompleteChoice.AS_TYPED} if as_typed else {}
     buttons |= {
         box.addButton("Save the last valid version", role.AcceptRole): IncompleteChoice.LAST_VALID,
         box.addButton(QMessageBox.StandardButton.Cancel): IncompleteChoice.CANCEL,

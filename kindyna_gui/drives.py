@@ -91,7 +91,7 @@ def _with_shaft(design: Design) -> Design:
 def copy(session: Session) -> bool:
     """Duplicate the selected drive, behind it in the list."""
     index = session.chosen
-    return _put(session, copy_drive(session.full_design, index), f"Copy {session.names[index]}", index + 1)
+    return _put(session, copy_drive(session.full_design, index), f"Duplicate {session.names[index]}", index + 1)
 
 
 def replace_chosen(session: Session, design: Design, label: str) -> bool:

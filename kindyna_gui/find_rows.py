@@ -29,9 +29,10 @@ from core.find import (
     default_limits,
 )
 from core.frozen import frozen
+from core.output.lines import in_sentence
 from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import allowed_text, in_sentence, name_of, no_number, sentence
+from kindyna_gui.labels import allowed_text, name_of, no_number, sentence
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font

@@ -15,10 +15,11 @@ from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 from core.design import Design
 from core.findings import ERROR, Finding, Remedy, Residual
 from core.number_text import result_text
+from core.output.lines import in_sentence
 from core.study import STAGES, Study, certificate_of, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
-from kindyna_gui.labels import in_sentence, name_of, sentence
+from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number

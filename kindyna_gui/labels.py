@@ -30,6 +30,7 @@ from core.followers import LAYOUT_TABLE
 from core.laws import named_law
 from core.materials import MATERIALS
 from core.number_text import shortest, typed_text, typeset
+from core.output.lines import in_sentence
 from core.output.load_text import row_name
 from kindyna_gui.settings import in_units, number_text, point, size_of, symbol_of
 
@@ -98,11 +99,6 @@ def sentence(text: str) -> str:
     """Text with a capital first letter and typographic signs: ``90 deg`` -> ``90°``, ``>=`` -> ``≥``."""
     signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace(">=", "≥").replace("<=", "≤"))
     return in_units(typeset(signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:])))
-
-
-def in_sentence(name: str) -> str:
-    """Name within a sentence: ``rod L2``; a symbol, such as that of a point or an angle, keeps its case."""
-    return f"{name[:1].lower()}{name[1:]}" if name[1:2].islower() else name
 
 
 def choice_text(word: str) -> str:

@@ -468,7 +468,7 @@ class TimingView(View):
 
     def _reorder(self, order: list[int], row: int) -> None:
         count = len(self._design.timing)
-        word = "Remove" if len(order) < count else "Copy" if len(order) > count else "Move"
+        word = "Remove" if len(order) < count else "Duplicate" if len(order) > count else "Move"
         self._one_step(reorder_timing(self._design, order), f"{word} a sequence condition", row)
 
     def focus_field(self, path: str) -> bool:

@@ -6,9 +6,11 @@ several.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain, count
 from math import fsum
 
 from core.design.design import Design, Drive, TimingRow
@@ -246,9 +248,11 @@ def reorder_timing(design: Design, order: Sequence[int]) -> Design:
 
 
 def free_name(design: Design, name: str) -> str:
-    """The name, with a number appended where its slug is used."""
+    """The name, with the next free number where its slug is used: ``Roller``, ``Roller 2``, ``Roller 3``."""
     used = {*slugs(design), *RESERVED}
-    names = (name, *(f"{name} {number}" for number in range(2, len(design.drives) + 4)))
+    match = re.search(r" ([1-9][0-9]?)$", name)
+    stem, number = (name[: match.start()], int(match[1])) if match else (name, 1)
+    names = chain((name,), (f"{stem} {n}" for n in count(number + 1)))
     return next(candidate for candidate in names if slug(candidate) not in used)
 
 

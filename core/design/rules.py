@@ -102,7 +102,7 @@ def _follows_its_origin(motion: Motion, path: str) -> Iterator[Fault]:
     if motion.follows is not None and not motion.is_as_linked:
         names = ", ".join(motion.follows.origin.names)
         problem = f"this motion follows from {names}, and is changed there"
-        yield Fault(f"{path}.{motion.follows.origin.key}", MISSING, problem, "first: Make it a motion of its own")
+        yield Fault(f"{path}.{motion.follows.origin.key}", MISSING, problem, "first: Unlink from the files")
 
 
 def _cam_repeats(drive: Drive) -> Iterator[Fault]:

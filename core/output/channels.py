@@ -18,6 +18,7 @@ from core.frozen import frozen
 from core.motion import TURN
 from core.number_text import result_text
 from core.numerics.derivatives import spread
+from core.output.lines import in_sentence
 from core.study import QUANTITIES, Camshaft, Quantity, Study, extremes_of, names_of, quantity
 from core.study.drive_forces import turn_nodes
 from core.study.extremes import has_quantity
@@ -181,7 +182,7 @@ def new_design_text(design: Design) -> str:
         if row.name in ("velocity", "acceleration", "jerk"):
             ends = (extremes[row.name].low.value, extremes[row.name].high.value)
             largest = max(ends, key=abs) / row.unit.factor
-            lines.append(f"largest {row.label.lower()} {result_text(largest)} {row.unit.symbol}")
+            lines.append(f"largest {in_sentence(row.label)} {result_text(largest)} {row.unit.symbol}")
     if stops := motion_stops(motion):
         error = max(abs(stop.error) for stop in stops)
         lines.append(f"index error at the stops {result_text(error)} {unit}")
@@ -225,7 +226,7 @@ def output_columns(camshaft: Camshaft[Study]) -> tuple[OutputColumn, ...]:
         rows += [
             OutputColumn(
                 f"{slug}_{quantities[key].slug}",
-                f"{name}, {quantities[key].label.lower()}",
+                f"{name}, {in_sentence(quantities[key].label)}",
                 quantities[key].family,
                 partial(_drive_values, name, quantities[key]),
             )

@@ -43,7 +43,7 @@ from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.settings import DISPLAY, symbol_of
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
-VARY_TIP = "Vary this value in Study: curves over one number, a map over two, or the best of several words"
+VARY_TIP = "Vary this value in Study"
 NAME_TIP = "Name of the design, as reports show it"
 NOT_KNOWN = "–"  # the choice of an optional word that is not given
 _PIXELS_A_STEP = 6

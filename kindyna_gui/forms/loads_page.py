@@ -15,6 +15,7 @@ from core.dynamics import element_at, peak_load
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.number_text import shortest
+from core.output.lines import in_sentence
 from core.output.load_text import row_attachments, row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -34,7 +35,7 @@ WHAT = {
     "process": ("&Process force", "Over a part of the turn, at a part of the motion, or as a table"),
 }
 """List of loads -> its entry in the Add menu, and the tip."""
-GENERAL = "In general"
+GENERAL = "General values"
 _ROW = re.compile(r"(loads\.\w+\[\d+\])")
 MOST_VALUES = 3  # values that a line lists
 HEADINGS = (
@@ -75,7 +76,7 @@ def lines_of(design: Design) -> tuple[LoadRow, ...]:
             texts.setdefault(row, []).append(text if row else f"{entry.info.in_sentence} {text}")
     general = texts.get("", [])
     return (
-        LoadRow("", (GENERAL, ", ".join(general[:MOST_VALUES]), ""), ", ".join(general) or "Nothing is given"),
+        LoadRow("", (GENERAL, ", ".join(general[:MOST_VALUES]), ""), ", ".join(general) or "No value is given"),
         *_rows(design, texts),
     )
 
@@ -343,7 +344,7 @@ class LoadsPage(QWidget):
         if path:
             name, index = parts_of(path)
             count = self._count(name)
-            self._in_order([*range(index + 1), *range(index, count)], index + 1, "Copy")
+            self._in_order([*range(index + 1), *range(index, count)], index + 1, "Duplicate")
 
     def _remove(self) -> None:
         path = self._session.load
@@ -367,7 +368,7 @@ class LoadsPage(QWidget):
         name, _ = parts_of(path)
         design = self._session.typed
         with self._session.one_step():
-            if self._session.lay_out(reordered(design, name, order), f"{verb} {row_name(design, path).lower()}"):
+            if self._session.lay_out(reordered(design, name, order), f"{verb} {in_sentence(row_name(design, path))}"):
                 self._session.choose_load(f"loads.{name}[{chosen}]" if chosen >= 0 else "")
 
 

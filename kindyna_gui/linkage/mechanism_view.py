@@ -14,6 +14,7 @@ from core.design import turns_on
 from core.errors import KindynaError, NoSolution
 from core.instant_centres import CHAINS
 from core.numerics.lazy import postponing
+from core.output.lines import in_sentence
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -107,7 +108,7 @@ class MechanismView(MechanismMouseView):
     def _action(self, name: str, label: str) -> QAction:
         action = QAction(label, self, checkable=True, checked=self._layer_states[name])
         action.setObjectName(f"layer:{name}")
-        action.setStatusTip(f"Show or hide in the drawing: {label.lower()}")
+        action.setStatusTip(f"Show or hide in the drawing: {in_sentence(label)}")
         action.toggled.connect(partial(self.show_layer, name))
         return action
 

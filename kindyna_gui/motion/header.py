@@ -105,8 +105,8 @@ class MotionHeader(QWidget):
         self.fields: dict[str, Field] = {}
         self.has_stroke = False
         self._fields_area, self.errors = ContentArea(session), ContentArea(session)
-        self.origin, self.unlink_button = QLabel(), QPushButton("Make it a motion of its own")
-        self.unlink_button.setToolTip("Unlink the motion from these files, so that you can edit it here")
+        self.origin, self.unlink_button = QLabel(), QPushButton("Unlink from the files")
+        self.unlink_button.setToolTip("Keep the motion as it is now, and edit it here")
         self.unlink_button.clicked.connect(self._unlink)
         self._following = widget_with(fill(QHBoxLayout(), (self.origin, 1), self.unlink_button, margins=(10, 2, 6, 4)))
         self._following.hide()

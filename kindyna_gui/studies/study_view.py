@@ -26,6 +26,7 @@ from core.design import Design, Tolerance, get
 from core.design.limits import Waviness
 from core.errors import DesignError, KindynaError
 from core.number_text import count_text
+from core.output.lines import in_sentence
 from core.study import Study
 from core.varying import (
     StudyFile,
@@ -44,7 +45,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
-from kindyna_gui.labels import in_sentence, reason
+from kindyna_gui.labels import reason
 from kindyna_gui.look import described, scrolled
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with

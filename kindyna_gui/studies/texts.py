@@ -9,12 +9,13 @@ from types import MappingProxyType
 from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
 from core.laws import LAWS
 from core.number_text import count_text
+from core.output.lines import in_sentence
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying import Optimum, StudyOfMany, ToleranceResult
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
-from kindyna_gui.labels import SECTION_NAMES, in_sentence, sentence
+from kindyna_gui.labels import SECTION_NAMES, sentence
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number, short, signed, with_unit
 from kindyna_gui.studies.plots import SurveyQuantity

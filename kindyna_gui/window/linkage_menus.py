@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QMenu
 from core.design import CRANK, AttachedEnd, Design, Driver, Target, get, holds_of, load_lists, with_new_row
 from core.errors import KindynaError
 from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
+from core.output.lines import in_sentence
 from core.output.load_text import row_name
 from kindyna_gui.background import in_background
 from kindyna_gui.forms.load_rows import put_attachment
@@ -264,5 +265,5 @@ def fill_removals(window: Window, menu: QMenu) -> None:
 def _remove(window: Window, name: str, index: int) -> None:
     design = window.session.typed
     remaining = [i for i in range(len(getattr(design.drive.loads, name))) if i != index]
-    text = f"Remove {row_name(design, f'loads.{name}[{index}]').lower()}"
+    text = f"Remove {in_sentence(row_name(design, f'loads.{name}[{index}]'))}"
     window.designing.lay_out(lambda: reordered(window.session.typed, name, remaining), text)

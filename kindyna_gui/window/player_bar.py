@@ -271,7 +271,13 @@ class PlayerBar(View):
 
     def show_reason(self, error: KindynaError) -> None:
         """Show a short reason; the bar has one line, and the drawing gives the full reason."""
-        super().show_reason(KindynaError("Cannot play: the drawing shows why."))
+        is_incomplete = self.session.is_incomplete_linkage
+        why = (
+            "the linkage is not complete; the drawing shows what is missing"
+            if is_incomplete
+            else "the drawing shows why"
+        )
+        super().show_reason(KindynaError(f"Cannot play: {why}."))
 
     def follow(self, theta: float) -> None:
         angle = degrees(self.player.machine)

@@ -20,6 +20,7 @@ from core.frozen import frozen
 from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import REVOLUTE
 from core.numerics.derivatives import cross, dot
+from core.output.lines import in_sentence
 from core.study import Quantity, Study, quantity
 from core.study.letters import keys_of, letters_of
 from core.study.quantities import member_of
@@ -64,7 +65,7 @@ def quantity_letter(study: Study, name: str, symbol: str) -> Letter:
     """Another quantity as a symbol."""
     row = quantity(name)
     key = next((key for key in sorted(UNITS, key=len, reverse=True) if UNITS[key] == row.unit), "")
-    return letter(symbol, row.label.lower(), first(row.value(study)), key, row.stage, row.unit.symbol, row.slug)
+    return letter(symbol, in_sentence(row.label), first(row.value(study)), key, row.stage, row.unit.symbol, row.slug)
 
 
 # -- motion and links -------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.number_text import MOST_DIGITS, result_text
 from core.output.channels import channels
 from core.output.export import SHAFT_QUANTITIES
-from core.output.lines import printable
+from core.output.lines import in_sentence, printable
 from core.output.report import sections as content
 from core.output.report.equations import equations_of
 from core.output.report.parts import (
@@ -216,7 +216,7 @@ def _profile(subject: Subject) -> list[Section]:
         (result_text(angle), *(Number(value, MOST_DIGITS) for value in values))
         for angle, *values in zip(*columns, strict=True)
     ]
-    header = ("cam angle °", *(f"{row.label.lower()} {row.unit.symbol}" for row in rows))
+    header = ("cam angle °", *(f"{in_sentence(row.label)} {row.unit.symbol}" for row in rows))
     note = Sentences(
         (f"In steps of {STEP:g}°, in the frame of the cam; the profile file has the profile to its stated deviation.",)
     )

@@ -16,7 +16,7 @@ from core.findings import Residual
 from core.laws import find_law
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, digits_apart, input_text, result_text, signed_text
 from core.output.channels import channels, has_cycle, motion_cycle
-from core.output.lines import digits, finding_line, printable
+from core.output.lines import digits, finding_line, in_sentence, printable
 from core.output.load_text import ROW, row_title
 from core.output.report.equations import equations_of
 from core.output.report.parts import Block, Cell, Number, ReportTable, Section, Sentences, section, table
@@ -338,7 +338,7 @@ def _label(design: Design, path: str) -> str:
     row = OF_ROW.search(inside)
     if row:
         label = f"{label.replace('.', ' ')} of {row[1]} {int(row[2]) + 1}"
-    return drive + (label if label[:2].isupper() else label[:1].lower() + label[1:])
+    return drive + in_sentence(label)
 
 
 def linkage_inputs(study: Study) -> list[Section]:

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
 from core.motion.extremes import Extremes
+from core.output.lines import in_sentence
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline
@@ -324,7 +325,7 @@ class CurvePlot(TurnCurves, FixedPlot):
 
     def _describe(self) -> None:
         """Set name and description for screen readers."""
-        labels = ", ".join(curve.channel.label.lower() for curve in self._curves)
+        labels = ", ".join(in_sentence(curve.channel.label) for curve in self._curves)
         self.describe(f"Plot of {labels or 'nothing'}", self.description())
 
     def marked(self) -> list[Extreme]:
@@ -363,7 +364,7 @@ class CurvePlot(TurnCurves, FixedPlot):
             ends, _ = self._ends(curve)
             low, high = (value / self.display_unit.size for _, value in ends)
             angle, _ = max(ends, key=lambda end: abs(end[1]))
-            rows.append(curve_words(curve.channel.label.lower(), self.display_unit.symbol, low, high, angle, "°"))
+            rows.append(curve_words(in_sentence(curve.channel.label), self.display_unit.symbol, low, high, angle, "°"))
         return "; ".join(rows)
 
     def _ends(self, curve: Curve) -> tuple[list[tuple[float, float]], bool]:

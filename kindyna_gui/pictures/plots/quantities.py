@@ -23,6 +23,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion.curves import segment_shape
 from core.motion.extremes import Extremes
 from core.output.channels import channels, existing
+from core.output.lines import in_sentence
 from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
 from core.study.limits import USER_BOUNDS, bounded_quantities
@@ -486,7 +487,7 @@ def _life(life: RollerLife, roller: str) -> str:
 
 def why_missing(study: Study, row: Quantity) -> str:
     """Sentence that says why this design has no such channel."""
-    label = f"{row.label[:1].lower()}{row.label[1:]}"
+    label = in_sentence(row.label)
     try:
         row.values(study)
     except KindynaError as error:

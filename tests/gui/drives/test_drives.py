@@ -172,7 +172,7 @@ def test_the_list_of_drives(unit: User) -> None:
     unit.press(Qt.Key.Key_Delete)
     assert drive_names(session.full_design) == ("Feed", "Clamp", "Lift", "Torque")
     assert unit.steps == [
-        "Copy Clamp",
+        "Duplicate Clamp",
         "Change phase to 200°",
         "Move Clamp 2 down",
         "Rename Clamp 2 to Gripper",
@@ -184,6 +184,16 @@ def test_the_list_of_drives(unit: User) -> None:
     assert session.full_design == load(UNIT)
     assert not session.modified
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
+
+
+def test_copies_are_numbered_on(unit: User) -> None:
+    """A copy of a copy is the next one, never ``Clamp 2 2``; the undo list calls it what the button does."""
+    for row in (1, 2, 1):
+        click_row(unit, row)
+        listed(unit).buttons["copy"].click()
+        settle()
+    assert drive_names(unit.session.full_design) == ("Feed", "Clamp", "Clamp 4", "Clamp 2", "Clamp 3", "Lift", "Torque")
+    assert unit.steps == ["Duplicate Clamp", "Duplicate Clamp 2", "Duplicate Clamp"]
 
 
 @pytest.mark.parametrize("deed", spread(["copy", "remove"], 1))

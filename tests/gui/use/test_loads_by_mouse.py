@@ -89,7 +89,7 @@ def test_a_four_bar_gets_a_mass_a_spring_and_a_load_with_the_mouse_alone(open_us
     assert drive.springs[0].from_ == Attachment(link=1, x_mm=20.0, y_mm=-30.0)
     assert (drive.springs[0].to.point, drive.process[0].link, drive.process[0].point) == ("B", 3, "C")
     assert drive.process[0].force_n != -100.0
-    assert names(user) == ["In general", "Mass of link 3", "Spring 1", "Process force 1"]
+    assert names(user) == ["General values", "Mass of link 3", "Spring 1", "Process force 1"]
 
     torque: Any = user.window.view("torque")
     wait_for(lambda: torque.on_screen() and torque.up_to_date)
@@ -172,6 +172,13 @@ def test_escape_adds_nothing_and_pick_attaches_elsewhere(same_window: Open) -> N
     assert user.steps[-1] == "Spring 1: second end C of link 3"
 
 
+def test_points_keep_their_capitals_in_the_undo_list(same_window: Open) -> None:
+    user = same_window(example("slider_crank"))
+    force = next(name for name in names(user) if name.startswith("Force at B"))
+    user.choose("Dyna", "Remove from the loads", force)
+    assert user.steps[-1] == f"Remove f{force[1:]}"
+
+
 @pytest.mark.stress
 def test_rows_are_copied_moved_removed_and_come_back(same_window: Open) -> None:
     user = same_window(example("rocker_cam"))
@@ -192,7 +199,7 @@ def test_rows_are_copied_moved_removed_and_come_back(same_window: Open) -> None:
     assert user.design.drive.loads.springs == both
     for _ in range(8):
         user.session.stack.undo()
-    assert names(user) == ["In general"]
+    assert names(user) == ["General values"]
 
 
 def test_that_nothing_has_mass_leads_to_the_first_mass(same_window: Open) -> None:

@@ -374,7 +374,7 @@ def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     user.picks("design_to_save", path)
     user.enter("follower.slider_arm_mm", "130.2")
-    asked = user.clicks("Save as typed")
+    asked = user.clicks("Save unfinished")
     user.choose("File", "Save")
     assert asked == ["The typed values do not fit together yet."]
     typed = edited(LIFT, "follower.slider_arm_mm", 130.2)
@@ -388,7 +388,7 @@ def test_save_keeps_what_is_typed(same_window: Open, tmp_path: Path) -> None:
     user.choose("File", "Save")
     assert (load(path), user.session.modified) == (LIFT, True)
     assert user.number("follower.slider_arm_mm").text() == "130.2"
-    user.clicks("Save as typed")
+    user.clicks("Save unfinished")
     user.choose("File", "Save")
     user.session.open(path)
     assert user.design == typed, "it can be gone on with"
