@@ -152,7 +152,11 @@ UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "torque": ("N·m", "lbf·in"),
         "stiffness": ("N/mm", "lbf/in"),
         "stress": ("MPa", "psi"),
+        "torsional stiffness": ("N·m/rad", "lbf·in/rad"),
+        "damping": ("N·s/mm", "lbf·s/in"),
+        "torsional damping": ("N·m·s/rad", "lbf·in·s/rad"),
         "mass": ("kg", "lb"),
+        "inertia": ("kg·m²", "lb·in²"),
         "curvature": ("1/mm", "1/in"),
     }
 )

@@ -44,7 +44,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import SCREEN, VERMILION
-from kindyna_gui.pictures.units import digits, number, short, typed, with_unit
+from kindyna_gui.pictures.units import digits, measure, number, short, typed, with_unit
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
 
 # -- fields of a point -----------------------------------------------------------------------------------
@@ -275,14 +275,17 @@ def bands_table(rows: Sequence[ForbiddenBand], rpm: float, in_paper: bool = Fals
     return _table((*titles, "twist grows by", "rate", "margin"), lines)
 
 
+STIFFNESS, INERTIA = "N·m/rad", "kg·m²"
+
+
 def shaft_text(stiffness: Stiffness) -> str:
     """Stiffness of the shaft that a speed needs."""
     if stiffness.allowed:
-        return f"{speed(stiffness.rpm)} rpm: the present {digits(stiffness.current, 5)} N·m/rad is clear of every band."
-    softer = f" or at most {digits(stiffness.softer, 5)}" if stiffness.softer is not None else ""
+        return f"{speed(stiffness.rpm)} rpm: the present {measure(stiffness.current, STIFFNESS, 5)} is clear of every band."
+    softer = f" or at most {measure(stiffness.softer, STIFFNESS, 5)}" if stiffness.softer is not None else ""
     return (
-        f"{speed(stiffness.rpm)} rpm: at least {digits(stiffness.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {digits(stiffness.current, 5)} is {'in' if stiffness.inside else 'too near'} a band."
+        f"{speed(stiffness.rpm)} rpm: at least {measure(stiffness.stiffer, STIFFNESS, 5)}{softer}; "
+        f"the present {measure(stiffness.current, STIFFNESS, 5)} is {'in' if stiffness.inside else 'too near'} a band."
     )
 
 
@@ -304,8 +307,8 @@ def needed_shaft_text(machine: Machine, eta: float, q: float) -> str:
     inertia, stiffness = machine.shaft_for(eta, q)
     rpm = machine.rpm(machine.eta)
     return (
-        f"At {speed(rpm)} rpm, η = {short(eta)}, Q = {short(q)} needs {digits(stiffness, 5)} N·m/rad and "
-        f"{digits(inertia, 4)} kg·m² at the cam"
+        f"At {speed(rpm)} rpm, η = {short(eta)}, Q = {short(q)} needs {measure(stiffness, STIFFNESS, 5)} and "
+        f"{measure(inertia, 'kg·m²')} at the cam"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,6 +18,7 @@ from core.design.fields import whole
 from core.errors import KindynaError, NoSolution
 from core.findings import ERROR, Finding, Residual
 from core.frozen import frozen
+from core.number_text import distinct_texts
 from core.output.lines import finding_line
 from core.project import load, number_of, one_of
 from core.requests import text_option
@@ -86,6 +88,46 @@ def samples_per_turn(label: str = "Samples per turn", help: str = "cam angles pe
 def out_folder(help: str, **how: Any) -> Any:
     """Option: a folder for files; without a default the files are written besides the printed text."""
     return text_option(help, "--out", type=folder, metavar="DIR", **{"default": None, **how})
+
+
+def rounding_data(
+    exact: Mapping[str, float], rounding: Mapping[str, float], cost: Mapping[str, Sequence[float]]
+) -> dict[str, Any]:
+    """Exact values, steps and cost of rounded values, as data; empty without ``--round``."""
+    costs = {key: list(ends) for key, ends in cost.items()}
+    return {"exact": dict(exact), "rounding": dict(rounding), "cost": costs} if exact else {}
+
+
+def rounding_lines(
+    taken: Mapping[str, float], exact: Mapping[str, float], cost: Mapping[str, tuple[float, float]]
+) -> list[str]:
+    """Exact values of rounded ones, and quantities that the rounding changes."""
+    lines = [f"  exact {path} = {value:.9g}" for path, value in exact.items() if taken[path] != value]
+    for key, ends in cost.items():
+        before, after = distinct_texts(ends)
+        if before != after:
+            lines.append(f"  {key} = {after}, exact {before}")
+    return lines
+
+
+def rounding_step() -> Any:
+    """Field ``--round``: None without it, 0 without a step."""
+    return text_option(
+        "round the values to multiples of STEP, each in its unit, to the side on which every limit holds; without STEP: 0.1 mm, 0.1 deg, "
+        "else three significant digits", "--round", default=None, nargs="?", const=0.0, type=_step, metavar="STEP",
+    )  # fmt: skip
+
+
+def _step(text: str) -> float:
+    try:
+        step = float(text)
+    except ValueError:
+        step = math.nan
+    if not 0.0 < step < math.inf:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: step of the values; allowed: above 0, a number with a decimal point"
+        )
+    return step
 
 
 def as_json(help: str = "print JSON") -> Any:

@@ -16,6 +16,9 @@ from core.commands.common import (
     as_json,
     in_file,
     print_errors,
+    rounding_data,
+    rounding_lines,
+    rounding_step,
     studied,
 )
 from core.design import only, with_only
@@ -67,6 +70,7 @@ class FindArguments(DriveArguments):
         choice("Aim", tuple(AIMS), default="peak", help="property of the torque that the phases minimise"), "--for"
     )
     into: Path | None = text_option("write the design with the solution", default=None, type=Path, metavar="FILE")
+    round: float | None = rounding_step()
     json: bool = as_json()
 
 
@@ -83,6 +87,7 @@ def run_find(arguments: FindArguments, painter: Painter | None) -> int:
         what,
         _limits(arguments.limit),
         aim=arguments.aim,
+        rounding=arguments.round,
         notify=lambda count: progress.report(f"{count} designs tried ..."),
         machine=same_design if what in SHAFT_SEARCHES else partial(with_only, machine, number),
     )
@@ -124,12 +129,14 @@ def _data(solution: Solution) -> dict[str, object]:
         "besides": list(solution.notes),
         "taken": dict(solution.applied),
         "assumed": dict(solution.assumed),
+        **rounding_data(solution.exact, solution.rounding, solution.cost),
     }
 
 
 def _text(solution: Solution) -> str:
     heading = f"{solution.target}:" if solution.is_valid else "the best value, which violates limits:"
-    lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
+    lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items())]
+    lines += [*rounding_lines(solution.answer, solution.exact, solution.cost), "reached:"]
     for key, value in solution.reached.items():
         limit, reason = solution.limits.get(key), solution.reasons.get(key)
         number, *limits = distinct_texts([value] if limit is None else [value, limit], COMPARED_DIGITS)

@@ -12,7 +12,17 @@ from typing import Any
 import numpy as np
 
 from core.commands import DONE, NOTHING_DONE, Painter
-from core.commands.common import Progress, as_json, ending_with, out_folder, print_errors, studied
+from core.commands.common import (
+    Progress,
+    as_json,
+    ending_with,
+    out_folder,
+    print_errors,
+    rounding_data,
+    rounding_lines,
+    rounding_step,
+    studied,
+)
 from core.design import drive_names
 from core.design.fields import flag, whole
 from core.errors import KindynaError
@@ -37,6 +47,7 @@ from core.varying import (
     none_built_text,
     optimise,
     remarks,
+    rounded_optimum,
     tolerance_study,
     workers,
     write_table,
@@ -54,6 +65,7 @@ class OptimiseArguments:
 
     study: Path = text_option("study file (.toml) with [[goals]]", "STUDY", type=Path)
     into: Path | None = text_option("write the best design", default=None, type=Path, metavar="FILE")
+    round: float | None = rounding_step()
     json: bool = as_json()
 
 
@@ -66,6 +78,8 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     optimum = optimise(
         study_file, lambda fields, goal, start: progress.report(f"start {start}: {result_text(goal)} ...")
     )
+    if arguments.round is not None:
+        optimum = rounded_optimum(study_file, optimum, arguments.round)
     notes = remarks(study_file, optimum)
     print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes), end="")
     if not optimum.is_feasible:
@@ -95,7 +109,8 @@ def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
         "share": None if optimum.share is None else {"share": optimum.share.value, "low": optimum.share.interval[0]},
         "taken": dict(optimum.also_set),
         "against": optimum.rejection,
-        "remarks": list(notes),
+        "remarks": [*notes, *([optimum.note] if optimum.note else [])],
+        **rounding_data(optimum.exact, optimum.rounding, optimum.cost),
     }
 
 
@@ -105,6 +120,7 @@ def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
+    lines += rounding_lines(optimum.answer, optimum.exact, optimum.cost)
     lines.extend(
         f"{key} = {result_text(value)}, before {result_text(optimum.before[key])}"
         for key, value in optimum.goals.items()

@@ -23,8 +23,9 @@ from core.find.ranking import (
     ranking_row,
     sorted_rows,
 )
-from core.find.search import Solution
+from core.find.rounding import rounded_values
 from core.find.shaft import EXTRA, SHAFT_SEARCHES, available_shaft_searches
+from core.find.solution import Solution
 from core.find.spring import SEARCHES, find, remedy_of
 from core.find.trial import same_design
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue
@@ -59,6 +60,7 @@ __all__ = [
     "ranking_columns",
     "ranking_row",
     "remedy_of",
+    "rounded_values",
     "same_design",
     "sorted_rows",
     "trade",

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
-from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +24,7 @@ from core.find.goals import (
     trial_values,
 )
 from core.find.offer import SearchRequest, StatedLimits, search_request
+from core.find.solution import ROOT_DIGITS, Judge, Judgement, Solution, out_of_bounds, search_with_findings
 from core.find.trial import (
     PRESSURE_ANGLES,
     FindingsCheck,
@@ -35,12 +34,10 @@ from core.find.trial import (
     nearest_accepted,
     same_design,
 )
-from core.findings import ERROR
-from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.number_text import result_text
 from core.numerics.roots import EPS, BracketEnds, bounded_minimum, bracketed_root
-from core.study import Study, findings_of
+from core.study import Study
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 
 NEARER = 1e-3  # tolerance of a solution by samples, relative to the distance of two trial values
@@ -52,7 +49,7 @@ EXCLUDED = 1e3  # [deg] merit of a design that violates a limit, more than any p
 AT_LIMIT = 1e-6  # margin below which a limit determines the solution
 SAME = 1e-9  # [deg] pressure angles that differ by less are equal
 ALIKE = 1e-5  # [deg] the same for samples
-ROOT_DIGITS, OPTIMUM_DIGITS = 9, 6  # the position of a flat minimum has half the digits of its value
+OPTIMUM_DIGITS = 6  # the position of a flat minimum has half the digits of its value
 BEST_DIGITS = 4  # of the best value by samples, where none satisfies every limit
 CLOSE = 17  # values of the curve near the solution
 BEYOND, LEAST_BEYOND = 0.5, 0.3  # margin of the curve: of the distance to the present value, at least of the solution
@@ -60,105 +57,6 @@ OPEN_PRESSURE = 90.0  # [deg] no limit
 
 At = Callable[[float], Outcome]
 """A value -> its outcome."""
-
-
-_EMPTY: Mapping[str, Any] = MappingProxyType({})
-
-
-@frozen
-class Solution:
-    """Result of a search.
-
-    Attributes
-    ----------
-    target : str
-        Which of the values within the limits it is.
-    design : Design
-        With the result; with the values of `applied` in place of it.
-    answer : dict
-        Path -> value as in the file.
-    reached : dict
-        Limit -> value reached, in its unit; infinite where the figure does not exist.
-    limits : dict
-        Limit -> its value.
-    curve : tuple of (float, float)
-        Values of the first field and of the figure `curve_of`.
-    near : (float, float)
-        Range of the first field about the solution and the present value, in which the curve is close.
-    present : dict
-        Path -> value in the present design; None where it has none.
-    before : dict
-        Limit, of all that exist -> value reached by the present design; empty where this has no cam.
-    violations : tuple of str
-        Why the result is not valid; empty where it satisfies every limit.
-    end : str
-        Bound at which the solution is, where no limit determines it; else empty.
-    digits : int
-        Certain significant digits of the result.
-    reasons : dict
-        Limit -> reason of its value, for limits that the user did not state.
-    next_findings : tuple of str
-        New findings with the next value, which determine the solution where no limit does.
-    notes : tuple of str
-        Notes with the result, where no result is free of them.
-    applied : dict
-        Path -> value that also enters the machine: a speed below a result that is a fact, or the flywheel it now
-        requires.
-    complete : Design or None
-        The machine with all that; None: `design`.
-    assumed : dict
-        Path -> assumed value on which the result depends.
-    """
-
-    target: str
-    design: Design
-    answer: Mapping[str, float]
-    reached: Mapping[str, float]
-    limits: Mapping[str, float]
-    curve: tuple[tuple[float, float], ...]
-    curve_of: str
-    near: tuple[float, float]
-    present: Mapping[str, float | None]
-    before: Mapping[str, float]
-    violations: tuple[str, ...] = ()
-    end: str = ""
-    digits: int = ROOT_DIGITS
-    reasons: Mapping[str, str] = field(default_factory=lambda: _EMPTY)
-    next_findings: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    applied: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
-    complete: Design | None = None
-    assumed: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
-
-    @property
-    def is_valid(self) -> bool:
-        """Whether the result satisfies every limit."""
-        return not self.violations
-
-    @property
-    def machine(self) -> Design:
-        """The machine with the result."""
-        return self.design if self.complete is None else self.complete
-
-    @property
-    def errors(self) -> tuple[str, ...]:
-        """Errors of the cam that no limit of the search covers, for example of its hub or its cutter."""
-        if not self.is_valid or all(drive.cam is None for drive in self.design.drives):
-            return ()
-        findings = findings_of(Study(self.design), ("cam",))
-        return tuple(finding.message for finding in findings if finding.severity == ERROR)
-
-
-def search_with_findings(
-    search: Callable[[FindingsCheck], Solution], design: Design, machine: MachineOf, waived: Collection[str]
-) -> Solution:
-    """Solution of a search that adds no finding to the machine; where every solution adds notes, with these."""
-    checked = FindingsCheck(design, machine, waived)
-    solution = search(checked)
-    if solution.is_valid or not checked.has_notes:
-        return solution
-    solution = search(FindingsCheck(design, machine, waived, notes=False))
-    return replace(solution, notes=checked.new(solution.design)) if solution.is_valid else solution
 
 
 def find(
@@ -218,7 +116,7 @@ def find(
 
     def search(checked: FindingsCheck) -> Solution:
         trials = TrialDesigns(design, paths, request.limits, notify, request.contact, checked, row.put)
-        return solver(row, trials, request)
+        return replace(solver(row, trials, request), judge=_judge(row, trials, request))
 
     try:
         return search_with_findings(search, design, machine, request.waived)
@@ -579,14 +477,23 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
             f"limit {half_high:g} mm",
         )
     values = dict(zip(paths, (half, centre), strict=True))
+    trials = TrialDesigns(design, paths, {})
+    reached = {"contact_on_face_min_mm": span[0], "contact_on_face_max_mm": span[1]}
+
+    def at(values: Mapping[str, float]) -> Judgement:
+        half, centre = (values[path] for path in paths)
+        narrow = () if half >= needed(centre) else (f"half a width of {result_text(needed(centre), 6)} mm is needed",)
+        texts = (*out_of_bounds(values, box), *narrow)
+        return Judgement(trials.with_values((half, centre)), values, reached, texts)
+
     centres = np.linspace(span[0], span[1], 49).tolist()
     present = {path: get(design, path) for path in paths}
     widest = max(needed(centres[0]), half, present[paths[0]] or 0.0)
     return Solution(
         NARROWEST,
-        TrialDesigns(design, paths, {}).with_values((half, centre)),
+        trials.with_values((half, centre)),
         values,
-        {"contact_on_face_min_mm": span[0], "contact_on_face_max_mm": span[1]},
+        reached,
         {},
         tuple((needed(at), at) for at in centres),
         paths[1],
@@ -594,6 +501,7 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
         present,
         {},
         violations,
+        judge=Judge(paths, at),
     )
 
 
@@ -612,13 +520,8 @@ def _solution(
     """Solution with these values of the fields, its readings and its curve."""
     outcome = trials.at(*point)
     readings = (*outcome.readings, *(trials.forces(*point) if outcome.readings else ()))
-    design = trials.with_values(point)
-    reached = outcome.reached(row.target == LEAST_PRESSURE) | {reading.key: reading.reached for reading in readings}
-    tightest = outcome.readings[0].key
-    if row.target == LEAST_PRESSURE or tightest in PRESSURE_ANGLES:
-        reached.setdefault(ANY_PRESSURE, outcome.pressures[-1])
-    shown = ANY_PRESSURE if row.target == LEAST_PRESSURE else tightest
-    answer = {**dict(zip(trials.paths, point, strict=True)), **row.also_changed(design, trials.paths[0])}
+    design, answer, reached = _values(row, trials, point)
+    shown = ANY_PRESSURE if row.target == LEAST_PRESSURE else outcome.readings[0].key
     present = {path: get(trials.design, path) for path in answer}
     near = _near(point[0], present[trials.paths[0]], values)
     curve = []
@@ -649,6 +552,32 @@ def _solution(
         {reading.key: reading.reason for reading in readings if reading.reason},
         next_findings,
     )
+
+
+def _values(
+    row: SearchRow, trials: TrialDesigns, point: tuple[float, ...]
+) -> tuple[Design, dict[str, float], dict[str, float]]:
+    """The design with these values of the fields, all fields that change, and the values reached of the limits."""
+    outcome, design = trials.at(*point), trials.with_values(point)
+    readings = (*outcome.readings, *(trials.forces(*point) if outcome.readings else ()))
+    reached = outcome.reached(row.target == LEAST_PRESSURE) | {reading.key: reading.reached for reading in readings}
+    if readings and (row.target == LEAST_PRESSURE or outcome.readings[0].key in PRESSURE_ANGLES):
+        reached.setdefault(ANY_PRESSURE, outcome.pressures[-1])
+    return design, {**dict(zip(trials.paths, point, strict=True)), **row.also_changed(design, trials.paths[0])}, reached
+
+
+def _judge(row: SearchRow, trials: TrialDesigns, request: SearchRequest) -> Judge:
+    """Judgement of values of the fields by the limits and bounds of the search."""
+
+    def at(values: Mapping[str, float]) -> Judgement:
+        point = tuple(values[path] for path in trials.paths)
+        outcome = trials.at(*point)
+        if not outcome.readings:
+            return Judgement(trials.design, values, {}, (outcome.problem,))
+        texts = (*out_of_bounds(values, request.bounds), *(r.text for r in outcome.readings if not r.is_satisfied))
+        return Judgement(*_values(row, trials, point), texts or trials.new(*point))
+
+    return Judge(trials.paths, at)
 
 
 def _near(value: float, present: float, values: np.ndarray) -> tuple[float, float]:

@@ -17,8 +17,9 @@ from core.errors import KindynaError
 from core.find import search
 from core.find.goals import CAM_SEARCHES, LIFT_OFF, PRELOADS, SPRING_RATES, has, speed_path
 from core.find.offer import StatedLimits, available_searches, search_request
-from core.find.search import Solution, search_with_findings
+from core.find.rounding import NO_ROUNDING, rounded, rounded_flywheel
 from core.find.shaft import SHAFT_SEARCHES, available_shaft_searches, find_on_shaft, with_least_flywheel
+from core.find.solution import Judge, Judgement, Solution, out_of_bounds, search_with_findings
 from core.find.trial import (
     RPM,
     ContactLimit,
@@ -150,6 +151,13 @@ def _lift_off(design: Design, path: str, request: ContactRequest, checked: Findi
     def is_accepted(speed: float, quick: bool = False) -> bool:
         return not checked.new(with_speed(speed), quick)
 
+    def at(values: Mapping[str, float]) -> Judgement:
+        speed = values[path]
+        least = contact.least_at_speed(speed * RPM)
+        worst = LeastForce(least.value, least.theta, speed * RPM)
+        short = () if speed < rpm and least.value >= force else (_force_text(worst, force),)
+        return Judgement(with_speed(speed), values, {FORCE: least.value}, short or checked.new(with_speed(speed)))
+
     applied = rpm * (1.0 - SAFE)
     if next_findings := checked.new(with_speed(applied)):
         slower = (*np.linspace(rpm, 0.0, SLOWER)[1:-1].tolist(), present)
@@ -170,6 +178,7 @@ def _lift_off(design: Design, path: str, request: ContactRequest, checked: Findi
         {FORCE: before},
         next_findings=next_findings,
         applied={path: applied},
+        judge=Judge((path,), at),
     )
 
 
@@ -304,6 +313,13 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
     next_findings: tuple[str, ...] = ()
     value = min(max(needed, request.low), request.most)
 
+    def at(values: Mapping[str, float]) -> Judgement:
+        least, (limit, reason) = springs.contact(values).least(request.contact.high), springs.limit(values)
+        short = () if springs.spare(values) >= 0.0 else (_force_text(least, limit, reason),)
+        texts = (*out_of_bounds(values, {path: (request.low, request.most)}), *short)
+        new_design = springs.with_values(values)
+        return Judgement(new_design, values, {FORCE: least.value}, texts or checked.new(new_design))
+
     def is_accepted(value: float, quick: bool = False) -> bool:
         return springs.spare({path: value}) >= 0.0 and not checked.new(springs.with_values({path: value}), quick)
 
@@ -358,6 +374,7 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
         end,
         reasons={FORCE: reason} if reason else {},
         next_findings=() if violations else next_findings,
+        judge=Judge((path,), at),
     )
 
 
@@ -406,6 +423,7 @@ def find(
     *,
     aim: str = "peak",
     machine: MachineOf = same_design,
+    rounding: float | None = None,
     **options: Any,
 ) -> Solution:
     """Solve a search of one drive or of a shaft, with the machine it belongs to.
@@ -421,6 +439,8 @@ def find(
         Quantity that the phases of a shaft minimise.
     machine : callable
         Design -> the machine that contains it.
+    rounding : float or None
+        Step to which the values are rounded, each in its unit; 0: that of each field; None: exact values.
     **options
         `choice` and `notify` of ``search.find``.
 
@@ -441,16 +461,21 @@ def find(
         solution = find_for_contact(design, what, stated, machine)
     else:
         solution = search.find(design, what, stated, machine=machine, **options)
-    return solution if what == "flywheel" else _with_flywheel(solution, machine(design), machine(solution.design))
+    if rounding is not None:
+        solution = rounded(solution, rounding)
+    if what == "flywheel":
+        return solution
+    return _with_flywheel(solution, machine(design), machine(solution.design), rounding)
 
 
-def _with_flywheel(solution: Solution, before: Design, machine: Design) -> Solution:
+def _with_flywheel(solution: Solution, before: Design, machine: Design, rounding: float | None) -> Solution:
     """Add the machine to a solution, with the flywheel that the solution makes necessary.
 
     This is where the speed of the machine fluctuates beyond its limit with the solution, and within it before.
     """
-    if solution.is_valid and not solution.notes and has_uneven_speed(machine) and not has_uneven_speed(before):
-        complete, wheel = with_least_flywheel(machine)
+    notes = set(solution.notes) - {NO_ROUNDING}
+    if solution.is_valid and not notes and has_uneven_speed(machine) and not has_uneven_speed(before):
+        complete, wheel = with_least_flywheel(machine, None if rounding is None else rounded_flywheel)
         design = complete if machine == solution.design else solution.design
         return replace(solution, design=design, complete=complete, applied={**solution.applied, **wheel})
     return replace(solution, complete=machine)

@@ -15,6 +15,7 @@ from core.varying.request import (
     save_study,
     study_of,
 )
+from core.varying.rounding import rounded_optimum
 from core.varying.space import (
     BlockOfDesigns,
     Run,
@@ -57,7 +58,7 @@ __all__ = [
     "ToleranceResult", "VariedField", "cache_folder", "can_be_varied", "current_figures", "default_span",
     "default_tolerance", "drive_bands", "duration", "field_info", "file_of", "file_of_question", "load_study",
     "motor_bands", "none_built_text", "optimise", "question_of_file", "ready_study", "refined_survey", "remarks",
-    "request_keys", "save_study", "shaft_bands", "sobol", "study_of", "study_values", "suggested_figures", "survey",
+    "request_keys", "rounded_optimum", "save_study", "shaft_bands", "sobol", "study_of", "study_values", "suggested_figures", "survey",
     "tolerance_result", "tolerance_study", "valid_words", "waves_of", "whole_numbers", "with_values", "with_words",
     "workers", "write_table",
 ]  # fmt: skip

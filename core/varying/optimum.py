@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from itertools import product
@@ -87,6 +87,12 @@ class Optimum:
         Findings because of which a better design was rejected.
     also_set : mapping of str -> float
         Further fields that the design needs, of a flywheel.
+    exact, rounding : mapping of str -> float
+        Exact values of rounded numbers, and their steps.
+    cost : mapping of str -> (float, float)
+        Goal or limit -> its figure with the exact and with the rounded numbers.
+    note : str
+        Why the numbers are not rounded.
     """
 
     design: Design
@@ -102,6 +108,10 @@ class Optimum:
     share: Share | None = None
     rejection: str = ""
     also_set: Mapping[str, float] = field(default_factory=dict)
+    exact: Mapping[str, float] = field(default_factory=dict)
+    rounding: Mapping[str, float] = field(default_factory=dict)
+    cost: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    note: str = ""
 
 
 def optimise(study: StudyOfMany, progress: ProgressCallback | None = None, starts: int = STARTS) -> Optimum:
@@ -424,11 +434,16 @@ def waived(file: StudyFile) -> set[str]:
     return codes | {"transmission-angle" for slug in limited if slug.startswith("transmission_")}
 
 
-def with_flywheel(design: Design, before: Design) -> tuple[Design, Mapping[str, float]]:
-    """The design, with a flywheel where its speed fluctuates beyond the target and that of the design before does not."""
+def with_flywheel(
+    design: Design, before: Design, rounded: Callable[[float], float] | None = None
+) -> tuple[Design, Mapping[str, float]]:
+    """The design, with a flywheel where its speed fluctuates beyond the target and that of the design before does not.
+
+    ``rounded`` rounds its inertia up.
+    """
     if has_uneven_speed(design) and not has_uneven_speed(before):
         with suppress(KindynaError):
-            return with_least_flywheel(design)
+            return with_least_flywheel(design, rounded)
     return design, {}
 
 
@@ -492,7 +507,6 @@ TORQUE, POWER = "drive_torque", "power.load"
 PEAKS = ("max", "abs")
 MIN_GAIN = 0.01  # of the goal: by which another law must improve it to be mentioned
 AT_NODES = 0.01  # of the goal: more than the error of a goal that is not refined
-NO_DECIMALS = 1000.0  # N·m, from which on a torque has no decimals
 DWELL = "dwell"
 
 

@@ -17,7 +17,7 @@ from core.dynamics import ContactMap, Flight, Flights
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.number_text import rounded_up
+from core.number_text import RESULT_DIGITS, rounded_up
 from core.output.subject_files import (
     SPECTRUM_SPEEDS,
     contact_force_map,
@@ -53,7 +53,6 @@ _PEAKS = {
 
 
 FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
-DIGITS = 5  # of the inertia that is shown and used
 
 FORM_CLOSED = "A groove, or a conjugate pair, guides the follower on both sides: it cannot leave its cam."
 MAP, FLIGHT = "map", "flight"
@@ -98,7 +97,7 @@ def flywheel_text(wheel: Flywheel, needed: float, allowed: str) -> str:
     own = _inertia(wheel.shaft.flywheel_inertia_kg_m2)
     if not wheel.runs:
         return f"The motor stalls with {own}: {_inertia(wheel.least_inertia)} prevent it, {keeps}."
-    state = f"With {own} the speed varies by {digits(100.0 * wheel.fluctuation, 4)} %, {allowed} are allowed"
+    state = f"With {own} the speed varies by {digits(100.0 * wheel.fluctuation)} %, {allowed} are allowed"
     if wheel.fluctuation <= wheel.shaft.speed_fluctuation:
         return f"{state}: the flywheel suffices, the least is {_inertia(needed)}."
     return f"{state}: too much, {keeps}."
@@ -127,7 +126,7 @@ def _row(
     value = 0.0 if abs(value) <= floor else value
     display_unit = readable(symbol, abs(value))
     number = ExplainableNumber(name, theta) if name else None
-    return TableRow((label, digits(value / display_unit.size, DIGITS), display_unit.symbol), tip=tip, number=number)
+    return TableRow((label, digits(value / display_unit.size), display_unit.symbol), tip=tip, number=number)
 
 
 class FlywheelView(View):
@@ -168,11 +167,13 @@ class FlywheelView(View):
         )
         floor = ROUNDING * max(torque_size(drive) for drive in full_study.drives.values())
         inertia_floor = floor / (shaft.speed_fluctuation * study.omega**2)
-        self._needed = rounded_up(wheel.needed_inertia, DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
+        self._needed = (
+            rounded_up(wheel.needed_inertia, RESULT_DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
+        )
         allowed = f"{short(100 * shaft.speed_fluctuation)} %"
         percent = f"{allowed} fluctuation of speed"
         self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
-        self.use_button.setToolTip(f"Set the inertia to {digits(self._needed, DIGITS)} kg·m², required for {percent}")
+        self.use_button.setToolTip(f"Set the inertia to {_inertia(self._needed)}, required for {percent}")
         self.answer.setText(flywheel_text(wheel, self._needed, allowed))
         swing_tip = "Largest surplus of energy that the flywheel stores"
         inertia_tip = "Least inertia whose calculated speed, with the motor's slope, fluctuates no more than this"
@@ -211,12 +212,12 @@ class FlywheelView(View):
         low, high = (speed / UNITS["rpm"].factor for speed in wheel.speed_range)
         return [
             TableRow(
-                ("Speed fluctuation", digits(100.0 * wheel.fluctuation, 4), "%"),
+                ("Speed fluctuation", digits(100.0 * wheel.fluctuation), "%"),
                 tip="(highest − lowest)/mean",
                 number=ExplainableNumber("fluctuation"),
             ),
-            TableRow(("Speed, lowest", digits(low, DIGITS), "rpm"), number=ExplainableNumber("min_speed_rpm")),
-            TableRow(("Speed, highest", digits(high, DIGITS), "rpm"), number=ExplainableNumber("max_speed_rpm")),
+            _row("Speed, lowest", low, "rpm", name="min_speed_rpm"),
+            _row("Speed, highest", high, "rpm", name="max_speed_rpm"),
         ]
 
     def _peaks(self, study: Study, floor: float) -> list[TableRow]:

@@ -223,7 +223,9 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
     prefer(user, name_logo)
 
 
-METRIC = re.compile(r"(?<![\w.])(mm|N|N·m|kN·m|kN|MPa|kg|m/s|m/s²|mm/s|mm/°|mm/°²|N/mm|1/mm|1/m)(?![\w·/²³])")
+METRIC = re.compile(
+    r"(?<![\w.])(mm|N|kg·m²|N·m/rad|N·m·s/rad|N·s/mm|N·m|kN·m|kN|MPa|kg|m/s|m/s²|mm/s|mm/°|mm/°²|N/mm|1/mm|1/m)(?![\w·/²³])"
+)
 
 
 def texts_of(widget: QWidget) -> Iterator[str]:
