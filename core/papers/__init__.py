@@ -42,7 +42,7 @@ class Paper:
     @property
     def rows(self) -> tuple[Row, ...]:
         """Rows of claims in the order of the paper."""
-        rows: tuple[Row, ...] = import_module(f"core.papers.{self.slug}").ROWS
+        rows: tuple[Row, ...] = import_module(f"{__package__}.{self.slug}").ROWS
         return rows
 
 

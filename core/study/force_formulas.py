@@ -14,9 +14,9 @@ from core.study.study import Study, shaft_in_chart
 from core.study.symbols import Formula
 
 _VALUES, _BALANCE, _WALK = (
-    "core.study.member_quantities",
-    "core.dynamics.momentum_residual",
-    "core.dynamics.newton_euler",
+    "study.member_quantities",
+    "dynamics.momentum_residual",
+    "dynamics.newton_euler",
 )
 _ENERGY, _LINKS, _POWER = "balance of energy", "balance of the links", "virtual power"
 _PAIRS, _SIZES, _DRIVER = "Forces in the pairs", "Size and direction of a force", "Torque or force of the driver"
@@ -105,13 +105,13 @@ def _size(name: str, size: str = "", direction: str = "", member: str = "") -> t
 def _hertz(second: bool) -> tuple[Formula, ...]:
     """Stresses under the first roller or face, or under the second roller."""
     index, key, member = ("₂", "second_", "second") if second else ("", "", "first")
-    p, a, source, of = (f"p{index}", f"a{index}", "Hertz, line contact", "core.stress.contact_stress")
+    p, a, source, of = (f"p{index}", f"a{index}", "Hertz, line contact", "stress.contact_stress")
     p_key, a_key = (p, a) if second else ("p.stress", "a.contact")
     shear, depth = ("τ₂", "z₂") if second else ("τ.shear", "z.depth")
     title = "Stress under the second roller" if second else "Contact pressure"
     return (
         Formula(f"{key}contact_pressure", title, (f"{p} = √(F_c E* κ_rel/(π b))", "1/E* = Σ (1 - ν²)/E"),
-                f"{p_key} F_c.flank E* κ_rel b.width ν E.young", source, "core.stress.contact_pressure", member=member),
+                f"{p_key} F_c.flank E* κ_rel b.width ν E.young", source, "stress.contact_pressure", member=member),
         Formula(f"{key}subsurface_shear", title, (f"τ{index} = 0.300283 {p}",), f"{shear} {p_key}", source, of,
                 working=f"τ{index} = 0.30028310600078 {p}", values=p_key, member=member),
         Formula(f"{key}subsurface_shear_depth", title, (f"z{index} = 0.786151 {a}",), f"{depth} {a_key}", source, of,
@@ -119,7 +119,7 @@ def _hertz(second: bool) -> tuple[Formula, ...]:
         Formula(f"{key}contact_half_width", title, (f"{a} = 2 {p}/(E* κ_rel)",), f"{a_key} {p_key} E* κ_rel", source, of,
                 member=member),
         Formula(f"{key}roller_speed", "Speed of the roller", ("ω_r = ω (d - α′ ∓ d |t|/R_r)",), "ω_r ω d α′ t R_r",
-                "rolling without slip", "core.stress.roller_speed", working="n_r = ω u", values="ω u.roller", member=member),
+                "rolling without slip", "stress.roller_speed", working="n_r = ω u", values="ω u.roller", member=member),
     )  # fmt: skip
 
 
@@ -151,9 +151,9 @@ _FORCES: tuple[Formula, ...] = (
     Formula("driver_torque", _DRIVER, ("T = -Σ (F - m a) · ∂r/∂q",), "T.driver F.body m.body a.body r.body q.driver", _POWER, _WALK),
     Formula("driver_force", _DRIVER, ("F_d = -Σ (F - m a) · ∂r/∂q",), "F_d F.body m.body a.body r.body q.driver", _POWER, _WALK),
     Formula("link{}_input_torque", "Torque or force of a second input", ("T = -Σ M_k",), "T.input M_k", "moments of the link",
-            "core.dynamics.walk.input_loads"),
+            "dynamics.walk.input_loads"),
     Formula("link{}_input_force", "Torque or force of a second input", ("F = -Σ F_k",), "F.input F_k", "forces of the link",
-            "core.dynamics.walk.input_loads"),
+            "dynamics.walk.input_loads"),
     Formula("force", "Force or torque of the motion", ("F = m ÿ - F_e + F_r sgn ẏ",), "F.motion m.motion ÿ F_e F_r ẏ", "Newton", _WALK),
     Formula("output_torque", "Force or torque of the motion", ("T = I ÿ - T_e + T_r sgn ẏ",),
             "T.motion I.motion ÿ T_e T_r.friction ẏ", "Euler", _WALK),
@@ -180,31 +180,31 @@ _FORCES: tuple[Formula, ...] = (
     Formula("jam_factor", "Jamming factor", ("j = μ |∂N/∂f|",), "j μ N f", "friction in closed form", _WALK, remark="friction jams from 1"),
     *_hertz(second=False),
     *_hertz(second=True),
-    Formula("life_hours", "Rolling life", ("L_10 = (C/P)^(10/3)",), "L_10 C.rating P.equivalent", "ISO 281", "core.stress.rolling_life",
+    Formula("life_hours", "Rolling life", ("L_10 = (C/P)^(10/3)",), "L_10 C.rating P.equivalent", "ISO 281", "stress.rolling_life",
             has_life, working="L = 3600^(-1) (C/P)^(10/3) 10^6 2 π/n_r", values="C.rating P.equivalent n_r"),
 )  # fmt: skip
 
 _POWERS: tuple[Formula, ...] = (
     *(Formula(name, "Kinetic energy", ("E = Σ (½ m v² + ½ I ω²)",), "E.kinetic m.body v.body I.body ω.body", _ENERGY,
-              "core.dynamics.kinetic_energy") for name in ("kinetic_energy", "kinetic_energy.{}")),
-    Formula("power.load", "Power", ("P = F ẏ",), "P.power F.motion ẏ", _ENERGY, "core.dynamics.element_power"),
-    Formula("power.drive", "Power", ("P = T ω",), "P.power T.driver ω", _ENERGY, "core.dynamics.input_power"),
-    Formula("power.gravity", "Power", ("P = Σ m g · v",), "P.power m.body g v.point", _ENERGY, "core.dynamics.gravity_power"),
+              "dynamics.kinetic_energy") for name in ("kinetic_energy", "kinetic_energy.{}")),
+    Formula("power.load", "Power", ("P = F ẏ",), "P.power F.motion ẏ", _ENERGY, "dynamics.element_power"),
+    Formula("power.drive", "Power", ("P = T ω",), "P.power T.driver ω", _ENERGY, "dynamics.input_power"),
+    Formula("power.gravity", "Power", ("P = Σ m g · v",), "P.power m.body g v.point", _ENERGY, "dynamics.gravity_power"),
     Formula("power.friction_{}", "Power", ("P = -μ |N| |v|",), "P.power μ N v.point", "Coulomb friction", _WALK),
-    Formula("power.{}", "Power", ("P = F · v + M ω",), "P.power F.body v.point M.body ω.body", _ENERGY, "core.dynamics.element_power"),
+    Formula("power.{}", "Power", ("P = F · v + M ω",), "P.power F.body v.point M.body ω.body", _ENERGY, "dynamics.element_power"),
     Formula("power_balance.springs", "Springs and dampers between points", ("F = k (l - l_0) + c l̇",),
-            "F.element k.spring l.spring l_0 c.damper l̇", "along the line between the points", "core.dynamics.elements.Spring",
+            "F.element k.spring l.spring l_0 c.damper l̇", "along the line between the points", "dynamics.elements.Spring",
             lambda study, names: any(name.startswith("power.spring") for name in names)),
     Formula("power_balance", "Balance of power", ("T ω = dE_k/dt + dE_p/dt + P_f - P_e",), "T.shaft ω E_k E_p t.time P_f P_e",
-            _ENERGY, "core.dynamics.power_residual", lambda study, names: bool({"contact_force", "driver_torque"} & set(names)),
+            _ENERGY, "dynamics.power_residual", lambda study, names: bool({"contact_force", "driver_torque"} & set(names)),
             remark="holds at every cam angle"),
     *(Formula(name, "Elastic follower", ("m z̈ + c ż + k (z - s) + k_s z = 0",), "m.elastic z̈ c.elastic ż k.elastic z.mass s.cam k_s",
-              "one mass on the follower's stiffness", "core.elastic.Response.error", working=line, values=keys)
+              "one mass on the follower's stiffness", "elastic.Response.error", working=line, values=keys)
       for name, line, keys in (("elastic_displacement", "z = s + e", "s.cam e.deviation"),
                                ("elastic_error", "e = z - s", "z.mass s.cam"),
                                ("elastic_acceleration", "z̈ = ω² s″ + ë", "ω s″.cam ë"))),
     Formula("elastic_contact_force", "Elastic follower", ("F_e = F_c + Δ",), "F_e.elastic F_c.rigid Δ.elastic",
-            "one mass on the follower's stiffness", "core.study.drive_forces.DriveForces.elastic_contact_force"),
+            "one mass on the follower's stiffness", "study.drive_forces.DriveForces.elastic_contact_force"),
 )  # fmt: skip
 
 # -- shaft, servo and stability -----------------------------------------------------------------------------------
@@ -215,10 +215,10 @@ _SHIN19, _SIZING = (
 )
 _ENERGY_LINE, _MOTOR_LINE = "d/dθ[½(I + J_e) ω²] = T_m - T_s", "T_m = T̄ + k (ω̄ - ω)"
 _MOTOR, _MOTOR_LETTERS = "Speed and motor torque", "T_m T̄ k.motor ω̄ ω.shaft θ I.flywheel J_e T_s.loads"
-_WHEEL = "core.shaft.Flywheel"
-_GEAR = "core.shaft.speed"
+_WHEEL = "shaft.Flywheel"
+_GEAR = "shaft.speed"
 _HILL, _EDGES = "Kim1990 (21)", "Edges of the forbidden bands"
-_TONGUES = "core.stability.tongues.harmonic_tongues"
+_TONGUES = "stability.tongues.harmonic_tongues"
 _SERVO = "balance at the motor"
 
 _SHAFT: tuple[Formula, ...] = (
@@ -239,35 +239,35 @@ _SHAFT: tuple[Formula, ...] = (
     Formula("min_speed_rpm", "Flywheel", ("n = ω_m",), "n.speed ω_m", _SIZING, f"{_WHEEL}.speed_range", has_true_speed),
     Formula("max_speed_rpm", "Flywheel", ("n = ω_M",), "n.speed ω_M", _SIZING, f"{_WHEEL}.speed_range", has_true_speed),
     Formula("torque_nm", "Torque of all drives", ("T(θ) = Σ T_k(θ - θ_k)",), "T.all θ.machine T_k θ_k.phase", "one shaft",
-            "core.study.camshaft.Camshaft.torque", lambda study, names: study.design.listed),
+            "study.camshaft.Camshaft.torque", lambda study, names: study.design.listed),
     Formula("rms_nm", "Torque of all drives", ("T_r = √M",), "T_r M.square", "definition of the mean square",
-            "core.study.camshaft.Camshaft.rms_torque", is_shaft_of_drives),
+            "study.camshaft.Camshaft.rms_torque", is_shaft_of_drives),
     Formula("peak_power_w", "Torque of all drives", ("P = T ω̄",), "P.power T.peak ω̄", "power at constant speed",
-            "core.study.camshaft.Camshaft.peak_power", is_shaft_of_drives),
+            "study.camshaft.Camshaft.peak_power", is_shaft_of_drives),
     Formula("balancer_torque_nm", "Balance cam", ("x = 2(E_0 - W)/(F_0 + √(F_0² + 2 K (E_0 - W)))", "x′ = -(T - T̄)/(F_0 + K x)"),
-            "x.balance E_0 W.angle F_0.balance K.spring x′.balance T.all T̄", "energy of its spring", "core.shaft.balancer.balance_drive",
+            "x.balance E_0 W.angle F_0.balance K.spring x′.balance T.all T̄", "energy of its spring", "shaft.balancer.balance_drive",
             lambda study, names: study.design.balancer is not None and has_flywheel(study, names), remark="W = ∫(T - T̄) dθ of all drives"),
     Formula("servo_torque", "Servo", ("T_s = J_r i ÿ + (F + m ÿ + F_r) k/i",), "T_s.servo J_r i ÿ F.load m.servo F_r.servo k.losses",
             _SERVO, f"{_GEAR}.motor_torque"),
     Formula("servo_force", "Servo", ("F_s = (F + m ÿ + F_r) k",), "F_s F.load m.servo ÿ F_r.servo k.losses", _SERVO,
             f"{_GEAR}.motor_torque"),
-    Formula("servo_speed", "Servo", ("n_s = i ẏ",), "n_s.servo i ẏ", "gear of the servo", "core.study.drive_forces.servo_speed"),
-    Formula("servo_velocity", "Servo", ("v_s = ẏ",), "v_s ẏ", "a linear motor", "core.study.drive_forces.servo_speed"),
-    Formula("servo_power", "Servo", ("P_s = T_s i ẏ",), "P_s T_s.servo i ẏ", _ENERGY, "core.study.drive_forces.servo_power"),
+    Formula("servo_speed", "Servo", ("n_s = i ẏ",), "n_s.servo i ẏ", "gear of the servo", "study.drive_forces.servo_speed"),
+    Formula("servo_velocity", "Servo", ("v_s = ẏ",), "v_s ẏ", "a linear motor", "study.drive_forces.servo_speed"),
+    Formula("servo_power", "Servo", ("P_s = T_s i ẏ",), "P_s T_s.servo i ẏ", _ENERGY, "study.drive_forces.servo_power"),
 )  # fmt: skip
 
 _STABILITY: tuple[Formula, ...] = (
     Formula("natural_rpm", "Frequency and inertia ratio", ("n_s = √(K_s/I_c)",), "n_s K_s I_c", "Kim1990",
-            "core.stability.critical_speeds.Machine.natural", is_flexible),
+            "stability.critical_speeds.Machine.natural", is_flexible),
     Formula("eta", "Frequency and inertia ratio", ("η = √(K_s/I_c)/ω̄",), "η K_s I_c ω̄", "Kim1990 (12)",
-            "core.stability.critical_speeds.Machine.eta", is_flexible),
+            "stability.critical_speeds.Machine.eta", is_flexible),
     Formula("q", "Frequency and inertia ratio", ("Q = M_v X′_m²/I_c",), "Q.inertia M_v X′_m I_c", "Kim1990",
-            "core.stability.critical_speeds.Machine", lambda study, names: is_flexible(study) and not study.design.listed),
+            "stability.critical_speeds.Machine", lambda study, names: is_flexible(study) and not study.design.listed),
     Formula("verdicts.exact", "Wind-up of the shaft, Hill's form",
             ("ζ″ + 4 π² [(η² + Q ψ)/D + (Q C/D)²] ζ = 2 π Q (C + U)/√D", "ζ = √D β"), "ζ ζ″ η Q.inertia ψ.load D C.hill U β.windup",
-            _HILL, "core.stability.coefficients.inertia_and_pull", is_flexible),
+            _HILL, "stability.coefficients.inertia_and_pull", is_flexible),
     Formula("verdicts.approximation", "Wind-up by Kim1990's approximation", ("ζ″ + 4 π² (η² + Q ψ) ζ = 2 π Q (C + U)",),
-            "ζ ζ″ η Q.inertia ψ.load C.hill U", "Kim1990 (22)", "core.stability.coefficients.inertia_and_pull", is_flexible,
+            "ζ ζ″ η Q.inertia ψ.load C.hill U", "Kim1990 (22)", "stability.coefficients.inertia_and_pull", is_flexible,
             remark="D is set to 1, and with it C left out of the left side; given besides the exact form"),
     Formula("bands.retuned", _EDGES, ("[R² - T(Q ψ/D + (Q C/D)²)] a = η² T(1/D) a",),
             "R.orders T.toeplitz Q.inertia ψ.load D C.hill a.harmonics η", f"{_HILL}, harmonics", _TONGUES,
@@ -278,14 +278,14 @@ _STABILITY: tuple[Formula, ...] = (
             remark="an eigenvalue problem"),
     Formula("bands.damped", "Edges with damping", ("(R T(D) R - Q T(ψ + κ) - 2 i ζ η R - η²) a = 0",),
             "R.orders T.toeplitz D Q.inertia ψ.load κ.slope ζ.damping η a.harmonics", f"{_HILL}, harmonics",
-            "core.stability.floquet.monodromy",
+            "stability.floquet.monodromy",
             _is_damped, remark="real η are edges"),
     Formula("wind_up", "Steady response of the shaft", ("ϕ = T_s/K_s",), "ϕ T_s K_s", "Kim1990 (13), corrected",
-            "core.stability.steady.SteadyTurn.wind_up"),
+            "stability.steady.SteadyTurn.wind_up"),
     Formula("shaft_torque", "Steady response of the shaft", ("T_s = K_s ϕ",), "T_s K_s ϕ", "Kim1990 §1, steady response",
-            "core.stability.steady.SteadyTurn.torque"),
+            "stability.steady.SteadyTurn.torque"),
     Formula("follower_error", "Steady response of the shaft", ("Δ = X_c - X_i",), "Δ.follower X_c X_i", "Kim1990 §1, steady response",
-            "core.stability.steady.SteadyTurn.error"),
+            "stability.steady.SteadyTurn.error"),
 )  # fmt: skip
 
 FORCE_FORMULAS: tuple[Formula, ...] = (*_FORCES, *_POWERS, *_SHAFT, *_STABILITY)

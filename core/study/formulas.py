@@ -19,8 +19,8 @@ _TRIANGLE = "Shin1995 (9), (10), by the triangle's area"
 _LAW, _SHIN8 = "definition of a motion law", "Shin1995 (8)"
 _CENTRE = "Shin1995 (18), φ′ against the cam; Kennedy"
 _POSE, _FACE, _PARALLEL = "Shin1995 (20), for any pose", "support function of the face", "parallel curve"
-_VALUES, _CAM = "core.study.member_quantities", "core.cam.shape"
-_COORDINATE, _ARM_AND_ROD = f"{_VALUES}.coordinate", "core.followers.cam_slider.cam_slider"
+_VALUES, _CAM = "study.member_quantities", "cam.shape"
+_COORDINATE, _ARM_AND_ROD = f"{_VALUES}.coordinate", "followers.cam_slider.cam_slider"
 
 
 def _rotated(axis: str, x: str, y: str) -> str:
@@ -66,7 +66,7 @@ _LINKAGE: tuple[Formula, ...] = (
     Formula("slide.{}", "Angles of the links", ("Σ r_k e^(i θ_k) = 0",), "r_k θ_k", "closed loops, dyad by dyad", _COORDINATE,
             working="s = s_0", values="s_0"),
     Formula("driver_angle", "Angle of the crank", ("φ = φ_0 + r (θ - θ_0)",), "φ.driver φ_0 r.cycle θ.cycle θ_0.cycle",
-            "ends of the drawn circuit, ratios", "core.mechanism.drivers.CrankMotion.state"),
+            "ends of the drawn circuit, ratios", "mechanism.drivers.CrankMotion.state"),
     Formula("link.{}_velocity", "Velocities of links and slides", ("θ̇ = ω θ′",), "θ̇ ω θ′", "Velocity 6.4", _COORDINATE),
     Formula("slide.{}_velocity", "Velocities of links and slides", ("ṡ = ω s′",), "ṡ ω s′", "Velocity 6.4", _COORDINATE),
     Formula("link.{}_acceleration", "Accelerations of links and slides", ("θ̈ = ω² θ″",), "θ̈ ω θ″", "loop equations", _COORDINATE),
@@ -105,30 +105,30 @@ def _places(
 
 _CAM_ROWS: tuple[Formula, ...] = (
     Formula("loop_closure.arm", "Roller centre on its arm", ("R = P + Z_l e^(iα)", "R′ = i α′ (R - P)"), "R P Z_l α R′ α′",
-            "Shin1995 §3", "core.followers.direct.oscillating", has("follower_torque", "pitch_x")),
+            "Shin1995 §3", "followers.direct.oscillating", has("follower_torque", "pitch_x")),
     Formula("loop_closure.guide", "Roller centre on its guide", ("R = e(S + iε)", "S = √((R_b + R_r)² - ε²) + y"),
-            "R e.guide S ε R_b R_r y", "geometry of the guide", "core.followers.direct.translating",
+            "R e.guide S ε R_b R_r y", "geometry of the guide", "followers.direct.translating",
             has("guide_force", "pitch_x", without="phi")),
     Formula("tangency", "Normal of the cam", ("n = -i d t/|t|", "t = R′ - i d R"), "n d t R′ R", "Shin1995 (19), for any pose",
             f"{_CAM}.envelope", has("pitch_x"), remark="n points into the cam"),
     *_places("{}_p", "pitch", "Pitch curve", "c = R e^(-i d θ)", "c R d θ", "", "", source="Shin1995 §3"),
     *_places("{}", "profile", "Profile", "p = (R + R_r n) e^(-i d θ)", "p.profile R R_r n d θ", "R_r", "R_r"),
     *(Formula(f"profile_{axis}{FLAT}", "Profile under a straight face", ("p = m(h + i h_ν) e^(-i d θ)",),
-              "p.profile m h.support h_ν d θ", _FACE, "core.cam.faces.envelope",
+              "p.profile m h.support h_ν d θ", _FACE, "cam.faces.envelope",
               working=f"{axis} = {_rotated(axis, 'm_x h - m_y h_ν', 'm_y h + m_x h_ν')}", values="m_x m_y h.support h_ν d θ")
       for axis in "xy"),
     Formula("radius", "Profile in polar coordinates", ("r = |p|",), "r p.profile", "polar coordinates of the profile",
             f"{_VALUES}.profile_radius", working="r = √(x² + y²)", values="x.profile y.profile"),
     Formula("polar_angle", "Profile in polar coordinates", ("ϑ = arg(p)",), "ϑ p.profile", "polar coordinates of the profile",
             f"{_VALUES}.polar_angle", working="ϑ = atan2(y, x) + 2 π k", values="y.profile x.profile k.turn"),
-    Formula("contact_on_face", "Profile under a straight face", ("x_f = h_ν - m × R",), "x_f h_ν m R", _FACE, "core.cam.faces.envelope",
+    Formula("contact_on_face", "Profile under a straight face", ("x_f = h_ν - m × R",), "x_f h_ν m R", _FACE, "cam.faces.envelope",
             working="x_f = h_ν - (m_x R_y - m_y R_x)", values="h_ν m_x m_y R_x R_y"),
     Formula("instant_centre", "Instant centre of cam and follower", ("Q = e · q", "q = -i (R′ - i φ′ R)/(d - φ′)"),
             "Q e.centres q.centre R′ φ′ R d", _CENTRE, f"{_VALUES}.centre_distance",
             working="Q = (e_x (R′_y - φ′ R_x) - e_y (R′_x + φ′ R_y))/(d - φ′)",
             values="R_x R_y R′_x R′_y φ′ d e_x.centres e_y.centres", remark="the normal passes through it"),
     *(Formula(f"instant_centre_{axis}", "Instant centre of cam and follower", ("q = -i (R′ - i φ′ R)/(d - φ′)",),
-              "q.centre R′ φ′ R d", _CENTRE, "core.instant_centres.cam_follower_centre", working=line, values=keys)
+              "q.centre R′ φ′ R d", _CENTRE, "instant_centres.cam_follower_centre", working=line, values=keys)
       for axis, line, keys in (("x", "Q_x = (R′_y - φ′ R_x)/(d - φ′)", "R_x R′_y φ′ d"),
                                ("y", "Q_y = -(R′_x + φ′ R_y)/(d - φ′)", "R_y R′_x φ′ d"))),
     Formula("instant_centre_velocity", "Velocities at the cam", ("V_Q = ω Q",), "V_Q ω Q.velocity", "Shin1995 (15)-(17), for any pose",
@@ -138,7 +138,7 @@ _CAM_ROWS: tuple[Formula, ...] = (
     Formula("pressure_angle", "Pressure angle", ("tan ψ = |n × v|/|n · v|",), "ψ n v", "Shin1995 (19), for any pose",
             f"{_CAM}.round_envelope", working="ψ = atan2(|n_x v_y - n_y v_x|, |n_x v_x + n_y v_y|)", values="n_x n_y v_x v_y"),
     Formula(f"pressure_angle{FLAT}", "Pressure angle of a straight face", ("tan ψ = |m × v|/|m · v|",), "ψ m v",
-            "definition of the pressure angle", "core.cam.faces.envelope",
+            "definition of the pressure angle", "cam.faces.envelope",
             working="ψ = atan2(|m_x v_y - m_y v_x|, |m_x v_x + m_y v_y|)", values="m_x m_y v_x v_y"),
     Formula("pitch_curvature", "Curvature of the pitch curve", ("κ_p = -d (t × w)/|t|³", "w = R″ - 2 i d R′ - R"),
             "κ_p d t w R″ R′ R", "curvature of a plane curve", f"{_CAM}.curvature",
@@ -146,7 +146,7 @@ _CAM_ROWS: tuple[Formula, ...] = (
     Formula("profile_curvature", "Curvature of the profile", ("κ = κ_p/(1 - R_r κ_p)",), "κ κ_p R_r", _PARALLEL,
             f"{_CAM}.round_envelope", remark="undercut where R_r κ_p ≥ 1"),
     Formula(f"profile_curvature{FLAT}", "Profile under a straight face", ("κ = 1/(h + h_νν)",), "κ h.support h_νν", _FACE,
-            "core.cam.faces.envelope", working="κ = 1/ρ", values="ρ"),
+            "cam.faces.envelope", working="κ = 1/ρ", values="ρ"),
     *_places("{}_o", "outer", "Outer flank", "p_o = (R - (R_r + s_p) n) e^(-i d θ)", "p_o R R_r s_p n d θ", "(-R_r - s_p)", "R_r s_p",
              source="second envelope of the roller"),
     Formula("outer_curvature", "Outer flank", ("κ_o = κ_p/(1 + (R_r + s_p) κ_p)",), "κ_o κ_p R_r s_p", _PARALLEL, f"{_CAM}.round_envelope"),

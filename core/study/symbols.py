@@ -26,7 +26,7 @@ class Formula:
     lines : the equation, then equations of symbols in it
     letters : keys of ``LETTERS``, every symbol of the lines
     source : author, year and number, or the principle
-    function : dotted name of the function or attribute that computes it
+    function : dotted name, within ``core``, of the function or attribute that computes it
     when : whether a design uses it, of its study and the names of its quantities; None: where it has the quantity
     working : form that is evaluated, where it is not the first line
     values : keys of the symbols of the evaluated form, where they are not those of the lines

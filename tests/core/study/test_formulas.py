@@ -230,7 +230,7 @@ def named(source: str, text: str) -> bool:
 @pytest.mark.parametrize("name", FORMULAS)
 def test_the_docstring_of_what_computes_a_formula_has_its_line_or_its_source(name: str) -> None:
     formula = FORMULAS[name]
-    texts = [" ".join(text.split()) for text in docstrings(formula.function)]
+    texts = [" ".join(text.split()) for text in docstrings(f"core.{formula.function}")]
     text = texts[-1] if len(texts) > 1 else ""
     assert formula.lines[0] in text or any(named(source, text) for source in formula.source.split("; ")), (
         f"{formula.function}: {formula.lines[0]}, or {formula.source}"
