@@ -75,7 +75,7 @@ help:
 	make stress   the long tests, and a search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
 	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600); seek in 300 random designs, 3,000 at once
 	make soak     run the window for minutes and look for leaks
-	make wheel    build dist/kindyna-*.whl
+	make wheel    build dist/kindyna-*.whl, and test one in an empty environment
 	make clean    remove the environment, caches and dist
 	END
 
@@ -164,6 +164,7 @@ soak: .venv/.ready
 wheel: .venv/.ready
 	@.venv/bin/python -m pip wheel -qq --disable-pip-version-check --no-deps -w dist .
 	ls dist/kindyna-*.whl
+	.venv/bin/python -m pytest -q -m wheel tests/core/public $(ARGS)
 
 clean:
 	@rm -rf .venv dist build .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis

@@ -44,12 +44,12 @@ def lazy_attributes(package: str, *modules: str) -> Callable[[str], Any]:
 
 
 _ROOT = Path(__file__).resolve().parents[1]
+"""The checkout; in an installed wheel the package ``kindyna``."""
 
 
 def resources() -> Path:
     """The folder of examples, materials, help, icons and translations."""
-    installed = _ROOT / "kindyna_gui" / "resources"
-    return installed if installed.is_dir() else _ROOT / "resources"
+    return _ROOT / "resources"
 
 
 def user_cache() -> Path:
