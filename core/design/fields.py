@@ -126,6 +126,14 @@ class Info:
         above = value > self.low if self.open_low else value >= self.low
         return bool(above and value <= self.high and math.isfinite(value))
 
+    def nearest(self, value: float) -> float | None:
+        """The allowed number nearest to a value; None where there is none, as next to an excluded end of the range."""
+        if self.numbers:
+            return min(self.numbers, key=lambda number: abs(number - value))
+        nearest = min(max(value, self.low), self.high)
+        nearest = round(nearest) if self.whole else nearest
+        return nearest if abs(nearest) < LARGEST and self.admits(nearest) else None
+
     @property
     def problem(self) -> str:
         """Why a value is not allowed."""

@@ -73,6 +73,13 @@ class Session(SessionState):
             return self._choose_layout(edited(self.design, path, value), value, label)
         return self.lay_out(edited(self.typed, path, value), label, path)
 
+    def fits(self, path: str, value: Any) -> bool:
+        """Whether the rules of the design admit a value at a path together with the other typed values."""
+        try:
+            return not faults(with_value(self.holder(path), path, value))
+        except (KeyError, DesignError):  # the design has no such value
+            return False
+
     def _choose_layout(self, plain: Design, letter: str, label: str) -> bool:
         """Change the layout of a cam slider, with guide and fixed angle where it cannot be assembled otherwise."""
         if refusal_reasons(Study(plain, SAMPLES), ("linkage",)):

@@ -33,13 +33,15 @@ from core.design import (
     Motion,
     Segment,
     Unit,
+    get,
     motion_of,
+    put,
     require_motion,
     rise_gap,
     span_gap,
     split_unit,
 )
-from core.errors import MISSING, KindynaError
+from core.errors import MISSING, DesignError, KindynaError
 from core.frozen import frozen
 from core.motion import Join, program
 from core.project import ValueDifference, differences, load, loads
@@ -125,6 +127,9 @@ def copy_button(line: Callable[[], str]) -> QPushButton:
 # -- what does not fit together --------------------------------------------------------------------------
 
 
+BACK = "Back to the last valid values"
+
+
 def misfit_sentences(session: Session) -> list[str]:
     """Return a sentence for each reason why the values do not fit, the motion of the selected drive first."""
     if session.incomplete is not None and session.is_incomplete_linkage:
@@ -145,6 +150,18 @@ def waiting_text(session: Session) -> str:
         return NO_MECHANISM
     names = dict.fromkeys(name for _, name, _ in session.misfit.reasons)
     return f"Does not fit yet: {', '.join(names)}" if names else ""
+
+
+def back_text(session: Session) -> str:
+    """Return what the last valid values are, where a single value does not fit: ``Back to 845 mm``."""
+    path = session.misfit.path
+    try:
+        valid = get(session.design, path)
+        if put(session.typed, path, valid) == session.design and not isinstance(valid, tuple):
+            return f"Back to {value_text(valid, split_unit(path)[1])}"
+    except (KeyError, DesignError):  # only the typed design has it
+        pass
+    return BACK
 
 
 def _gaps(motion: Motion) -> list[str]:

@@ -1,7 +1,7 @@
-"""One field of a design as a row of a form: name, editor, unit, mark of an assumed value, message.
+"""One field of a design as a row of a form: name, editor, unit, mark of an assumed value.
 
-``FieldSpec`` says what the row shows, ``Field`` binds it to the session: an entered value becomes an edit, a refusal is
-shown below the row.
+``FieldSpec`` says what the row shows, ``Field`` binds it to the session: an entered value becomes an edit, a refusal
+floats at the editor.
 """
 
 from __future__ import annotations
@@ -9,15 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from html import escape
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QColor, QContextMenuEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
-    QBoxLayout,
     QComboBox,
     QDoubleSpinBox,
     QGridLayout,
@@ -35,12 +35,15 @@ from core.units import Unit
 from kindyna_gui.dialogs import FIELD
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox, leaves_undo, request_menu
-from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text
+from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox, leaves_undo, parsed, request_menu
+from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text, value_text
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.settings import DISPLAY, symbol_of
+
+if TYPE_CHECKING:
+    from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
 VARY_TIP = "Vary this value in Study"
@@ -212,7 +215,7 @@ def add_vary(menu: QMenu, session: Session, path: str) -> QAction:
 class Field(QObject):
     """A row of a form bound to the session.
 
-    An entered value is an edit. A value that does not fit the others yet is marked, and a refusal is shown below it.
+    An entered value is an edit. A value that does not fit the others yet is marked, and a refusal floats at its editor.
     """
 
     trouble_changed = Signal()
@@ -225,8 +228,6 @@ class Field(QObject):
         self._last_trouble = ""
         self.label = described(NameLabel(label_html(spec.info.label), not spec.info.choices), tip=tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
-        self.message = coloured(QLabel(wordWrap=True), SCREEN.limit)
-        self.message.hide()
         self.mark: AssumedMark | None = AssumedMark() if spec.can_be_assumed else None
         if self.mark is not None:
             self.mark.clicked.connect(self._assume)
@@ -289,20 +290,23 @@ class Field(QObject):
         self.label.released.connect(box.setFocus)
         return box
 
-    def add_to(self, grid: QGridLayout, row: int, below: QBoxLayout | None = None) -> None:
-        """Fill the rows ``row`` and ``row + 1`` of a grid; below: the layout of the message, where not in the latter."""
+    def add_to(self, grid: QGridLayout, row: int) -> None:
+        """Fill a row of a grid."""
         grid.addWidget(self.label, row, 0)
         grid.addWidget(self.editor, row, 1, 1, 2 if self.spec.info.choices else 1)
         if self.unit is not None:
             grid.addWidget(self.unit, row, 2)
         if self.mark is not None:
             grid.addWidget(self.mark, row, COLUMNS - 1)
-        if below is None:
-            grid.addWidget(self.message, row + 1, 0, 1, COLUMNS)
-        else:
-            below.addWidget(self.message)
 
     # -- from the session ---------------------------------------------------------------------------------
+
+    @cached_property
+    def message(self) -> FloatingRefusal:
+        """The refusal at the editor, created with the first one."""
+        from kindyna_gui.forms.refusal import FloatingRefusal  # imported here to save start-up time
+
+        return FloatingRefusal(self.editor)
 
     def refresh(self, design: Design) -> None:
         """Show the value of a design, unless the editor holds a refused text or one that is being typed."""
@@ -334,12 +338,15 @@ class Field(QObject):
     def show_refusal(self, refusal: Refusal) -> None:
         """Show why an edit was refused, where it concerns this field."""
         text = refusal.at(self.spec.path)
+        if refusal.path == self.spec.path:
+            self.editor.set_refused(True)
+            from kindyna_gui.forms.refusal import with_value  # imported here to save start-up time
+
+            text = with_value(text, self._typed_text())
         if text:
             self._refusals[refusal.path] = text
         else:
             self._refusals.pop(refusal.path, None)
-        if refusal.path == self.spec.path:
-            self.editor.set_refused(True)
         self._show_refusals()
 
     def _accepted(self, path: str) -> None:
@@ -357,13 +364,34 @@ class Field(QObject):
         self._show_refusals()
 
     def _show_refusals(self) -> None:
-        text = "\n".join(self._refusals.values())
-        if text != self.message.text() or self.message.isHidden() == bool(text):
-            self.message.setText(text)
-            self.message.setVisible(bool(text))
+        if self._refusals or "message" in vars(self):
+            self.message.show_refusal("\n".join(self._refusals.values()), self._remedies())
         if self.trouble != self._last_trouble:
             self._last_trouble = self.trouble
             self.trouble_changed.emit()
+
+    def _typed_number(self) -> float | None:
+        return parsed(self.editor.text(), self.spec.unit) if isinstance(self.editor, NumberBox) else None
+
+    def _typed_text(self) -> str:
+        number = self._typed_number()
+        return self.editor.currentText() if isinstance(self.editor, WordBox) else value_text(number, self.spec.unit)
+
+    def _remedies(self) -> Remedies:
+        """Remedies of a refused number or choice."""
+        from kindyna_gui.forms.refusal import NO_REMEDIES, nearest_value, value_remedies
+
+        if not self.editor.is_refused or self.is_obsolete:
+            return NO_REMEDIES
+        spec, valid = self.spec, self.spec.read(self.session.holder(self.spec.path))
+        nearest = nearest_value(self.session, spec.path, spec.info, self._typed_number())
+        return value_remedies(spec.unit, nearest, valid, self._use, self.editor.withdraw)
+
+    def _use(self, value: float) -> None:
+        """Enter the allowed value that a remedy offers, as one undo step."""
+        self.session.end_gesture()
+        self._enter(value)
+        self.session.end_gesture()
 
     @property
     def trouble(self) -> str:
@@ -437,7 +465,7 @@ class Field(QObject):
 
     def widgets(self) -> tuple[QWidget, ...]:
         """Return all widgets of the row."""
-        widgets = (self.label, self.editor, self.unit, self.mark, self.message)
+        widgets = (self.label, self.editor, self.unit, self.mark)
         return tuple(widget for widget in widgets if widget is not None)
 
 

@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QToolBut
 from core.design import ELEMENT_LISTS, Design, Entry, by_weight, entries, get, is_assumed
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import BACK
 from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.look import coloured, text_button
@@ -24,6 +25,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea, fill, remove_part
 
 LAST_VALID = "The drawing and the plots still show the last valid values."
+MOST_REASONS = 3  # in the bar about values that do not fit
 POINT_FIELDS = 24  # points of a force table with fields of their own; the full table goes through the clipboard
 _STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
 """Keys of a linkage's structure, which its file, a preset or the Linkage menu sets: no dimensions."""
@@ -49,7 +51,7 @@ class IncompleteBar(QWidget):
         self.trouble, self.remedy = QLabel(wordWrap=True), QLabel(wordWrap=True)
         coloured(self.trouble, SCREEN.limit)
         coloured(self.remedy, SCREEN.quiet)
-        self.close_button, self.drop_button = text_button("Close it"), text_button("Back to the last valid values")
+        self.close_button, self.drop_button = text_button("Close it"), text_button(BACK)
         self.drop_button.setToolTip("Restore the last valid values; Undo returns to what you typed")
         for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -63,13 +65,16 @@ class IncompleteBar(QWidget):
             grid.addWidget(button, 2, column)
         self.hide()
 
-    def show_reasons(self, reasons: Sequence[str], closing: str = "", tip: Sequence[str] = ()) -> None:
+    def show_reasons(self, reasons: Sequence[str], back: str = BACK, closing: str = "") -> None:
         """Show why the values do not fit, and what would close the motion ('' where no single change does).
 
-        The bar is hidden where there are no reasons. ``tip`` has the reasons in more detail.
+        The bar is hidden where there are no reasons; it shows as many as it has room for, and its tip all of them.
+        ``back`` is the text of the button to the last valid values.
         """
-        self.trouble.setText("\n".join(reasons))
-        self.trouble.setToolTip("\n".join((*tip, LAST_VALID)))
+        more = f" (and {len(reasons) - MOST_REASONS} more)" if len(reasons) > MOST_REASONS else ""
+        self.trouble.setText("\n".join(reasons[:MOST_REASONS]) + more)
+        self.trouble.setToolTip("\n".join((*reasons, LAST_VALID)))
+        self.drop_button.setText(back)
         self.remedy.setText(f"Would close it: {closing}" if closing else LAST_VALID)
         self.close_button.setVisible(bool(closing))
         self.close_button.setToolTip(f"Put in {closing}" if closing else "")
@@ -361,7 +366,7 @@ class Form(QScrollArea):
         for path, field in self._fields.items():
             shown = self._matches_filter(path) if self._filter else self._unfolded or path not in self._folded
             for widget in field.widgets():
-                widget.setVisible(shown and (widget is not field.message or bool(field.trouble)))
+                widget.setVisible(shown)
         self.more.setText("Fewer" if self._unfolded else f"{len(self._folded)} more")
         self.more.setToolTip("More fields")
         self.more.setVisible(not self._filter and any(self._group_of(path) == self._group for path in self._folded))

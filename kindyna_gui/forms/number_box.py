@@ -282,9 +282,13 @@ class WordBox(RedFrame, QComboBox):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         request_menu(self, event)
 
+    def withdraw(self) -> None:
+        """Discard a refused choice."""
+        self.withdrawn.emit()
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and self.is_refused:
-            self.withdrawn.emit()
+            self.withdraw()
         else:
             super().keyPressEvent(event)
 

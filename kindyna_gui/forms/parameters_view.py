@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any, Protocol
 from weakref import WeakSet
 
-from PySide6.QtCore import Qt, Signal, SignalInstance
+from PySide6.QtCore import QSize, Qt, Signal, SignalInstance
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QScrollBar, QTabWidget, QVBoxLayout, QWidget
 
@@ -16,7 +16,7 @@ from core.design import Design
 from core.findings import ERROR
 from core.study import Study
 from kindyna_gui.documents.session import SHAFT, Session
-from kindyna_gui.documents.texts import misfit_sentences, waiting_text
+from kindyna_gui.documents.texts import back_text, misfit_sentences
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
 from kindyna_gui.forms.form import Form, IncompleteBar, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
@@ -96,6 +96,8 @@ class ParametersView(View):
         )
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumSize(*LEAST)
+        side = self.tabs.fontMetrics().height() - 2
+        self.tabs.setIconSize(QSize(side, side))  # no higher than the text: the mark of a wrong value moves no field
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
         self.loads = LoadsPage(session)
         self.forms: dict[str, Page] = {
@@ -142,9 +144,8 @@ class ParametersView(View):
     def refresh(self, study: Study) -> None:
         typed = self.session.typed
         scroll = self._change_subject()
-        self.incomplete_bar.show_reasons(
-            [text] if (text := waiting_text(self.session)) else [], tip=misfit_sentences(self.session)
-        )
+        waits = self.session.incomplete is not None
+        self.incomplete_bar.show_reasons(misfit_sentences(self.session) if waits else [], back_text(self.session))
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
@@ -199,8 +200,7 @@ class ParametersView(View):
         self._mark_tab(section)
         form = self.forms[section]
         if field.trouble and field.editor.hasFocus():
-            # once it has its position: below the last field it would be out of sight
-            call_soon(field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
+            form.ensureWidgetVisible(field.editor, 0, 8)
 
     def _mark_tab(self, section: str) -> None:
         """Mark the tab of a page with a wrong value, since the page may be hidden."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import (
     QAbstractItemModel,
@@ -17,19 +17,27 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QResizeEvent
+from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QStyledItemDelegate, QTableView, QWidget
 
+from core.design import Info
 from core.frozen import frozen
+from core.units import Unit
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.number_box import NumberBox, parsed
+from kindyna_gui.labels import value_text
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import call_soon, connect_all
-from kindyna_gui.settings import DISPLAY, symbol_of
+from kindyna_gui.settings import DISPLAY, number_text, symbol_of
 from kindyna_gui.view import ExplainableNumber
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 Index = QModelIndex | QPersistentModelIndex
+NO_CELL = -1, -1
+if TYPE_CHECKING:
+    from kindyna_gui.forms.refusal import Remedies
+
 EDGE = 4  # pixels around a text across several columns
 LEADING = 5  # pixels between the lines of a table
 
@@ -114,17 +122,17 @@ class CellTable(QTableView):
 class CellModel(QAbstractTableModel):
     """Model of a table whose cells edit the design; a text that the session refuses stays in its cell.
 
-    ``error_changed`` (str) gives the error of the last edit; empty if there is none.
+    ``error_changed`` (str, Remedies) gives the error of the last edit; empty if there is none.
     """
 
-    error_changed = Signal(str)
+    error_changed = Signal(str, object)
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._session = session
         self._faulty: frozenset[str] = frozenset()  # paths of values that contradict each other
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
-        self._trying = ""
+        self._trying, self._cell = "", NO_CELL  # the text that was entered last, and its cell
         connect_all(
             (session.refused, self._refused),
             (session.accepted, self._accepted),
@@ -140,13 +148,25 @@ class CellModel(QAbstractTableModel):
         """Value of a cell in the design."""
         raise NotImplementedError
 
+    def info_of(self, column: int) -> Info:
+        """Metadata of the values of a column."""
+        raise NotImplementedError
+
+    def unit_of(self, column: int) -> Unit:
+        """Unit of the numbers of a column."""
+        raise NotImplementedError
+
     def edits(self, path: str) -> bool:
         """Whether one of the cells edits a path."""
         raise NotImplementedError
 
     def is_refused(self, row: int, column: int) -> bool:
         """Whether the text typed into a cell was refused."""
-        return self.path(row, column) in self._wrong
+        return (row, column) == self._cell and self.path(row, column) in self._wrong
+
+    def _try(self, row: int, column: int, text: str) -> None:
+        """Note the text that is entered into a cell."""
+        self._trying, self._cell = text, (row, column)
 
     def _all_changed(self) -> None:
         if self.rowCount():
@@ -159,25 +179,64 @@ class CellModel(QAbstractTableModel):
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
 
     def _refused(self, refusal: Refusal) -> None:
+        from kindyna_gui.forms.refusal import NO_REMEDIES, with_value  # imported here to save start-up time
+
         if self.edits(refusal.path):
+            text, remedies = refusal.at(refusal.path), NO_REMEDIES
+            if self._cell != NO_CELL and self.path(*self._cell) == refusal.path:
+                number = parsed(self._trying, self.unit_of(self._cell[1]))
+                text = with_value(text, value_text(number, self.unit_of(self._cell[1])))
+                remedies = self._remedies(*self._cell, number)
+            else:  # it was entered elsewhere
+                self._cell = NO_CELL
             self._wrong = {refusal.path: self._trying}
-            self.error_changed.emit(refusal.at(refusal.path))
+            self.error_changed.emit(text, remedies)
             self._all_changed()
+
+    def nearest(self, row: int, column: int, number: float | None) -> float | None:
+        """Return the value nearest to a refused number that a cell admits; None where there is none."""
+        from kindyna_gui.forms.refusal import nearest_value
+
+        return nearest_value(self._session, self.path(row, column), self.info_of(column), number)
+
+    def _remedies(self, row: int, column: int, number: float | None) -> Remedies:
+        """Remedies of a refused cell."""
+        from kindyna_gui.forms.refusal import value_remedies
+
+        unit = self.unit_of(column)
+
+        def use(value: float) -> None:
+            self._session.end_gesture()
+            self.setData(self.index(row, column), number_text(value, unit))
+            self._session.end_gesture()
+
+        return value_remedies(unit, self.nearest(row, column, number), self.value(row, column), use, self.withdraw)
 
     def _accepted(self, path: str) -> None:
         if path in self._wrong:
             self.withdraw()
+        elif not self._wrong:
+            self._cell = NO_CELL
 
     def withdraw(self) -> bool:
         """Discard a refused text; False if there is none."""
         if not self._wrong:
             return False
         wrong, self._wrong = self._wrong, {}
-        self.error_changed.emit("")
+        self._cell = NO_CELL
+        self.error_changed.emit("", {})
         self._all_changed()
         for path in wrong:
             self._session.clear_refusal(path)
         return True
+
+
+def draw_refused(painter: QPainter, box: QRect) -> None:
+    """Draw the frame of a refused cell."""
+    painter.save()
+    painter.setPen(QPen(QColor(SCREEN.limit), 1.6))
+    painter.drawRect(box.adjusted(1, 1, -2, -2))
+    painter.restore()
 
 
 class CellDelegate(QStyledItemDelegate):

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import Field as DataField
 from dataclasses import fields, replace
-from functools import partial
+from functools import cached_property, partial
 from math import degrees
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor
@@ -58,6 +58,9 @@ from kindyna_gui.motion.segments_table import readable
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
+
+if TYPE_CHECKING:
+    from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
 from kindyna_gui.settings import symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
@@ -226,6 +229,12 @@ class PointsModel(CellModel):
         path = self.path(row, column)
         return path in self._faulty or path.rpartition(".")[0] in self._faulty
 
+    def info_of(self, column: int) -> Info:
+        return self.columns[column][1]
+
+    def unit_of(self, column: int) -> Unit:
+        return self.columns[column][2]
+
     def edits(self, path: str) -> bool:
         return path.startswith(f"motion.segments[{self.segment}].points[") and bool(self._points)
 
@@ -252,7 +261,7 @@ class PointsModel(CellModel):
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
         row, column = index.row(), index.column()
-        wrong = self._wrong.get(self.path(row, column))
+        wrong = self._wrong[self.path(row, column)] if self.is_refused(row, column) else None
         value = self.value(row, column)
         if role == Qt.ItemDataRole.DisplayRole:
             return wrong if wrong is not None else "" if value is None else readable(value, self.columns[column][2])
@@ -271,7 +280,7 @@ class PointsModel(CellModel):
         row, column = index.row(), index.column()
         path, unit = self.path(row, column), self.columns[column][2]
         name = name_in_sentence(self._session.typed, path)
-        self._trying = str(value)
+        self._try(row, column, str(value))
         if not str(value).strip() and self.columns[column][1].optional:
             return self._session.edit(path, None, f"Leave {name} open")
         number = parsed(str(value), unit)
@@ -313,6 +322,7 @@ class PointsTable(QWidget):
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         self.table.horizontalHeader().setHighlightSections(False)
         self.table.setMinimumHeight(3 * (self.fontMetrics().height() + 6) + 6)
+        self.model.error_changed.connect(self._show_refusal)
         self.table.insert_requested.connect(self.add)
         self.table.delete_requested.connect(self.remove)
         self.add_button = self._button(
@@ -321,6 +331,17 @@ class PointsTable(QWidget):
         self.remove_button = self._button("close", "Remove", "Remove the selected point (Del)", self.remove)
         buttons = fill(QVBoxLayout(), self.add_button, self.remove_button, STRETCH, spacing=1)
         fill(QHBoxLayout(self), (self.table, 1), buttons, margins=0, spacing=4)
+
+    @cached_property
+    def refusal(self) -> FloatingRefusal:
+        """The refusal of a point, created with the first one."""
+        from kindyna_gui.forms.refusal import FloatingRefusal  # imported here to save start-up time
+
+        return FloatingRefusal(self.table)
+
+    def _show_refusal(self, text: str, remedies: Remedies) -> None:
+        if text or "refusal" in vars(self):
+            self.refusal.show_refusal(text, remedies)
 
     def _button(self, name: str, text: str, tip: str, slot: Any) -> QToolButton:
         button = described(QToolButton(autoRaise=True), tip=tip)
@@ -384,12 +405,7 @@ def kind_of_form(motion: Motion, index: int) -> type | None:
 
 
 class SegmentCurveForm(QWidget):
-    """Form of the curve of a segment; built again only for another kind of curve or another segment.
-
-    ``error_changed`` (str) gives the error of a point of a spline; empty if there is none.
-    """
-
-    error_changed = Signal(str)
+    """Form of the curve of a segment; built again only for another kind of curve or another segment."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__()
@@ -462,7 +478,6 @@ class SegmentCurveForm(QWidget):
                         unused.setParent(self._paper)
                         unused.hide()
                 grid.addWidget(field.editor, 2 * row, column)
-                grid.addWidget(field.message, 2 * row + 1, 0, 1, 4)
 
     def _points(self, design: Design, index: int) -> None:
         """Add the table of points of a spline."""
@@ -474,7 +489,6 @@ class SegmentCurveForm(QWidget):
 
     def _add_points(self, grid: QGridLayout) -> None:
         self.points = PointsTable(self._session, self._player)
-        self.points.model.error_changed.connect(self.error_changed)
         grid.addWidget(self.points, grid.rowCount(), 0, 1, -1)
 
     def _computed(self, design: Design, index: int) -> None:

@@ -94,17 +94,14 @@ class StrokeField(Field):
 
 
 class MotionHeader(QWidget):
-    """The fields that belong to no segment; built again when the motion has another unit.
-
-    ``errors`` is a separate widget with their error texts, so that these do not move the fields.
-    """
+    """The fields that belong to no segment; built again when the motion has another unit."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
         self.fields: dict[str, Field] = {}
         self.has_stroke = False
-        self._fields_area, self.errors = ContentArea(session), ContentArea(session)
+        self._fields_area = ContentArea(session)
         self.origin, self.unlink_button = QLabel(), QPushButton("Unlink from the files")
         self.unlink_button.setToolTip("Keep the motion as it is now, and edit it here")
         self.unlink_button.clicked.connect(self._unlink)
@@ -163,8 +160,7 @@ class MotionHeader(QWidget):
         return [*start, FieldSpec(path, STROKE, UNITS[unit], _shown_stroke, can_be_assumed=False)]
 
     def _build(self, specs: list[FieldSpec]) -> None:
-        paper, errors = QWidget(), QWidget()
-        below = fill(QVBoxLayout(errors), margins=0)
+        paper = QWidget()
         row = fill(QHBoxLayout(paper), margins=(10, 5, 6, 2), spacing=10)
         self.fields = {}
         for spec in specs:
@@ -172,14 +168,13 @@ class MotionHeader(QWidget):
             field.setParent(paper)  # deleted together
             grid = fill(QGridLayout(), spacing=(5, 2))
             grid.setColumnStretch(1, 1)
-            field.add_to(grid, 0, below)
+            field.add_to(grid, 0)
             field.editor.setMinimumWidth(LEAST_WIDTH)  # two fit next to each other in a narrow dock
             field.editor.setMaximumWidth(MOST_WIDTH)
             row.addLayout(grid, 1)
             self.fields[spec.path] = field
         row.addStretch(2)
         self._fields_area.replace(paper)
-        self.errors.replace(errors)
 
     def focus_field(self, path: str) -> bool:
         """Show and focus the field of a path; ``motion.start`` is enough for ``motion.start_mm``."""

@@ -101,7 +101,6 @@ class MotionPage(QScrollArea):
             fill(
                 QVBoxLayout(),
                 self.header,
-                self.header.errors,
                 chooser,
                 self._segment_area,
                 self.curve,

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QModelIndex, QObject, QPersistentModelIndex, QRect, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QPen, QResizeEvent
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemDelegate,
     QAbstractItemView,
@@ -39,7 +39,7 @@ from core.motion import Join
 from core.number_text import shortest
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox, parsed
-from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable
+from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable, draw_refused
 from kindyna_gui.labels import law_label, no_number, sentence, value_text
 from kindyna_gui.motion.diagram import FIRST_FAULT, Parts, join_help, join_marks, join_text, mark_variants
 from kindyna_gui.motion.editor import DIRECTIONS
@@ -172,7 +172,7 @@ class SegmentsModel(CellModel):
         else:
             self._wrong.clear()
             self.endResetModel()
-            self.error_changed.emit("")
+            self.error_changed.emit("", {})
 
     def _all_changed(self) -> None:
         self._cells.clear()
@@ -189,8 +189,14 @@ class SegmentsModel(CellModel):
         """Unit of the motion."""
         return UNITS[self._motion.unit]
 
+    def info_of(self, column: int) -> Info:
+        return COLUMNS[column].info
+
+    def nearest(self, row: int, column: int, number: float | None) -> float | None:
+        """The nearest rise; a span at an end of its range leaves no room for its neighbours."""
+        return super().nearest(row, column, number) if column == RISE else None
+
     def unit_of(self, column: int) -> Unit:
-        """Unit of a column."""
         return self.unit if column == RISE else UNITS["deg"]
 
     def rowCount(self, parent: Index | None = None) -> int:
@@ -311,9 +317,6 @@ class SegmentsModel(CellModel):
         """Whether the value of a cell is marked as assumed."""
         return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
 
-    def is_refused(self, row: int, column: int) -> bool:
-        return column not in (FROM, TO) and super().is_refused(row, column)
-
     def is_faulty(self, row: int, column: int) -> bool:
         """Whether the value of a cell contradicts others."""
         return column not in (FROM, TO, JOIN) and self.path(row, column) in self._faulty
@@ -324,7 +327,7 @@ class SegmentsModel(CellModel):
         """Enter a law or the text of a number; False if the session refuses it."""
         row, column = index.row(), index.column()
         path = self.path(row, column)
-        self._trying = str(value)
+        self._try(row, column, str(value))
         if column == LAW:
             return self._session.edit(path, value, f"Change law of segment {row + 1} to {law_label(value)}")
         number = parsed(str(value), self.unit_of(column))
@@ -341,7 +344,6 @@ class SegmentsModel(CellModel):
         """Move the start of a segment to a cam angle [deg]."""
         low, high = self.value(row - 1, FROM), self.value(row, TO)
         span = difference(angle, low)
-        self._trying = shortest(span)
         if not low < angle < high:
             end, above, below = (value_text(value, UNITS["deg"]) for value in (angle, low, high))
             self._session.refuse(
@@ -428,10 +430,7 @@ class SegmentDelegate(CellDelegate):
         else:
             self._paint_text(painter, inner, cell, chosen and active)
         if cell.refused:
-            painter.save()
-            painter.setPen(QPen(QColor(SCREEN.limit), 1.6))
-            painter.drawRect(box.adjusted(1, 1, -2, -2))
-            painter.restore()
+            draw_refused(painter, box)
 
     def _paint_text(self, painter: QPainter, box: QRect, cell: SegmentCell, light: bool) -> None:
         painter.setPen(QColor(SCREEN.paper if light else cell.colour or SCREEN.ink))

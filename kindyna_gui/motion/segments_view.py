@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from functools import partial
+from functools import cached_property, partial
 from math import degrees, radians
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
@@ -14,7 +15,6 @@ from PySide6.QtWidgets import (
     QBoxLayout,
     QFrame,
     QHBoxLayout,
-    QLabel,
     QLayout,
     QMenu,
     QScrollArea,
@@ -41,23 +41,25 @@ from core.motion.split import LEAST_CUT, copy_segment, split_segment
 from core.study import Quantity, Study
 from kindyna_gui.documents.edits import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import closing_text, joins_of, misfit_sentences, motion_waits, waiting_paths
+from kindyna_gui.documents.texts import back_text, closing_text, joins_of, misfit_sentences, motion_waits, waiting_paths
 from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
 from kindyna_gui.forms.form import IncompleteBar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import reason, segment_of
-from kindyna_gui.look import coloured, described, icon
+from kindyna_gui.look import described, icon
 from kindyna_gui.motion.curve_fields import SegmentCurveForm
 from kindyna_gui.motion.diagram import ANGLE_STEP, snap, snap_angle
 from kindyna_gui.motion.editor import DerivativePlots, MotionEditor
 from kindyna_gui.motion.header import NO_STROKE, MotionHeader
 from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, SegmentsModel, SegmentsTable
 from kindyna_gui.pictures.plots.quantities import rows_of
-from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot, widget_with
 from kindyna_gui.requirements import require_motion as require_motion_of_view
 from kindyna_gui.view import ViewHost
+
+if TYPE_CHECKING:
+    from kindyna_gui.forms.refusal import RefusalLine, Remedies
 
 PATH = "motion.segments"
 """Path of the edits of whole segments."""
@@ -278,8 +280,12 @@ class SegmentForm(QScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        paper = widget_with(fill(QVBoxLayout(), *parts, STRETCH, margins=0, spacing=1))
-        self.setWidget(paper)
+        self._column = fill(QVBoxLayout(), *parts, STRETCH, margins=0, spacing=1)
+        self.setWidget(widget_with(self._column))
+
+    def add(self, part: QWidget) -> None:
+        """Add a part below the others."""
+        self._column.insertWidget(self._column.count() - 1, part)
 
     def set_view_height(self, view_height: int) -> None:
         """Take a share of the height of the view [pixels]; 0: no limit."""
@@ -317,10 +323,8 @@ class SegmentsView(MarkedView):
         self.curve = SegmentCurveForm(session, player)
         self.header = MotionHeader(session)
         self.incomplete_bar = IncompleteBar()
-        self.message = coloured(QLabel(wordWrap=True, margin=6), SCREEN.limit)
-        self.message.hide()
         self.bar = SegmentBar()
-        self.form = SegmentForm(self.curve, self.incomplete_bar, self.header.errors, self.message)
+        self.form = SegmentForm(self.curve, self.incomplete_bar)
         self._is_divided = False  # by the user
         self._action_refused = False
         self._has_derivatives = True  # the plots below the diagram show the current study
@@ -349,7 +353,6 @@ class SegmentsView(MarkedView):
     def _connect(self) -> None:
         connect_all(
             (self.model.error_changed, self._show_text),
-            (self.curve.error_changed, self._show_text),
             (self.table.insert_requested, partial(self.act, "insert")),
             (self.table.delete_requested, partial(self.act, "delete")),
             (self.bar.action_requested, self.act),
@@ -448,7 +451,9 @@ class SegmentsView(MarkedView):
         self.diagram.locked = waits or follows
         self.table.setEnabled(not follows)
         self.incomplete_bar.show_reasons(
-            misfit_sentences(self.session) if waits else [], closing_text(self.session) if waits else ""
+            misfit_sentences(self.session) if waits else [],
+            back_text(self.session),
+            closing_text(self.session) if waits else "",
         )
         if waits:
             self.form.reveal(self.incomplete_bar)
@@ -518,9 +523,18 @@ class SegmentsView(MarkedView):
         self._hides_before = True
         self._draw()
 
-    def _show_text(self, text: str) -> None:
-        self.message.setText(text)
-        self.message.setVisible(bool(text))
+    @cached_property
+    def message(self) -> RefusalLine:
+        """The line about a refused entry or action, created with the first one."""
+        from kindyna_gui.forms.refusal import RefusalLine  # imported here to save start-up time
+
+        line = RefusalLine()
+        self.form.add(line)
+        return line
+
+    def _show_text(self, text: str, remedies: Remedies = MappingProxyType({})) -> None:
+        if text or "message" in vars(self):
+            self.message.show_refusal(text, remedies)
         if text:
             self.form.reveal(self.message)
 

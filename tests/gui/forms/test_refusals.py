@@ -1,0 +1,156 @@
+"""A refused entry stays as typed and framed; a sentence in sight says why, and a button does the remedy as one undo step."""
+
+import pytest
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QCursor
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QWidget
+from window_user import Open, User, settle
+
+from core.design import Info
+from kindyna_gui.forms.refusal import RefusalLine
+from kindyna_gui.motion.segments_table import RISE, SPAN, TO
+
+ROD, FRICTION = "follower.rod_mm", "loads.friction"
+ANGLE = "limits.pressure_angle_rise_deg"
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    return open_user()
+
+
+def click(line: RefusalLine, text: str) -> None:
+    """Click a button of a refusal that is in sight."""
+    assert line.isVisible()
+    assert not line.visibleRegion().isEmpty()
+    QTest.mouseClick(line.buttons[text], Qt.MouseButton.LeftButton)
+    settle()
+
+
+def place(widget: QWidget) -> QRect:
+    """Where a widget is on the screen."""
+    return QRect(widget.mapToGlobal(QPoint()), widget.size())
+
+
+# -- rules ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("info", "value", "nearest"),
+    [
+        (Info("", low=0.0, high=90.0), 120.0, 90.0),
+        (Info("", low=0.0, high=90.0), -3.0, 0.0),
+        (Info("", low=0.0, open_low=True), -3.0, None),
+        (Info("", low=0.0), 1e300, None),
+        (Info("", low=0, high=9, whole=True), 12.4, 9),
+        (Info("", low=0, high=9, whole=True), 3.4, 3),
+        (Info("", numbers=(1, 5)), 4.0, 5),
+        (Info("", choices=("a", "b")), 4.0, None),
+    ],
+)
+def test_the_nearest_allowed_value(info: Info, value: float, nearest: float | None) -> None:
+    assert info.nearest(value) == nearest
+
+
+# -- fields -----------------------------------------------------------------------------------------------
+
+
+def test_a_button_goes_back_to_the_last_valid_value(user: User) -> None:
+    user.enter(ROD, "850")
+    user.enter(ROD, "-5")
+    line = user.field(ROD).message
+    assert line.text().endswith("not −5 mm")
+    assert list(line.buttons) == ["Back to 850 mm"]
+    click(line, "Back to 850 mm")
+    assert (user.number(ROD).text(), user.number(ROD).is_refused, line.isVisible()) == ("850", False, False)
+    assert user.number(ROD).hasFocus()
+    assert user.steps == ["Change rod L2 to 850 mm"]
+
+
+def test_a_button_enters_the_nearest_allowed_value_as_one_step(user: User) -> None:
+    user.enter(ANGLE, "120")
+    line = user.field(ANGLE).message
+    assert line.text() == "Outside its range; allowed: above 0 ... 90 °, not 120°"
+    assert user.number(ANGLE).text() == "120"
+    click(line, "Use 90°")
+    assert user.steps == ["Change pressure angle, rise to 90°"]
+    assert (user.number(ANGLE).text(), line.isVisible()) == ("90", False)
+    user.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert user.number(ANGLE).text() == ""
+
+
+def test_the_remedy_is_reached_by_keys(user: User) -> None:
+    user.enter(ROD, "-5")
+    line = user.field(ROD).message
+    line.buttons["Back to 845 mm"].setFocus(Qt.FocusReason.TabFocusReason)
+    user.press(Qt.Key.Key_Space)
+    assert (user.number(ROD).text(), line.isVisible()) == ("845", False)
+
+
+def test_a_refusal_moves_nothing_and_covers_neither_mouse_nor_focus(user: User) -> None:
+    fields = user.parameters().forms["follower"].fields
+    rod, below = fields[ROD], fields["follower.guide_height_mm"]
+    user.number(ROD)
+
+    def positions() -> list[QPoint]:
+        return [field.editor.mapTo(user.window, QPoint()) for field in fields.values()]
+
+    before = positions()
+    user.enter(ROD, "-5")
+    assert positions() == before
+    line = rod.message
+    assert place(line).top() > place(rod.editor).bottom()
+    below.focus()
+    settle()
+
+    assert QApplication.focusWidget() is below.editor
+    assert not place(line).intersects(place(below.editor)), "it goes above"
+    user.press(Qt.Key.Key_Tab)
+    user.number(ROD)
+    user.press(Qt.Key.Key_Escape)
+    assert not line.isVisible()
+    QCursor.setPos(place(below.editor).center())
+    user.enter(ROD, "-5")
+    assert line.isVisible()
+    assert not place(line).contains(QCursor.pos())
+    QCursor.setPos(5000, 5000)
+
+
+def test_a_misfit_is_a_sentence_in_sight_with_a_button_back(user: User) -> None:
+    user.enter("follower.roller_arm_mm", "100")
+    bar = user.parameters().incomplete_bar
+    assert "Roller arm Zl: the roller cannot reach" in bar.trouble.text()
+    assert bar.drop_button.text() == "Back to 651.081 mm"
+    before = user.steps
+    QTest.mouseClick(bar.drop_button, Qt.MouseButton.LeftButton)
+    settle()
+    assert user.number("follower.roller_arm_mm").text() == "651.081"
+    assert len(user.steps) == len(before) + 1
+
+
+# -- cells of tables ---------------------------------------------------------------------------------------
+
+
+def test_a_refused_cell_goes_back_by_a_button(user: User) -> None:
+    user.enter_cell(1, SPAN, "400")
+    view = user.motion()
+    assert view.message.text().endswith("not 400°")
+    click(view.message, "Back to 41.5°")
+    assert (user.cell(1, SPAN), view.message.isVisible(), user.steps) == ("41.5", False, [])
+
+
+def test_a_refused_end_stays_as_typed_in_its_cell(user: User) -> None:
+    user.enter_cell(1, TO, "300")
+    view = user.motion()
+    assert (user.cell(1, TO), user.cell(1, SPAN)) == ("300", "41.5")
+    assert view.model.is_refused(1, TO)
+    assert not view.model.is_refused(1, SPAN)
+    click(view.message, "Back to 76.5°")
+    assert user.cell(1, TO) == "76.5"
+
+
+def test_what_is_no_number_in_a_cell_goes_back_by_a_button(user: User) -> None:
+    user.enter_cell(1, RISE, "much")
+    view = user.motion()
+    assert list(view.message.buttons) == ["Back to −150 mm"]
