@@ -20,7 +20,7 @@ from core.shaft import AgainstSpeed, LoadCurve, peaks, rms
 from core.study import Camshaft, Study
 from core.study.drive_forces import ServoTurn, has_servo, servo_part, servo_turn
 from core.study.speeds import at_speeds
-from kindyna_gui.documents.pins import Band, Bands
+from kindyna_gui.documents.pins import Band, Bands, Pins
 from kindyna_gui.documents.session import BALANCE_CAM, Session
 from kindyna_gui.drives import swatch
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -265,6 +265,9 @@ class _TurnView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self._read_timer = single_shot(self, self._show_later, LATER_MS)
+        self.bands, self.pins = Bands.of(session), Pins.of(session)
+        for others in (self.bands, self.pins):
+            others.changed.connect(self.invalidate)
 
     def _lay_out(self, count: int, *more: QWidget) -> None:
         """Lay out a number of plots with common angles, and other widgets below them."""
@@ -331,25 +334,14 @@ class ShaftTorqueView(_TurnView):
         super().__init__(session, player)
         self._lay_out(2)
         self.drives, self.sums = self.plots
-        self.bands = Bands.of(session)
-        self.bands.changed.connect(self.invalidate)
 
     def draw(self, shaft: Camshaft[Study]) -> None:
         chosen = self.session.names[self.session.chosen]
-        x = shaft.angle_degrees
+        bands = self.bands.of_shaft()
         curves = [
-            Line(
-                x,
-                shaft.drive_torque(name),
-                SCREEN.drive(shaft.drive_number(name)),
-                name,
-                read=name == chosen,
-                band=band_in(self.bands.of_shaft(), name),
-            )
-            for name in shaft.loading_drives
-            if name not in shaft.failures
+            replace(line, read=line.label == chosen, band=band_in(bands, line.label)) for line in _drive_torques(shaft)
         ]
-        lacking = ""
+        x, lacking = shaft.angle_degrees, ""
         try:
             if shaft.design.balancer is not None:
                 curves.append(Line(x, shaft.balancer_torque, BALANCE, BALANCE_CAM, read=chosen == BALANCE_CAM))
@@ -359,7 +351,7 @@ class ShaftTorqueView(_TurnView):
             self.sums.show_message("")
         self.note.show_message(lacking)
         if curves:
-            show_turn(self.drives, "Drives", "N·m", curves)
+            show_turn(self.drives, "Drives", "N·m", [*self.pins.shaft_lines(_drive_torques), *curves])
         else:
             self.drives.show_message("No drive loads the shaft.")
 
@@ -367,17 +359,34 @@ class ShaftTorqueView(_TurnView):
         x, balanced = shaft.angle_degrees, shaft.design.balancer is not None
         cams = [Line(x, shaft.cams_torque, SCREEN.quiet, CAMS)] if balanced else []
         total = Line(x, shaft.torque, SCREEN.ink, SHAFT, read=True, band=band_in(self.bands.of_shaft(), ""))
-        show_turn(self.sums, "Shaft", "N·m", [*cams, total, *motor])
+        pinned = self.pins.shaft_lines(lambda shaft: [Line(shaft.angle_degrees, shaft.torque, SCREEN.ink)])
+        if motor:
+            pinned += self.pins.shaft_lines(_motor_torque)
+        show_turn(self.sums, "Shaft", "N·m", [*pinned, *cams, total, *motor])
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         if not shaft.levels_torque:
             return
         try:
             band = band_in(self.bands.of_motor(), "motor_torque")
-            motor = Line(shaft.angle_degrees, shaft.motor_torque, SCREEN.family("torque"), MOTOR, read=True, band=band)
-            self._draw_sums(shaft, motor)
+            self._draw_sums(shaft, *(replace(line, read=True, band=band) for line in _motor_torque(shaft)))
         except NoSolution as error:
             self.note.show_message(reason(shaft.design, error))
+
+
+def _drive_torques(shaft: Camshaft[Study]) -> list[Line]:
+    x, names = shaft.angle_degrees, [name for name in shaft.loading_drives if name not in shaft.failures]
+    return [Line(x, shaft.drive_torque(name), SCREEN.drive(shaft.drive_number(name)), name) for name in names]
+
+
+def _motor_torque(shaft: Camshaft[Study]) -> list[Line]:
+    if not shaft.levels_torque:
+        return []
+    return [Line(shaft.angle_degrees, shaft.motor_torque, SCREEN.family("torque"), MOTOR)]
+
+
+def _speed(shaft: Camshaft[Study]) -> list[Line]:
+    return [Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"))] if shaft.levels_torque else []
 
 
 class ShaftFiguresView(_TurnView):
@@ -391,8 +400,6 @@ class ShaftFiguresView(_TurnView):
         self.offer_explanation(self.table)
         self._lay_out(1, self.table)
         (self.speed,) = self.plots
-        self.bands = Bands.of(session)
-        self.bands.changed.connect(self.invalidate)
         self._has_speed = False
         self._show_speed_if_roomy()
 
@@ -417,8 +424,8 @@ class ShaftFiguresView(_TurnView):
         try:
             if shaft.levels_torque:
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
-                speed = Line(shaft.angle_degrees, shaft.speed / RPM, SCREEN.family("speed"), read=True, band=band)
-                show_turn(self.speed, "Speed", "rpm", [speed], fit=True)
+                speed = [replace(line, read=True, band=band) for line in _speed(shaft)]
+                show_turn(self.speed, "Speed", "rpm", [*self.pins.shaft_lines(_speed), *speed], fit=True)
         except NoSolution as error:
             self.speed.show_message(reason(shaft.design, error))
         self.table.show_rows(figures(shaft))

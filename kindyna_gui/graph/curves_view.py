@@ -28,6 +28,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.bounds import bounded_json
+from core.design import drive_names
 from core.errors import KindynaError
 from core.output.channels import channels
 from core.output.graph import (
@@ -61,7 +62,7 @@ from core.study.member_quantities import gain_per_turn
 from core.units import conversion_factor
 from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import UndoStep
-from kindyna_gui.documents.pins import Bands
+from kindyna_gui.documents.pins import Bands, Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.load_rows import TwoGroups, list_button
 from kindyna_gui.graph.curve_form import (
@@ -77,7 +78,7 @@ from kindyna_gui.graph.curve_form import (
 from kindyna_gui.graph.graph_choice import GraphSources
 from kindyna_gui.graph.live_graph import LiveGraph
 from kindyna_gui.look import SteadyText, text_button
-from kindyna_gui.pictures.plots.graph import POINT_NAMES
+from kindyna_gui.pictures.plots.graph import POINT_NAMES, Dashed
 from kindyna_gui.pictures.plots.graph import Bands as CurveBands
 from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.units import readable, short, with_unit
@@ -109,8 +110,9 @@ class CurvesView(View):
         self._gesture = 0  # steps of the same kind within a gesture are one
         self._drawn_rows: list[GraphCurve] = []
         self.plot = LiveGraph()
-        self.bands = Bands.of(session)
-        self.bands.changed.connect(self.invalidate)
+        self.bands, self.pins = Bands.of(session), Pins.of(session)
+        for others in (self.bands, self.pins):
+            others.changed.connect(self.invalidate)
         slots: dict[str, Callable[[], object]] = {
             "copy": self.copy, "remove": self.remove, "up": lambda: self._move_row(-1), "down": lambda: self._move_row(1),
             "undo": self.undo, "redo": self.redo,
@@ -285,7 +287,8 @@ class CurvesView(View):
         ]
         keep_range, self._drawn_rows = drawn == self._drawn_rows, drawn
         message = faults or "Add a curve, or drop a table here"
-        self.plot.show_graph(self.graph, self.data, keep_range, message, self._tolerance_bands())
+        bands, pinned = self._tolerance_bands(), self._pinned_curves()
+        self.plot.show_graph(self.graph, self.data, keep_range, message, bands, pinned)
         if self._saved_part and not self.sources.reading:
             part, self._saved_part = self._saved_part, {}
             self.plot.restore_part(part)
@@ -297,6 +300,17 @@ class CurvesView(View):
         self.axes.show_graph(self.graph, {name: defaults.get(name, AxisDefaults()) for name in AXES})
         self._show_readout()
         self.back_button.setEnabled(self.plot.can_go_back)
+
+    def _pinned_curves(self) -> Dashed | None:
+        """Curves of the pinned variant, those of channels of the current design alone."""
+        front = self.pins.front
+        rows = tuple(curve for curve in self.graph.curves if not curve.source and not curve.minus)
+        if front is None or not rows:
+            return None
+        names = drive_names(front.design)
+        chosen = self.session.names[self.session.chosen]
+        source = DesignSource(front.design, "", chosen if chosen in names else names[0])
+        return graph_data(replace(self.graph, curves=rows), lambda _: source), front.name
 
     def _tolerance_bands(self) -> CurveBands:
         """Bands of machines for the curves of the selected drive over the cam angle."""

@@ -206,7 +206,7 @@ class GraphView(PlotsView):
             if isinstance(panel.plot, LivePlot):  # also where no curve is drawn
                 panel.plot.name_angle(study)
             if drawable:
-                panel.plot.set_curves(study, drawable, bands=self.bands.read(drawable))
+                panel.plot.set_curves(study, drawable, **self.companions(drawable))
             else:
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
         self.request_extremes(study)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QHideEvent, QKeyEvent
@@ -12,7 +13,7 @@ from core.errors import KindynaError
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.background import Background
-from kindyna_gui.documents.pins import Bands
+from kindyna_gui.documents.pins import Bands, Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar, PeakDrag
 from kindyna_gui.pictures.plots.curves import TurnCurves
@@ -115,7 +116,15 @@ class MarkedView(View):
         self.marks = marks_action(session)
         self.marks.toggled.connect(self._switch_marks)
         self.bands = Bands.of(session)
-        self.bands.changed.connect(self.invalidate)
+        self.pins = Pins.of(session)
+        for others in (self.bands, self.pins):
+            others.changed.connect(self.invalidate)
+        self.pin_note = ""  # why the pinned variant lacks the curves that were drawn last
+
+    def companions(self, rows: Sequence[Quantity]) -> dict[str, Any]:
+        """Return what a plot draws next to these quantities: the bands of machines, and the pinned variant."""
+        reference, self.pin_note = self.pins.reference(rows)
+        return {"bands": self.bands.read(rows), "reference": reference}
 
     def turn_plots(self) -> Sequence[TurnCurves]:
         """Return the plots over one turn, whose cursor has values."""

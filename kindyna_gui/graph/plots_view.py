@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from math import degrees, radians
 from types import MappingProxyType
@@ -51,19 +52,44 @@ SHARES: Mapping[str, int] = MappingProxyType(
 # -- all drives over the machine angle -------------------------------------------------------------------
 
 
-def drive_curves(shaft: Camshaft[Study], names: Sequence[str], bands: Bands) -> tuple[list[Line], str, list[str]]:
+def drive_curves(
+    shaft: Camshaft[Study], names: Sequence[str], bands: Bands, pins: Pins
+) -> tuple[list[Line], str, list[str]]:
     """Return the first of these quantities for all drives over the machine angle, and for torques their sum.
 
     Returns
     -------
     lines : list of Line
-        Curves over the machine angle [deg], with their bands.
+        Curves over the machine angle [deg], with their bands, and those of the pinned variant below them.
     title : str
         Title of the axis, empty without a curve.
     missing : list of str
         A line for each drive that has no curve.
     """
-    curves, missing, first = [], [], None
+    first, lines, missing = _drive_lines(shaft, names, bands)
+    if first is None:
+        return [], "", missing
+
+    def draw_pinned(pinned: Camshaft[Study]) -> list[Line]:
+        unit, drawn, _ = _drive_lines(pinned, names)
+        return drawn if unit is not None and unit.unit.symbol == first.unit.symbol else []
+
+    lines = [*pins.shaft_lines(draw_pinned), *lines]
+    unit = readable(first.unit.symbol, max(float(np.nanmax(np.abs(line.y))) for line in lines))
+    shown = [
+        replace(line, y=line.y / unit.size, band=line.band and (line.band[0], line.band[1] / unit.size))
+        for line in lines
+    ]
+    return shown, f"{first.label}, {unit.symbol}", missing
+
+
+def _drive_lines(
+    shaft: Camshaft[Study], names: Sequence[str], bands: Bands | None = None
+) -> tuple[Quantity | None, list[Line], list[str]]:
+    """Quantity of the first drive that has one, curves of all drives in its unit, and a line for each drive without one."""
+    lines: list[Line] = []
+    missing: list[str] = []
+    first: Quantity | None = None
     for number, (name, study) in enumerate(shaft.drives.items()):
         try:
             rows, _ = split(study, rows_of(study, quantities_for(study, names)))
@@ -76,27 +102,17 @@ def drive_curves(shaft: Camshaft[Study], names: Sequence[str], bands: Bands) -> 
             text = f"in {rows[0].unit.symbol}, not in {first.unit.symbol}" if rows and first else "no such curve"
             missing.append(f"{name}: {text}")
             continue
-        band = bands.read(rows[:1], number).get(rows[0].slug)
+        band = None if bands is None else bands.read(rows[:1], number).get(rows[0].slug)
         position = shaft.positions[name]
-        shade = None if band is None else (position.machine_angle(np.deg2rad(turn_degrees(band.shape[1]))), band)
-        curves.append((position.machine_angle(study.theta), values, SCREEN.drive(number), name, shade))
-    if first is None:
-        return [], "", missing
-    if first.name == TORQUE and len(curves) > 1 and not missing:
-        sum_band = bands.of_shaft().get("")
-        shade = None if sum_band is None else (np.deg2rad(turn_degrees(sum_band.shape[1])), sum_band)
-        curves.append((shaft.theta, shaft.torque, SCREEN.ink, "Shaft", shade))
-    display_unit = readable(first.unit.symbol, max(float(np.nanmax(np.abs(values))) for _, values, *_ in curves))
-    lines = [
-        Line(
-            *_closed(x, values / display_unit.size),
-            colour,
-            name,
-            band=shade and _closed(shade[0], shade[1] / display_unit.size),
+        shade = None if band is None else _closed(position.machine_angle(np.deg2rad(turn_degrees(band.shape[1]))), band)
+        lines.append(
+            Line(*_closed(position.machine_angle(study.theta), values), SCREEN.drive(number), name, band=shade)
         )
-        for x, values, colour, name, shade in curves
-    ]
-    return lines, f"{first.label}, {display_unit.symbol}", missing
+    if first is not None and first.name == TORQUE and len(lines) > 1 and not missing:
+        sum_band = None if bands is None else bands.of_shaft().get("")
+        shade = None if sum_band is None else _closed(np.deg2rad(turn_degrees(sum_band.shape[1])), sum_band)
+        lines.append(Line(*_closed(shaft.theta, shaft.torque), SCREEN.ink, "Shaft", band=shade))
+    return first, lines, missing
 
 
 def _closed(machine_angle: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -145,7 +161,6 @@ class PlotView(PlotsView):
         self.all_drives.toggled.connect(self.invalidate)
         self.plot.addAction(self.all_drives)
         session.full_design_changed.connect(self._update_drives)
-        Pins.of(session).changed.connect(self.invalidate)
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -187,7 +202,7 @@ class PlotView(PlotsView):
             self.invalidate()
 
     def _show_all_drives(self, study: Study) -> None:
-        lines, title, missing = drive_curves(self.session.shaft, self.names, self.bands)
+        lines, title, missing = drive_curves(self.session.shaft, self.names, self.bands, self.pins)
         if lines:
             self.drives_plot.name_axes(MACHINE_ANGLE, title)
             self.drives_plot.show_lines(lines)
@@ -216,12 +231,8 @@ class PlotView(PlotsView):
             raise Unavailable(self.message)
         notes = ["; ".join(missing), *figures_of(study, self.names)]
         if drawn:
-            pinned, pinned_note = self._pinned(drawn)
-            bands = self.bands.read(drawn)
-            if (front := Pins.of(self.session).front) is not None:
-                self.plot.reference_name = front.name
-            self.plot.set_curves(study, drawn, pinned, read=False, bands=bands)  # ``follow`` comes next
-            notes.append(pinned_note)
+            self.plot.set_curves(study, drawn, read=False, **self.companions(drawn))  # ``follow`` comes next
+            notes.append(self.pin_note)
         else:
             self.plot.show_message(self.message)
         self.note.show_message("\n".join(filter(None, notes)) if drawn else "")
@@ -235,23 +246,6 @@ class PlotView(PlotsView):
             return None  # a reason, a selection or a band depends on more
         parts = [parts_of(study, stage, quantities) for stage in self.stages]
         return self.session.chosen, quantities, drive.limits, study.omega, tuple(parts)
-
-    def _pinned(self, drawn: Sequence[Quantity]) -> tuple[Study | None, str]:
-        """Study of the pinned variant if it has these quantities; else None and the reason."""
-        pins = Pins.of(self.session)
-        study = pins.study
-        if study is None or pins.front is None:
-            return None, ""
-        try:
-            with pins.named():
-                rows, missing = split(study, rows_of(study, [row.name for row in drawn]))
-                for row in rows:
-                    row.value(study)
-        except Unavailable as error:
-            return None, str(error)
-        if missing or len(rows) < len(drawn):
-            return None, f"Pinned {pins.front.name} has no such curve"
-        return study, ""
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         return self.rows if self.plot.lacks_extremes else ()
@@ -316,7 +310,7 @@ class StackView(PlotsView):
             self._drawn[name] = list(drawn)
             plot.name_angle(study)
             if drawn:
-                plot.set_curves(study, drawn, read=False, bands=self.bands.read(drawn))  # ``follow`` comes next
+                plot.set_curves(study, drawn, read=False, **self.companions(drawn))  # ``follow`` comes next
             else:
                 plot.show_message("\n".join(missing) or why_empty(study, (name,)))
         self.request_extremes(study)

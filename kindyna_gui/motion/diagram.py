@@ -27,7 +27,7 @@ from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import Z_CURVE, Z_REFERENCE
 from kindyna_gui.pictures.plots.plot import Span, peak, shown_range, spans
-from kindyna_gui.pictures.plots.quantities import Curve
+from kindyna_gui.pictures.plots.quantities import Curve, Reference, reference_curves
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.settings import point, sized, symbol_of
@@ -371,7 +371,12 @@ class MotionDiagram(CurvePlot):
     # -- curves ------------------------------------------------------------------------------------------
 
     def show_motion(
-        self, study: Study, channel: Quantity, before: np.ndarray | None, bands: Mapping[str, np.ndarray] = NO_BANDS
+        self,
+        study: Study,
+        channel: Quantity,
+        before: np.ndarray | None,
+        bands: Mapping[str, np.ndarray] = NO_BANDS,
+        reference: Reference | None = None,
     ) -> None:
         """Draw the displacement of a study; if nothing has changed, nothing is painted again.
 
@@ -382,14 +387,29 @@ class MotionDiagram(CurvePlot):
         channel : Quantity
             Channel of the displacement.
         before : ndarray (n,) [unit of the channel] or None
-            Displacement before the last edit.
+            Displacement before the last edit; None where there is a reference.
         bands : mapping of str to ndarray (k, n) [unit of the channel]
             Percentiles of machines built to the tolerances, by channel.
+        reference : Reference, optional
+            A second design, drawn dashed in place of the displacement before.
         """
         values = channel.values(study)
         motion = require_motion(study.design)
-        drawn = (motion, self.chosen, channel.slug, symbol_of(channel.unit.symbol), point(), before is None, *bands)
-        rows = (values, *(() if before is None else (before,)), *bands.values())
+        curve = Curve(channel, values, self._theme.family(channel.family), gain=motion.gain)
+        dashed = reference_curves(reference, [curve])
+        name = reference.name if reference is not None and dashed else ""
+        drawn = (
+            motion,
+            self.chosen,
+            channel.slug,
+            symbol_of(channel.unit.symbol),
+            point(),
+            before is None,
+            name,
+            *bands,
+        )
+        others = [(row.values, row.gain) for row in dashed] + ([] if before is None else [(before, motion.gain)])
+        rows = (values, *(row for row, _ in others), *bands.values())
         if (
             self._fixed_range is None
             and drawn == self._drawn_state
@@ -397,25 +417,25 @@ class MotionDiagram(CurvePlot):
         ):
             return
         self._drawn_state, self._rows = drawn if self._fixed_range is None else (), rows
-        self._angles = np.append(np.rad2deg(study.theta), 360.0)
-        curve = Curve(channel, values, self._theme.family(channel.family), gain=motion.gain)
         self._curves, self._theta, self._exact_values = [curve], study.theta, None
         band = bands.get(channel.slug)
-        ends = [] if band is None else [band[0], band[-1]]
-        shown = [row for row in (values, before, *ends) if row is not None]
-        full_turn = [np.append(row, row[0] + motion.gain) for row in shown]  # with the advance of the turn
+        ends = [] if band is None else [(band[i], motion.gain) for i in (0, -1)]
+        shown = [(values, motion.gain), *others, *ends]
+        full_turn = [np.append(row, row[0] + gain) for row, gain in shown]  # with the advance of the turn
         low, high = shown_range(full_turn, (channel.family,), ())
-        if all(row.min() == row.max() for row in shown):  # room to drag a first rise
+        if all(row.min() == row.max() for row, _ in shown):  # room to drag a first rise
             low, high = float(values[0]) - FLAT, float(values[0]) + FLAT
         if self._fixed_range is None:
             self.display_unit = readable(channel.unit.symbol, peak(full_turn))
         else:  # while a join is dragged the range may only grow
             low, high = min(low, self._fixed_range[0]), max(high, self._fixed_range[1])
         self._current.setPen(self._theme.pen(curve.colour))
-        self._put(self._current, values, motion.gain)
-        self._before.setVisible(before is not None)
-        if before is not None:
-            self._put(self._before, before, motion.gain)
+        self._put(self._current, study, values, motion.gain)
+        self._before.setVisible(bool(others))
+        for row, gain in others:
+            self._before.setPen(self._theme.pen(curve.colour if dashed else self._theme.quiet, THIN, DASHED))
+            self._put(self._before, study if reference is None else reference.study, row, gain)
+        self._name_curves(name)
         self._spans = spans(motion)
         self.motion, self._marks = motion, [join_marks(join, motion) for join in study.program.joins]
         size = self.display_unit.size
@@ -427,8 +447,9 @@ class MotionDiagram(CurvePlot):
         self._lay()
         self.update_highlight()
 
-    def _put(self, item: pg.PlotCurveItem, values: np.ndarray, gain: float) -> None:
-        item.setData(self._angles, np.append(values, values[:1] + gain) / self.display_unit.size, skipFiniteCheck=True)
+    def _put(self, item: pg.PlotCurveItem, study: Study, values: np.ndarray, gain: float) -> None:
+        angles = np.append(np.rad2deg(study.theta), 360.0)
+        item.setData(angles, np.append(values, values[:1] + gain) / self.display_unit.size, skipFiniteCheck=True)
 
     def fix_range(self, on: bool) -> None:
         """Keep the range of levels while a join is dragged; it may only grow."""

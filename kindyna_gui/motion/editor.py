@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import radians
 from types import MappingProxyType
+from typing import Any
 
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import (
@@ -25,7 +26,6 @@ from core.motion.extremes import Extremes
 from core.motion.split import shift_motion
 from core.number_text import shortest
 from core.study import Quantity, Study
-from kindyna_gui.documents.pins import Bands
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.labels import law_label
@@ -106,12 +106,12 @@ class DerivativePlots(QWidget):
         """Whether the plots are shown."""
         return not self.plots[0].isHidden()
 
-    def show_study(self, study: Study, bands: Bands) -> None:
-        """Draw velocity, acceleration and jerk of a study, with the bands of its tolerances."""
+    def show_study(self, study: Study, companions: Callable[[Sequence[Quantity]], dict[str, Any]]) -> None:
+        """Draw velocity, acceleration and jerk of a study; companions: returns what is drawn next to a quantity."""
         if self.shows_plots:
             for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
                 rows = rows_of(study, (quantity,))
-                plot.set_curves(study, rows, read=False, bands=bands.read(rows))
+                plot.set_curves(study, rows, read=False, **companions(rows))
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         """Channels of the plots whose extremes are not marked yet."""

@@ -484,11 +484,13 @@ class SegmentsView(MarkedView):
     def _draw_diagram(self, study: Study) -> None:
         self.diagram.chosen = self.chosen
         channel = self._channel(study)
-        self.diagram.show_motion(study, channel, self._values_before(study), self.bands.read([channel]))
+        companions = self.companions([channel])
+        before = self._values_before(study) if companions["reference"] is None else None
+        self.diagram.show_motion(study, channel, before, **companions)
 
     def _show_derivatives(self, study: Study) -> None:
         self._has_derivatives = True
-        self.derivatives.show_study(study, self.bands)
+        self.derivatives.show_study(study, self.companions)
         self.request_extremes(study)
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:

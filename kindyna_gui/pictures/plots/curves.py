@@ -19,6 +19,7 @@ from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline
 from kindyna_gui.pictures.plots.lines import (
+    DASHED_MARK,
     Z_CURVE,
     Z_REFERENCE,
     Cursor,
@@ -29,6 +30,7 @@ from kindyna_gui.pictures.plots.lines import (
     band_entry,
     band_items,
     closed_band,
+    reference_entry,
 )
 from kindyna_gui.pictures.plots.marks import Extreme, ExtremeMark, Readout, both_ends, lay_marks, place_readouts
 from kindyna_gui.pictures.plots.plot import (
@@ -44,7 +46,15 @@ from kindyna_gui.pictures.plots.plot import (
     typical_range,
     value_ticks,
 )
-from kindyna_gui.pictures.plots.quantities import Curve, drawn_alike, limits_of, moving, read_curves
+from kindyna_gui.pictures.plots.quantities import (
+    Curve,
+    Reference,
+    drawn_alike,
+    limits_of,
+    moving,
+    read_curves,
+    reference_curves,
+)
 from kindyna_gui.pictures.style import DASHED, SCREEN, THIN, Theme
 from kindyna_gui.pictures.units import (
     DisplayUnit,
@@ -154,11 +164,9 @@ class CurvePlot(TurnCurves, FixedPlot):
     Attributes
     ----------
     text_room : room left free above and below the curves, for the texts of extremes [pixels]
-    reference_name : name of the dashed reference in the legend
     """
 
     text_room = 0.0
-    reference_name = "pinned variant"
 
     def __init__(
         self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = SCREEN
@@ -179,7 +187,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         self._bands: list[Outline] = []
         self._drawn_bands: Sequence[tuple[Curve, np.ndarray]] = ()
         self._drawn_marks: tuple[object, ...] = ()
-        self._request: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
+        self._request: tuple[Study, tuple[Quantity, ...], Reference | None, Mapping[str, np.ndarray]] | None = None
         self._core: tuple[float, float] | None = None  # the range that the axis must show at least
         self._shows_spikes = self._has_spikes = False
         self._extremes: list[Extreme] = []
@@ -211,7 +219,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         self,
         study: Study,
         channels: Sequence[Quantity],
-        reference: Study | None = None,
+        reference: Reference | None = None,
         read: bool = True,
         bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
@@ -221,8 +229,8 @@ class CurvePlot(TurnCurves, FixedPlot):
         ----------
         study : Study
         channels : sequence of Quantity, of one unit
-        reference : Study, optional
-            A second study, drawn dashed.
+        reference : Reference, optional
+            A second design, drawn dashed.
         read : bool
             Write the values at the cursor; False where ``set_angle`` follows at once.
         bands : mapping of str to ndarray (5, n)
@@ -235,29 +243,35 @@ class CurvePlot(TurnCurves, FixedPlot):
         """
         self.name_angle(study)
         curves = read_curves(study, channels, self._theme)
-        reference_curves = [] if reference is None else read_curves(reference, channels, self._theme)
+        dashed = reference_curves(reference, curves)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point(), self.reference_name)
+        marks = (
+            tuple(segments),
+            tuple(limits),
+            symbol_of(channels[0].unit.symbol),
+            point(),
+            reference and reference.name,
+        )
         samples = line_of(study)
         shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
-        reference_samples = None if reference is None else line_of(reference)
+        reference_samples = line_of(reference.study) if reference is not None and dashed else None
         if (
             marks == self._drawn_marks
             and [id(band) for _, band in shaded] == [id(band) for _, band in self._drawn_bands]
             and samples.alike(self._samples)
             and drawn_alike(curves, self._curves)
-            and drawn_alike(reference_curves, self._reference_curves)
+            and drawn_alike(dashed, self._reference_curves)
             and (reference_samples is None or reference_samples.alike(self._reference_samples))
         ):
             return
-        self._drawn_marks, self._reference_curves, self._reference_samples = marks, reference_curves, reference_samples
+        self._drawn_marks, self._reference_curves, self._reference_samples = marks, dashed, reference_samples
         self._curves, self._spans, self._message_text, self._exact_values = curves, segments, "", None
         self._samples, self._theta = samples, study.theta
         self._request, self._ranges = (study, tuple(channels), reference, bands), None
-        values = [curve.values for curve in curves + reference_curves]
+        values = [curve.values for curve in curves + dashed]
         values += [band[i] for _, band in shaded for i in (0, -1)]
         full_ranges = [typical_range(row) for row in values]
-        moves = [moving(study)] * len(curves) + [moving(reference or study)] * len(reference_curves)
+        moves = [moving(study)] * len(curves) + [moving(reference.study) for _ in dashed if reference is not None]
         moves += [np.ones(band.shape[-1], dtype=bool) for _, band in shaded for _ in (0, 1)]
         ranges_without_spikes = [readable_range(row, at) for row, at in zip(values, moves, strict=True)]
         self._has_spikes = ranges_without_spikes != full_ranges
@@ -273,7 +287,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         low, high = self._reach(self._core)
         rows = [(curve, samples, Z_CURVE, DASHED if curve.channel.approximates else ()) for curve in curves]
         if reference_samples is not None:
-            rows += [(curve, reference_samples, Z_REFERENCE, DASHED) for curve in reference_curves]
+            rows += [(curve, reference_samples, Z_REFERENCE, DASHED) for curve in dashed]
         self._drawn = self._resized(self._drawn, len(rows), lambda: CurveLine(self._view))
         for item, (curve, along, z, dash) in zip(self._drawn, rows, strict=True):
             self._draw(item, curve, along, z, self._theme.pen(curve.colour, THIN, dash))
@@ -285,7 +299,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         self._limits = self._resized(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
         for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
             limit.set_value(value, text.format(with_unit(short(value, 4), self.display_unit.symbol)), brief, field)
-        self._name_curves(reference is not None, bool(shaded))
+        self._name_curves(reference.name if reference is not None and dashed else "", bool(shaded))
         self._find_extremes()
         self._lay_out()
         if QAccessible.isActive():
@@ -389,7 +403,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         self._extremes = []
         self._shade([])
         self._curves, self._reference_curves, self._spans, self._drawn_marks, self._exact_values = [], [], [], (), None
-        self._name_curves(False)
+        self._name_curves()
         self._axes["left"].show_title("", self._theme.ink)
         self._message_text, self._core = text, None
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
@@ -426,12 +440,14 @@ class CurvePlot(TurnCurves, FixedPlot):
         room = CLIP_RANGES * (high - low)
         return np.clip(values, low - room, high + room)
 
-    def _name_curves(self, has_reference: bool, has_bands: bool = False) -> None:
+    def _name_curves(self, reference: str = "", has_bands: bool = False) -> None:
         """Name the curves above the plot where there is more than one."""
         rows: list[Entry] = []
-        if len(self._curves) > 1 or has_reference or has_bands:
-            rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.approximates else "—") for c in self._curves]
-            rows += [Entry(self._theme.quiet, self.reference_name, "– –")] if has_reference else []
+        if len(self._curves) > 1 or reference or has_bands:
+            rows = [
+                Entry(c.colour, c.channel.label, DASHED_MARK if c.channel.approximates else "—") for c in self._curves
+            ]
+            rows += [reference_entry(reference, self._theme)] if reference else []
             rows += [band_entry(self._theme)] if has_bands else []
         self._name(rows)
 

@@ -29,7 +29,17 @@ from kindyna_gui.pictures.plots.graph_ranges import (
     ticks_of,
 )
 from kindyna_gui.pictures.plots.library import pg
-from kindyna_gui.pictures.plots.lines import LEFT_WIDTH, Z_CURSOR, Z_CURVE, Entry, add_item, band_entry, band_items
+from kindyna_gui.pictures.plots.lines import (
+    LEFT_WIDTH,
+    Z_CURSOR,
+    Z_CURVE,
+    Z_REFERENCE,
+    Entry,
+    add_item,
+    band_entry,
+    band_items,
+    reference_entry,
+)
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot, with_one_scale
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -64,6 +74,8 @@ _OTHER_COLOURS = (PURPLE, ORANGE, SKY, VERMILION, GREEN, BLUE)
 """Colours in order, for curves whose quantity and drive are unknown."""
 Bands = Mapping[int, tuple[np.ndarray, np.ndarray]]
 """Number of a curve -> x (n,) and percentiles (5, n) of its machines, in its units."""
+Dashed = tuple[GraphData, str]
+"""Curves of another design, by the keys of the curves, and its name."""
 NO_CHANNEL_BANDS: Bands = MappingProxyType({})
 
 
@@ -77,6 +89,7 @@ class GraphPlot(FixedPlot):
     shown : range that is shown
     points : points that are marked, at most two
     bands : bands of the curves
+    references : number of a curve -> that of another design, drawn dashed
     """
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = SCREEN) -> None:
@@ -87,6 +100,7 @@ class GraphPlot(FixedPlot):
         self.bands = NO_CHANNEL_BANDS
         self._items: list[pg.PlotDataItem] = []
         self._areas: list[tuple[pg.ViewBox, Outline]] = []
+        self.references: dict[int, Series] = {}
         self._right_axes: list[tuple[Axis, pg.ViewBox]] = []
         self._slots: list[int] = []
         self._point_items: list[list[QGraphicsItem]] = []
@@ -122,7 +136,13 @@ class GraphPlot(FixedPlot):
         return titles
 
     def show_graph(
-        self, graph: Graph, data: GraphData, keep: bool = False, message: str = "", bands: Bands = NO_CHANNEL_BANDS
+        self,
+        graph: Graph,
+        data: GraphData,
+        keep: bool = False,
+        message: str = "",
+        bands: Bands = NO_CHANNEL_BANDS,
+        reference: Dashed | None = None,
     ) -> None:
         """Draw the curves of a graph.
 
@@ -136,6 +156,8 @@ class GraphPlot(FixedPlot):
             Text in place of curves where there are none.
         bands : mapping of int to (x, percentiles)
             Number of a curve -> x (n,) and percentiles (5, n) of the machines, drawn as shaded bands.
+        reference : GraphData and name, optional
+            Curves of another design, drawn dashed, each in the colour and on the axis of the curve with its key.
         """
         same = (
             keep
@@ -154,9 +176,12 @@ class GraphPlot(FixedPlot):
         for _, view in self._right_axes:
             view.setGeometry(self._view.geometry())
         self._items = [self._draw(i) for i in range(len(data.series))]
-        self._areas = [area for number, band in bands.items() for area in self._shade(number, *band)]
+        self.references = {} if reference is None else self._matching(reference[0])
+        self._areas = [self._draw_dashed(number, series) for number, series in self.references.items()]
+        self._areas += [area for number, band in bands.items() for area in self._shade(number, *band)]
         self._message_text = "" if data.series else message
         names = [Entry(self.colour(i), series.name, self._sign(series)) for i, series in enumerate(data.series)]
+        names += [reference_entry(reference[1], self._theme)] if reference is not None and self.references else []
         self._name([*names, *([band_entry(self._theme)] if bands else [])])
         self._heading.setText(graph.title)
         self._above = float(TOP_MARGIN + (sized(TITLE_HEIGHT) if graph.title else 0))
@@ -279,6 +304,22 @@ class GraphPlot(FixedPlot):
             self._mark_angles(item, series, axis, colour, inwards=previous % 2 == 1)
         return item
 
+    def _matching(self, data: GraphData) -> dict[int, Series]:
+        """Number of a curve -> the curve of another design with its key, drive and unit."""
+        others = {(row.key, row.part, row.x_unit, row.y_unit): row for row in data.series}
+        pairs = ((i, others.get((row.key, row.part, row.x_unit, row.y_unit))) for i, row in enumerate(self.data.series))
+        return {number: row for number, row in pairs if row is not None}
+
+    def _draw_dashed(self, number: int, series: Series) -> tuple[pg.ViewBox, Outline]:
+        """Draw a curve of another design next to the one with this number; returns it with its view box."""
+        axis = self.axis_of(number)
+        y = scaled(series.y, self.data.axes[axis].scale.log, self.display_units[axis].size)
+        line = pg.arrayToQPath(scaled(series.x, self.graph.x.log), y, "finite")
+        item, view = Outline(line, self._theme.pen(self.colour(number), 1.0, DASHED)), self.view_of(axis)
+        view.addItem(item, ignoreBounds=True)
+        item.setZValue(Z_REFERENCE)
+        return view, item
+
     def _shade(self, number: int, x: np.ndarray, band: np.ndarray) -> list[tuple[pg.ViewBox, Outline]]:
         """Shade the areas of a curve's band; returns each with its view box."""
         axis = self.axis_of(number)
@@ -399,11 +440,13 @@ class GraphPlot(FixedPlot):
 
     def full_range(self) -> GraphRange:
         """Range of the full graph, or the typed one; with one scale for an outline."""
-        with_bands = [
-            replace(series, y=np.append(series.y, self.bands[i][1][[0, -1]])) if i in self.bands else series
-            for i, series in enumerate(self.data.series)
-        ]
-        shown = full_range(replace(self.data, series=tuple(with_bands)), self.graph.x, self.display_units)
+        ends = {number: band[[0, -1]] for number, (_, band) in self.bands.items()}
+        drawn = []
+        for i, series in enumerate(self.data.series):
+            rows = [series, self.references[i]] if i in self.references else [series]
+            across, values = (np.concatenate([getattr(row, axis) for row in rows]) for axis in "xy")
+            drawn.append(replace(series, x=across, y=np.append(values, ends.get(i, ()))))
+        shown = full_range(replace(self.data, series=tuple(drawn)), self.graph.x, self.display_units)
         if not is_outline(self.data, self.graph.x):
             return shown
         unit = self.display_units[0].size * conversion_factor(self.data.axes[0].unit, self.data.x_unit)

@@ -28,6 +28,7 @@ NAME_GAP = "\u00a0\u00a0 "  # between names
 TEXT_POSITIONS = (1.0, 0.0, 0.75, 0.5, 0.25)  # along a limit's line, for its text
 TEXT_SHIFT = 4.0  # of that text inwards from the ends of the line, pixels
 BAND_OPACITY = (0.16, 0.3)  # of the outer band, of the inner one above it
+DASHED_MARK = "– –"
 MACHINES = "90 and 99.73 % of machines"
 
 # -- frame -----------------------------------------------------------------------------------------------
@@ -364,6 +365,11 @@ def band_items(x: np.ndarray, percentiles: np.ndarray, colour: str) -> Iterator[
         item = Outline(pg.arrayToQPath(across, upwards), fill=brush(colour, opacity))
         item.setZValue(Z_REFERENCE - 1.0)
         yield item
+
+
+def reference_entry(name: str, theme: Theme) -> Entry:
+    """Legend entry of the dashed curves of another design."""
+    return Entry(theme.quiet, name, DASHED_MARK)
 
 
 def band_entry(theme: Theme, text: str = MACHINES) -> Entry:

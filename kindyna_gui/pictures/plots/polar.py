@@ -25,12 +25,12 @@ from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import NO_BANDS, TurnCurves
-from kindyna_gui.pictures.plots.lines import band_entry, band_outlines, closed_band
+from kindyna_gui.pictures.plots.lines import DASHED_MARK, band_entry, band_outlines, closed_band
 from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, box_near, lay_polar_marks, paint_title
 from kindyna_gui.pictures.plots.plot import Span, peak, spans, typical_range
-from kindyna_gui.pictures.plots.quantities import read_curves
+from kindyna_gui.pictures.plots.quantities import Reference, read_curves, reference_curves
 from kindyna_gui.pictures.shapes import outline
-from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
+from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import decimals_of, needed, nice_step, number, readable
 from kindyna_gui.settings import sized
 
@@ -62,6 +62,8 @@ class PolarPlot(TurnCurves, QWidget):
         self._theme = theme
         self._rows: list[tuple[Quantity, np.ndarray, str]] = []
         self._shaded: list[tuple[np.ndarray, np.ndarray, str]] = []
+        self._dashed: list[tuple[np.ndarray, np.ndarray, str]] = []  # values and angles of the reference, and colour
+        self._reference_name = ""
         self._spans: list[Span] = []
         self.message = ""
         self._marks: list[PolarMark] | None = None
@@ -74,7 +76,12 @@ class PolarPlot(TurnCurves, QWidget):
     # -- curves -------------------------------------------------------------------------------------------
 
     def set_curves(
-        self, study: Study, channels: Sequence[Quantity], *, bands: Mapping[str, np.ndarray] = NO_BANDS
+        self,
+        study: Study,
+        channels: Sequence[Quantity],
+        *,
+        reference: Reference | None = None,
+        bands: Mapping[str, np.ndarray] = NO_BANDS,
     ) -> None:
         """Draw quantities of a study.
 
@@ -82,6 +89,8 @@ class PolarPlot(TurnCurves, QWidget):
         ----------
         study : Study
         channels : sequence of Quantity, of one unit
+        reference : Reference, optional
+            A second design, drawn dashed.
         bands : mapping of str to ndarray (5, n)
             Column of a channel -> percentiles of the machines at equal steps over the turn, drawn as shaded bands.
 
@@ -92,7 +101,11 @@ class PolarPlot(TurnCurves, QWidget):
         """
         self._curves = read_curves(study, channels, self._theme)
         shaded = [(curve, bands[curve.channel.slug]) for curve in self._curves if curve.channel.slug in bands]
-        values = [*(curve.values for curve in self._curves), *(band[i] for _, band in shaded for i in (0, -1))]
+        dashed = reference_curves(reference, self._curves)
+        values = [
+            *(curve.values for curve in (*self._curves, *dashed)),
+            *(band[i] for _, band in shaded for i in (0, -1)),
+        ]
         self.display_unit = readable(channels[0].unit.symbol, peak(values))
         shown = [v / self.display_unit.size for v in values]
         ranges = [typical_range(v) for v in shown]
@@ -105,6 +118,10 @@ class PolarPlot(TurnCurves, QWidget):
             (*closed_band(band / self.display_unit.size, curve.gain / self.display_unit.size), curve.colour)
             for curve, band in shaded
         ]
+        shown_reference = [row.values / self.display_unit.size for row in dashed]
+        theta = self._theta if reference is None else reference.study.theta
+        self._dashed = [(row, theta, curve.colour) for row, curve in zip(shown_reference, dashed, strict=True)]
+        self._reference_name = reference.name if reference is not None and dashed else ""
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
         self._ranges = self._marks = self._pixmap = self._exact_values = None
         self.update()
@@ -117,7 +134,7 @@ class PolarPlot(TurnCurves, QWidget):
 
     def show_message(self, text: str) -> None:
         """Show only a text, such as the input that is missing."""
-        self._rows, self._curves, self._shaded, self._spans, self.message = [], [], [], [], text
+        self._rows, self._curves, self._shaded, self._dashed, self._spans, self.message = [], [], [], [], [], text
         self._ranges = self._marks = self._paths = self._pixmap = None
         self.update()
 
@@ -213,12 +230,17 @@ class PolarPlot(TurnCurves, QWidget):
             self._paint_axes(painter)
             for path, fill in self.areas:
                 painter.fillPath(path, fill)
+            for path, (_, _, colour) in zip(self.references, self._dashed, strict=True):
+                painter.setPen(self._theme.pen(colour, THIN, DASHED))
+                painter.drawPath(path)
             for path, (_, _, colour) in zip(self.paths, self._rows, strict=True):
                 painter.setPen(self._theme.pen(colour, THIN))
                 painter.drawPath(path)
             for mark in self.marks:
                 mark.paint(painter, self._theme)
             names = [(row.label, self._theme.text_colour(colour)) for row, _, colour in self._rows]
+            if self._dashed:
+                names.append((f"{DASHED_MARK} {self._reference_name}", self._theme.quiet))
             if self._shaded:
                 names.append((band_entry(self._theme).name, self._theme.quiet))
             paint_title(painter, names, self.display_unit.symbol, self._theme.ink, self.width())
@@ -280,6 +302,7 @@ class PolarPlot(TurnCurves, QWidget):
         """Dots and texts of the extremes."""
         if self._marks is None:
             curves = [self._points(values) for _, values, _ in self._rows]
+            curves += [self._points(values, theta) for values, theta, _ in self._dashed]
             self._marks = lay_polar_marks(
                 self.marked(),
                 lambda extreme: self.position(extreme.angle, self.distance(extreme.value)),
@@ -289,6 +312,11 @@ class PolarPlot(TurnCurves, QWidget):
                 QRectF(self.rect()).adjusted(0.0, sized(TITLE), 0.0, 0.0),
             )
         return self._marks
+
+    @property
+    def references(self) -> list[QPainterPath]:
+        """Dashed lines of the reference [pixels]."""
+        return [self._curve(values, theta) for values, theta, _ in self._dashed]
 
     @property
     def bands(self) -> list[np.ndarray]:
@@ -313,9 +341,9 @@ class PolarPlot(TurnCurves, QWidget):
             away * np.exp(-1j * (self._theta if theta is None else theta)) + complex(self.centre.x(), self.centre.y())
         )
 
-    def _curve(self, values: np.ndarray) -> QPainterPath:
-        """One closed line, interrupted where a value is infinite."""
-        points = self._points(values)
+    def _curve(self, values: np.ndarray, theta: np.ndarray | None = None) -> QPainterPath:
+        """One closed line, interrupted where a value is infinite; at the study's angles, or at given angles [rad]."""
+        points = self._points(values, theta)
         finite = np.isfinite(values)
         if finite.all() and self._is_full_turn:
             closed = np.append(points, points[:1])

@@ -156,6 +156,22 @@ class Curve:
         ]
 
 
+@frozen(eq=False)
+class Reference:
+    """Another design whose curves are drawn dashed.
+
+    Attributes
+    ----------
+    name : in the legend
+    study : Study
+    rows : its quantities by name, in the units of the plot
+    """
+
+    name: str
+    study: Study
+    rows: Mapping[str, Quantity]
+
+
 _VALUES: WeakKeyDictionary[Study, dict[str, np.ndarray]] = WeakKeyDictionary()
 
 
@@ -180,12 +196,23 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
     for row in channels:
         exact = next((curve for curve in curves if curve.channel.name == row.approximates), None)
         nth = family_counts[row.family] = family_counts.get(row.family, -1) + 1
-        floor = floor_of(study, row)
-        values = without_noise(values_of(study, row), floor)
         colour = theme.seen(shade(theme.family(row.family), nth)) if exact is None else exact.colour
-        gain = gain_per_turn(study, row.name) / row.unit.factor
-        curves.append(Curve(row, values, colour, floor, gain))
+        curves.append(_read_curve(study, row, colour))
     return curves
+
+
+def reference_curves(reference: Reference | None, curves: Sequence[Curve]) -> list[Curve]:
+    """Curves of a reference in the colours of these curves; those that it lacks are omitted."""
+    if reference is None:
+        return []
+    pairs = ((reference.rows.get(curve.channel.name), curve.colour) for curve in curves)
+    return [_read_curve(reference.study, row, colour) for row, colour in pairs if row is not None]
+
+
+def _read_curve(study: Study, row: Quantity, colour: str) -> Curve:
+    floor = floor_of(study, row)
+    gain = gain_per_turn(study, row.name) / row.unit.factor
+    return Curve(row, without_noise(values_of(study, row), floor), colour, floor, gain)
 
 
 def moving(study: Study) -> np.ndarray:

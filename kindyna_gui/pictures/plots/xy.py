@@ -6,7 +6,7 @@ It also draws the map of the contact force over cam angle and speed.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,7 @@ from kindyna_gui.pictures.plots.lines import (
     Frame,
     band_entry,
     band_items,
+    reference_entry,
 )
 from kindyna_gui.pictures.plots.marks import Readout, place_readouts
 from kindyna_gui.pictures.plots.mouse import AngleMouse
@@ -89,6 +90,7 @@ class Line:
     width : in multiples of the normal width
     read : whether its value is shown at the cursor
     band : x (m,) and percentiles (5, m) of the machines, drawn as a shaded band
+    reference : name of the design that it belongs to, where that is another one
     """
 
     x: np.ndarray
@@ -99,6 +101,12 @@ class Line:
     width: int = 1
     read: bool = False
     band: tuple[np.ndarray, np.ndarray] | None = None
+    reference: str = ""
+
+
+def reference_lines(lines: Iterable[Line], name: str) -> list[Line]:
+    """Curves of another design, dashed; the legend has the name of the design in place of theirs."""
+    return [replace(line, label="", dash=DASHED, read=False, band=None, reference=name) for line in lines]
 
 
 @frozen(eq=False)
@@ -245,6 +253,9 @@ class XYPlot(FixedPlot):
             for area in band_items(band_x, percentiles, line.colour):
                 self._add(area, area.zValue())
         names = [Entry(line.colour, line.label) for line in lines if line.label]
+        names += [
+            reference_entry(name, self._theme) for name in dict.fromkeys(line.reference for line in lines) if name
+        ]
         self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
         self._read_lines([line for line in lines if line.read], display_unit)
         x, y = (np.concatenate([getattr(row, axis) for row in (*lines, *dots)]) for axis in "xy")

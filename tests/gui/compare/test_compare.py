@@ -10,14 +10,21 @@ from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
 from core import project
-from core.design import get, put
+from core.design import get, only, put
+from core.output.channels import channels
 from core.output.explain import explained
 from core.study import Study, evaluations
 from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.graph.curves_view import CurvesView
-from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.graph.graph_view import GraphView
+from kindyna_gui.graph.live_plot import LivePolar
+from kindyna_gui.graph.plots_view import PlotView, StackView
+from kindyna_gui.motion.segments_view import SegmentsView
+from kindyna_gui.pictures.plots.curves import CurvePlot
+from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.places import example
+from kindyna_gui.shaft import ShaftTorqueView
 from kindyna_gui.view import ExplainableNumber
 
 BASE = "cam.base_radius_mm"
@@ -108,6 +115,60 @@ def test_what_changed_reads_inputs_then_twenty_results_and_leads_to_their_curves
     shaft = user.window.view("shaft_torque")
     assert shaft is not None
     assert shaft.on_screen()
+
+
+def dashed(plot: CurvePlot) -> list[CurveLine]:
+    items = [item for item in plot.scene().items() if isinstance(item, CurveLine)]
+    return [item for item in items if item.pen().style() == Qt.PenStyle.CustomDashLine]
+
+
+def test_both_variants_are_in_every_plot(open_user: Open) -> None:
+    """Motion editor, motion and pressure angle, single plots, all drives, the shaft, graph, polar graph and curves."""
+    user, _ = pinned_unit(open_user)
+    before = Study(only(project.load(example("transfer_unit")), 0))
+    motion, stack = user.see("motion"), user.see("stack")
+    assert isinstance(motion, SegmentsView)
+    assert isinstance(stack, StackView)
+    plots = dict(zip(("velocity", "acceleration", "jerk"), motion.derivatives.plots, strict=True))
+    for name, plot in [*plots.items(), *stack.plots.items()]:
+        assert "variant 1" in plot.legend.text, name
+        (line,) = dashed(plot)
+        row = next(row for row in channels(before.design) if row.name == name)
+        assert line.y.max() == pytest.approx(row.values(before).max() / plot.display_unit.size, rel=1e-3), name
+    assert "variant 1" in motion.diagram.legend.text
+    torque = user.see("torque")
+    assert isinstance(torque, PlotView)
+    assert len(dashed(torque.plot)) == len(torque.rows)
+    torque.all_drives.trigger()
+    wait_for(lambda: torque.up_to_date)
+    drives = torque.drives_plot
+    assert drives.legend.text.count("variant 1") == 1
+    assert [line.label for line in drives.shown if not line.reference] == ["Feed", "Clamp", "Lift", "Torque", "Shaft"]
+    pinned = [line for line in drives.shown if line.reference == "variant 1"]
+    assert len(pinned) == 5
+    assert all(line.dash for line in pinned)
+    shaft = user.see("shaft_torque")
+    wait_for(lambda: not shaft.busy)
+    assert isinstance(shaft, ShaftTorqueView)
+    assert all("variant 1" in plot.legend.text for plot in shaft.plots)
+    graph = user.see("graph")
+    assert isinstance(graph, GraphView)
+    for form in ("straight", "polar"):
+        graph.set_form(form)
+        for panel in graph.panels:
+            if isinstance(panel.plot, LivePolar):
+                assert len(panel.plot.references) == len(panel.plot.paths)
+            else:
+                assert "variant 1" in panel.plot.legend.text
+    curves = user.see("curves")
+    assert isinstance(curves, CurvesView)
+    assert "variant 1" in curves.plot.legend.text
+    assert curves.plot.references[0].y.max() == pytest.approx(24.0)
+    user.choose("Edit", "Unpin")
+    for name in ("motion", "stack", "torque", "curves"):
+        user.see(name)
+    assert "variant" not in motion.diagram.legend.text + curves.plot.legend.text + drives.legend.text
+    assert not any(dashed(plot) for plot in stack.plots.values())
 
 
 def test_a_row_of_another_drive_selects_it_and_one_without_a_plot_goes_to_the_graph(open_user: Open) -> None:
