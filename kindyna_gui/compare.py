@@ -209,7 +209,7 @@ EXPLAIN_HEADINGS = (
     TableHeading("Symbol"),
     TableHeading("Value", number=True),
     TableHeading("Unit"),
-    TableHeading("What it is", wide=True),
+    TableHeading("Meaning", wide=True),
     TableHeading("From"),
 )
 FIRST = ("drive_torque_nm", "driver_torque_nm", "torque_nm")

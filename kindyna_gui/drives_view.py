@@ -271,7 +271,7 @@ class DrivesView(View):
             add_entry(menu, row.label, partial(self._add, kind), f"Add a drive: {row.label}")
         add_entry(
             menu,
-            "Chosen by its picture...",
+            "From images...",
             self.picture_requested.emit,
             "Select a follower with its face and the form of its cam, or a linkage",
         )
@@ -282,7 +282,7 @@ class DrivesView(View):
             menu,
             "Balance cam",
             partial(drives.add_balancer, self.session),
-            "Balance cam: a spring-loaded cam that compensates the torque of the other drives",
+            "A spring-loaded cam that evens out the torque of the other drives",
             enabled=self.session.full_design.balancer is None,
         )
 

@@ -101,7 +101,7 @@ def start(open_user: Open, whole: bool = False, size: tuple[int, int] = (1280, 1
     user = open_user(whole=whole, size=size)
     user.answers(SaveAnswer.DISCARD)
     pen = Pen(user)
-    pen.choose("File", "New of a kind", "Linkage by drawing")
+    pen.choose("File", "New by type", "Linkage by drawing")
     return pen
 
 

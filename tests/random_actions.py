@@ -86,7 +86,7 @@ class Actions:
         self._choose(("File", "Examples"))
 
     def new_design(self) -> None:
-        self._choose(("File", "New of a kind"))
+        self._choose(("File", "New by type"))
 
     def question(self) -> None:
         """What opens a dialog, or changes the mechanism."""
@@ -359,7 +359,7 @@ class Actions:
         view: Any = self.window.show_view("mechanism")
         if not view.draws:
             self._choose(
-                ("File", "New of a kind", "Linkage by drawing") if self.rng.random() < 0.5 else ("Compo", "Draw")
+                ("File", "New by type", "Linkage by drawing") if self.rng.random() < 0.5 else ("Compo", "Draw")
             )
         for _ in range(self.rng.randrange(4, 16)):
             QTest.qWait(1)

@@ -144,8 +144,8 @@ def _text(solution: Solution) -> str:
         lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
     lines += [f"it depends on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     if solution.end:
-        lines.append(f"no limit determines it: it is at the end of its range, {solution.end}")
+        lines.append(f"limited by the search range only: {solution.end}")
     lines += [f"beyond it: {text}" for text in solution.next_findings]
-    lines += [f"comes with it: {text}" for text in solution.notes]
+    lines += [f"also changes: {text}" for text in solution.notes]
     lines += [f"set in the design: {path} = {value:.12g}" for path, value in solution.applied.items()]
     return "\n".join(lines) + "\n"

@@ -313,7 +313,7 @@ def comparison_document(comparison: Comparison) -> Document:
         (
             *_chapter("Inputs that differ", inputs),
             *_chapter("Results that differ, the largest share first", results),
-            Section("Findings that came or went", (Sentences(tuple(lines)),), 1),
+            Section("New and removed findings", (Sentences(tuple(lines)),), 1),
         ),
     )
 

@@ -237,7 +237,7 @@ def lift_off_lines(study: Study) -> list[str]:
 def flight_lines(study: Study, result: Flights) -> list[str]:
     """Flights as a table, and whether they repeat."""
     if not result.flights:
-        return ["It does not fly at the design's speed"]
+        return ["No flight at the design's speed"]
     unit = UNITS[study.program.motion.unit]
     rows: list[Sequence[str]] = [
         ("Flight", "leaves at °", "lands at °", f"height {unit.symbol}", f"lands with {unit.symbol}/s")

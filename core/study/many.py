@@ -105,6 +105,8 @@ def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
             raise ValueError(f"{path}: a list of numbers is needed, at least one; it has the shape {row.shape}")
         first_path, first = next(iter(columns.items()), (path, row))
         if row.size != first.size:
-            raise ValueError(f"{path}: {row.size} values, but {first_path} has {first.size}: give equally many")
+            raise ValueError(
+                f"{path}: {row.size} values, but {first_path} has {first.size}: give the same number of values"
+            )
         columns[path] = row.astype(float)
     return columns

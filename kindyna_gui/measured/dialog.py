@@ -120,7 +120,6 @@ class MeasuredDialog(PutDialog):
             tip="Steps show that some rows are wrong, but not which: select the rows to leave out",
         )
         self.alternatives.hide()
-        self.put_button.setText("&Take")
         self.put_button.setToolTip("Put the motion into the design (one undo step)")
         self._lay_out()
         self._connect()
@@ -395,7 +394,7 @@ class MeasuredDialog(PutDialog):
         self.entries.show_entries(fit_entries(fit))
         layout = self.reading.layout
         guesses = f"Guessed: {'; '.join(map(with_symbols, layout.guesses))}. " if layout and layout.guesses else ""
-        self.show_message(f"{guesses}Take replaces the motion of the design; Undo restores it.")
+        self.show_message(f"{guesses}The motion replaces that of the design; Undo restores it.")
 
     def _show_faults(self) -> None:
         faults = self.reading.faults

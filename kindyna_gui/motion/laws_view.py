@@ -378,7 +378,7 @@ class LawsView(View):
         self.use_button = QToolButton()
         self.clear_button = text_button("Untick all", flat=True)
         self.rank_button = text_button("In this design", checks=True)
-        self.all_button = text_button("In all that move", checks=True)
+        self.all_button = text_button("In all moving segments", checks=True)
         self.ranking = RankingPanel()
         self.note = QLabel()
         self._is_wide: bool | None = None
@@ -427,7 +427,7 @@ class LawsView(View):
         self.rank_button.setToolTip(
             "Rank the laws in the selected segment by torque, vibration and contact at the current speed"
         )
-        self.all_button.setToolTip("Put the law into every segment that moves instead of the selected one")
+        self.all_button.setToolTip("Use the law in every moving segment, not only in the selected one")
         coloured(self.note, SCREEN.limit)
         buttons = (self.use_button, self.clear_button, self.rank_button, self.all_button)
         for button in buttons:

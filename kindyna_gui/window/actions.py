@@ -154,7 +154,9 @@ class DesignActions(QObject):
         number = dialogs.ask_drive(self._window, drive_names(design), command) if design.listed else 0
         if number is not None:
             source = only(design, number)
-            self.change(lambda: with_motion_of(self._session.design, source), f"Take the motion of {source.name}")
+            self.change(
+                lambda: with_motion_of(self._session.design, source), f"Replace the motion by that of {source.name}"
+            )
 
     def _command(self, path: Path | None = None, drive: str = "", shift_deg: float = 0.0) -> str:
         """The command that copies the motion of a file's drive, or shifts that of the design."""

@@ -255,10 +255,10 @@ def fill_removals(window: Window, menu: QMenu) -> None:
         rows = getattr(design.drive.loads, name)
         for index in range(len(rows)):
             text = row_name(design, f"loads.{name}[{index}]")
-            add_entry(menu, text, partial(_remove, window, name, index), "Remove this row from the loads")
+            add_entry(menu, text, partial(_remove, window, name, index), "Remove this load")
     if menu.isEmpty():
         action = menu.addAction("No loads")
-        action.setStatusTip("The loads have no rows yet: use Add to the loads")
+        action.setStatusTip("There are no loads yet: use Add to the loads")
         action.setEnabled(False)
 
 

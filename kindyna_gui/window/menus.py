@@ -47,9 +47,9 @@ def fill_new(window: Window, menu: QMenu) -> None:
         add_entry(menu, title, partial(new_motion, window, name), tip)
     add_entry(
         menu,
-        "Shaft of cams...",
+        "Camshaft...",
         partial(new_shaft, window),
-        "Begin a shaft of several drives: choose the first from images, add others in the list of drives",
+        "Begin a camshaft with several drives: choose the first from images, add others in the list of drives",
     )
 
 
@@ -288,7 +288,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             Item("&New...", "designing.new_by_picture", None, Keys.New,
                  "Begin a new design: choose a follower with its face and cam form, or a linkage, from images"),
-            Submenu("New of a &kind", fill_new, "new"),
+            Submenu("New b&y type", fill_new, "new"),
             Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
             Submenu("Open &recent", fill_recent),
             Submenu("&Examples", fill_examples),

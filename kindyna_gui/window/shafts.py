@@ -8,7 +8,7 @@ from kindyna_gui.drives_view import add_from_file
 from kindyna_gui.settings import Settings
 from kindyna_gui.window.base import Window
 
-NEW_NAME = "New shaft of cams"
+NEW_NAME = "New camshaft"
 
 
 def new_shaft(window: Window) -> None:

@@ -60,7 +60,7 @@ def test_examples_of_each_kind_in_turn_leave_no_item_of_a_layout_behind(user: Us
 @pytest.mark.stress
 def test_what_a_user_opens_and_takes_away_leaves_no_item_behind(user: User) -> None:
     graph = user.see("graph")
-    kinds = [text for text in user.entries("File", "New of a kind") if not text.endswith("...")]
+    kinds = [text for text in user.entries("File", "New by type") if not text.endswith("...")]
     assert kinds
     steps = (
         *(lambda row=row: user.motion().choose(row, 0) for row in range(4)),
@@ -68,7 +68,7 @@ def test_what_a_user_opens_and_takes_away_leaves_no_item_behind(user: User) -> N
         user.session.stack.undo,
         lambda: graph.set_form("polar"),  # type: ignore[attr-defined]
         lambda: graph.remove_plot(0),  # type: ignore[attr-defined]
-        *(lambda kind=kind: user.choose("File", "New of a kind", kind) for kind in kinds),
+        *(lambda kind=kind: user.choose("File", "New by type", kind) for kind in kinds),
     )
     for step in steps:
         held = item_wrappers()

@@ -41,7 +41,7 @@ PARTS: Mapping[str, str] = MappingProxyType(
         "extremes": "Extremes of all quantities",
         "certificate": "Certificate with bounds",
         "equations": "Equations used, with their source",
-        "papers": "What a paper says, of a paper's example",
+        "papers": "Statements of the paper, for an example of a paper",
         "conventions": "Conventions and sources",
     }
 )

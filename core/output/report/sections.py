@@ -157,7 +157,7 @@ def conventions(study: Study) -> list[Section]:
 
 ZERO = 1e-9  # of the torque's amplitude: a mean below it is rounding
 LARGEST = 5  # harmonics that are listed
-FIGURES = {"growth_percent_per_turn": "growth a turn %", "largest_wind_up_deg": "wind-up °"}  # of a verdict
+FIGURES = {"growth_percent_per_turn": "growth per turn %", "largest_wind_up_deg": "wind-up °"}  # of a verdict
 
 
 def shaft_stability(study: Study) -> list[Section]:
@@ -201,7 +201,7 @@ def _forbidden(values: Mapping[str, Any]) -> ReportTable | Sentences:
         edges = (Number(band[k], MOST_DIGITS) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
         doubling = math.log(2.0) / math.log1p(growth / 100.0)
         rows.append((f"tongue {band['n']}", *edges, Number(growth, 3), Number(doubling, 3)))
-    header = ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth a turn %", "turns to double")
+    header = ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth per turn %", "turns to double")
     return table(header, rows, slug="bands")
 
 

@@ -461,7 +461,7 @@ def test_what_stands_at_the_end_of_its_values_says_why(tmp_path: Path) -> None:
     code, text, _ = run(design, "span")
     assert code == 0
     assert (
-        "at the end of its range, motion.segments[1].span_deg = 90 (beyond it: motion.segments[1].points[9].at_deg"
+        "limited by the search range only: motion.segments[1].span_deg = 90 (beyond it: motion.segments[1].points[9].at_deg"
         in text
     )
 

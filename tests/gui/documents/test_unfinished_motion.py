@@ -261,7 +261,7 @@ def choose_law(user: User, row: int, slug: str) -> None:
 
 def rise_alone(user: User) -> None:
     """A new design left with dwells; by keys, a law and 40 mm for its second segment."""
-    user.choose("File", "New of a kind", "Translating follower")
+    user.choose("File", "New by type", "Translating follower")
     view = user.motion()
     for row in (2, 0):
         view.choose(row)
@@ -283,7 +283,7 @@ def user(same_window: Open) -> User:
 @pytest.mark.stress
 def test_a_new_design_to_which_segments_are_added_keeps_what_is_typed(user: User) -> None:
     """As the program begins it: insert three times, a law and 40 mm for segment 2."""
-    user.choose("File", "New of a kind", "Translating follower")
+    user.choose("File", "New by type", "Translating follower")
     user.choose("Make", "Motion table")
     for _ in range(3):
         user.motion().choose(0)

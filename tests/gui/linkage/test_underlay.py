@@ -151,7 +151,7 @@ def test_a_dxf_is_scaled_by_two_clicks_moved_locked_and_drawn_upon(
     open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     user = open_user(whole=False, size=(1280, 1000))
-    user.choose("File", "New of a kind", "Linkage by drawing")
+    user.choose("File", "New by type", "Linkage by drawing")
     tracer = Tracer(user, bracket(tmp_path / "b.dxf"), monkeypatch)
     steps = user.steps
     assert tracer.underlay.scale_mm_per_unit == 25.4

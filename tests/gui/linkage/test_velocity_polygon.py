@@ -41,7 +41,7 @@ def test_a_drawing_that_has_just_begun_has_no_forces_to_choose(open_user: Open) 
     view = user.window.view("polygon")
     assert isinstance(view, PolygonView)
     wait_for(lambda: view.up_to_date and view.on_screen())
-    user.choose("File", "New of a kind", "Linkage by drawing")
+    user.choose("File", "New by type", "Linkage by drawing")
     user.window.status.count_findings()
     assert [view.choice.itemText(i) for i in range(view.choice.count())] == ["Velocities"]
     assert user.window.status.findings.text() == "cannot be calculated"

@@ -104,7 +104,7 @@ def test_an_indexer_is_begun(user: User) -> None:
         dialog.accept_button.click()
 
     with answering(NewMotionDialog, act):
-        user.choose("File", "New of a kind", "Indexer...")
+        user.choose("File", "New by type", "Indexer...")
     words = "kindyna --headless indexer --stops 8 --index 260.0 --dwell 100.0 --out indexer.toml"
     assert QApplication.clipboard().text() == words
     motion = user.design.drive.motion
@@ -114,7 +114,7 @@ def test_an_indexer_is_begun(user: User) -> None:
 
 def test_a_flying_shear_runs_with_its_material(user: User) -> None:
     with answering(NewMotionDialog, lambda dialog: dialog.accept_button.click()):
-        user.choose("File", "New of a kind", "Flying shear...")
+        user.choose("File", "New by type", "Flying shear...")
     study = user.session.study.full_turn
     theta = np.rad2deg(study.theta)
     window = (theta > 71.0) & (theta < 129.0)

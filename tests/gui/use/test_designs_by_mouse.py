@@ -150,7 +150,7 @@ def saved(user: User, path: Path, monkeypatch: pytest.MonkeyPatch, mouse: Mouse)
 def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(size=(1440, 900), whole=True)
     mouse = Mouse(user)
-    mouse.menu("File", "New of a kind", "Cam-driven slider")
+    mouse.menu("File", "New by type", "Cam-driven slider")
     # the dock beside the drawing is made wider, for a steady hand
     dock = user.window.docks["motion"]
     edge = dock.mapTo(user.window, QPoint(dock.width() + 2, dock.height() // 2))
@@ -178,7 +178,7 @@ def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypa
 def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(size=(1440, 900))
     mouse = Mouse(user)
-    mouse.menu("File", "New of a kind", "Translating follower")
+    mouse.menu("File", "New by type", "Translating follower")
     editor = Editor(mouse)
     for row in (0, 1, 0):  # nothing but a dwell
         editor.row(row)
@@ -385,7 +385,7 @@ def sized(user: User, kind: str) -> Actions:
         begin_by_picture(actor, "Translating follower", kind)
         actor.count += 4  # the menu, the group, the picture, Begin
     else:
-        actor.choose("File", "New of a kind", kind)
+        actor.choose("File", "New by type", kind)
     arm = getattr(user.design.drive.mechanism, "arm_mm", None)
     assert user.design.drive.motion is not None
     stroke = user.number(f"motion.stroke_{user.design.drive.motion.unit}")

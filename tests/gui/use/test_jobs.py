@@ -258,7 +258,7 @@ def test_a_flat_cam_that_begins_with_a_dwell_goes_from_new_to_its_dxf(
 def test_the_pressure_of_a_rocker_with_its_spring_and_material_is_read(open_user: Open, size: tuple[int, int]) -> None:
     user = open_user(size=size, whole=True)
     hand = Counted(user)
-    hand.menu("File", "New of a kind", "Oscillating follower")
+    hand.menu("File", "New by type", "Oscillating follower")
     hand.task("Dyna")
     hand.enter("loads.spring_rate_nm_per_rad", "55")
     hand.tab("Cam")
@@ -284,7 +284,7 @@ def test_the_drives_of_a_transfer_unit_come_onto_a_new_shaft_with_the_values_tha
     user = open_user(size=size, whole=True)
     hand = Counted(user)
     hand.during(
-        lambda: hand.menu("File", "New of a kind", "Shaft of cams..."),
+        lambda: hand.menu("File", "New by type", "Camshaft..."),
         (Gallery, hand.begin("Cam-driven slider", "Layout b")),
     )
     drives: Any = user.window.view("drives")
@@ -304,7 +304,7 @@ def test_the_drives_of_a_transfer_unit_come_onto_a_new_shaft_with_the_values_tha
 
         return act
 
-    hand.during(more("Chosen by its picture..."), (Gallery, hand.begin("Oscillating follower", "Groove")))
+    hand.during(more("From images..."), (Gallery, hand.begin("Oscillating follower", "Groove")))
     more("Translating follower")()
     more("Translating follower")()
     hand.task("Dyna")

@@ -224,7 +224,7 @@ def test_the_transfer_unit_is_worked_through_with_the_mouse(open_user: Open) -> 
     assert findings.findings == (), "its spring keeps the limit now"
 
     # forbidden speeds
-    for tab in ("Against speed", "Drives"):
+    for tab in ("Torque against speed", "Drives"):
         hand.tab(tab)
         assert user.window.size() == size, f"{tab} has room"
     hand.task("Stability")

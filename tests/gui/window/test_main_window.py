@@ -253,7 +253,7 @@ def test_a_design_is_dropped_on_the_window(user: User, mine: Path) -> None:
 
 LEAVING = {
     "open": lambda user: user.choose("File", "Open..."),
-    "new": lambda user: user.choose("File", "New of a kind", "Translating follower"),
+    "new": lambda user: user.choose("File", "New by type", "Translating follower"),
     "example": lambda user: user.choose("File", "Examples", "Card picker"),
     "drop": lambda user: user.window.documents.open_path(PICKER),
     "close": lambda user: user.window.close(),

@@ -113,15 +113,15 @@ def test_examples_begin_without_a_file(user: User) -> None:
 
 
 def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
-    assert user.entries("File", "New of a kind") == [
+    assert user.entries("File", "New by type") == [
         *(row.label for row in FOLLOWER_KINDS.values()),
         "Linkage by drawing",
         "Indexer...",
         "Flying shear...",
-        "Shaft of cams...",
+        "Camshaft...",
     ]
     for slug, row in FOLLOWER_KINDS.items():
-        user.choose("File", "New of a kind", row.label)
+        user.choose("File", "New by type", row.label)
         assert kind_of(user.design.drive.mechanism) == slug
         assert user.design.name.lower() == f"new {row.label.lower()}"
         assert faults(user.design) == []

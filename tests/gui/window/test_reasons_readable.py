@@ -67,7 +67,7 @@ def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open)
 
 def test_a_linkage_that_is_not_complete_says_so_where_it_would_play(open_user: Open) -> None:
     user: User = open_user(size=(1280, 720))
-    user.choose("File", "New of a kind", "Linkage by drawing")
+    user.choose("File", "New by type", "Linkage by drawing")
     text = "Cannot play: the linkage is not complete; the drawing shows what is missing."
     assert room_for(seen(user.window.bar, text)), "of one line"
 

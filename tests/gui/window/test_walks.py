@@ -36,7 +36,7 @@ from kindyna_gui.window.tasks import TASKS
 
 MENU_WAY = re.compile(r"\b(File|Edit|Make|Compo|Kine|Dyna|Stability|Graph|View|Help) > ")
 NO_COMMAND = {
-    "New...", "Shaft of cams...", "Add this design to a shaft...", "Preferences...", "Underlay...", "Choose a mechanism...", "Welcome",
+    "New...", "Camshaft...", "Add this design to a shaft...", "Preferences...", "Underlay...", "Choose a mechanism...", "Welcome",
 }  # fmt: skip
 """Dialogs of which there is nothing for the command line."""
 
