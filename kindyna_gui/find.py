@@ -33,6 +33,8 @@ from core.find import (
     available_searches,
     available_shaft_searches,
     find,
+    round_solution,
+    same_design,
     varied_fields,
 )
 from core.numerics.lazy import Cancelled
@@ -52,6 +54,7 @@ from kindyna_gui.find_rows import (
     typed_text,
     unit_of,
 )
+from kindyna_gui.forms.exact_switch import EXACT, ExactSwitch, takes_exact
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
@@ -97,7 +100,7 @@ def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
         text = f"limit {typed_text(limit, unit_of(design, key))}" if limit or key not in LIMITS else "undercut"
         limit /= size[1]
         rules.append(Rule(limit, text, SCREEN.limit, level=True))
-    rules.append(Rule(answer[0], short(answer[0], min(MARK_DIGITS, solution.digits)), SCREEN.ink, low=True))
+    rules.append(Rule(answer[0], short(answer[0], MARK_DIGITS), SCREEN.ink, low=True))
     plot.name_axes(axis_title(design, path), axis_title(design, key))
     colour = SCREEN.family("pressure-angle" if key in LIMITS and LIMITS[key].is_upper else "curvature")
     plot.show_lines([Line(x, _near_marks(y, [answer[1], now[1], limit]), colour)], rules=rules, dots=dots)
@@ -150,7 +153,7 @@ class FindView(BackgroundView):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player, POLL_MS)
-        self.solution: Solution | None = None
+        self._result: SearchResult | None = None
         self.searches = 0
         self._count = TrialCount()
         self._typed: dict[str, float | None] = {}  # limits that the user typed; None: removed
@@ -172,6 +175,7 @@ class FindView(BackgroundView):
             QPushButton("Search again"),
         )
         self.take.setToolTip("Use the result in the design (one undo step)")
+        self.exact = ExactSwitch()
         self.bar = described(QProgressBar(minimum=0, maximum=0, textVisible=False), name="Computing")
         self.bar.setFixedHeight(10)
         self.counted = QLabel()
@@ -186,6 +190,7 @@ class FindView(BackgroundView):
             (self.limits.changed, self._limit_typed),
             (self.limits.added, self._add_limit),
             (self.take.clicked, self._take_over),
+            (EXACT.changed, self._show_solution),
             (self.cancel.clicked, self._work.cancel),
             (self.again.clicked, self._search),
             (session.started, self._typed.clear),
@@ -198,7 +203,11 @@ class FindView(BackgroundView):
 
     def _lay_out(self) -> None:
         self._footer = QStackedWidget()
-        for parts in ((self.take, STRETCH), ((self.bar, 1), self.counted, self.cancel), (self.again, STRETCH)):
+        for parts in (
+            (self.take, self.exact, STRETCH),
+            ((self.bar, 1), self.counted, self.cancel),
+            (self.again, STRETCH),
+        ):
             page = widget_with(fill(QHBoxLayout(), *parts, margins=0))
             self._footer.addWidget(page)
         self._footer.setFixedHeight(self.take.sizeHint().height() + 2)
@@ -328,7 +337,7 @@ class FindView(BackgroundView):
         super()._stop_work()
         self._hide_progress()
         self.take.setEnabled(False)
-        self.solution = None
+        self._result = None
 
     def _hide_progress(self) -> None:
         self._patience.stop()
@@ -350,13 +359,10 @@ class FindView(BackgroundView):
         self._hide_progress()
         result: Any = outcome
         if isinstance(outcome, SearchResult):
-            self._defaults, result = outcome.defaults, outcome.result
+            self._result, self._defaults, result = outcome, outcome.defaults, outcome.result
             self._show_limits(design)
         if isinstance(result, Solution):
-            self.solution = result
-            show_solution(self.plot, design, result)
-            self.answer.setText(solution_html(design, result))
-            self._offer_take_over()
+            self._show_solution()
             return
         if isinstance(result, Cancelled):
             self._footer.setCurrentIndex(2)
@@ -365,6 +371,19 @@ class FindView(BackgroundView):
             return
         self.plot.show_message("No curve: the search has no result.")
         self.answer.setText(f"<span style='color:{SCREEN.limit}'>{reason(design, result)}</span>")
+
+    @property
+    def solution(self) -> Solution | None:
+        """Solution of the search, rounded unless *Exact* is on; None where there is none."""
+        if self._result is None or isinstance(self._result.result, KindynaError):
+            return None
+        return self._result.result if takes_exact() else self._result.rounded
+
+    def _show_solution(self) -> None:
+        if self.solution is not None:
+            show_solution(self.plot, self._design, self.solution)
+            self.answer.setText(solution_html(self._design, self.solution))
+            self._offer_take_over()
 
     def _offer_take_over(self) -> None:
         solution, design = self.solution, self._design
@@ -385,21 +404,23 @@ class FindView(BackgroundView):
 
 
 class SearchResult(NamedTuple):
-    """Default limits of a search, and its solution, or the reason why there is none."""
+    """Default limits of a search, and its exact and its rounded solution, or the reason why there is none."""
 
     defaults: Mapping[str, LimitValue]
     result: Solution | KindynaError
+    rounded: Solution | None = None
 
 
 def _search_result(design: Design, what: str, stated: StatedLimits, **options: Any) -> SearchResult:
     """Search, and check the cam of the solution in the same thread."""
-    result: Solution | KindynaError
+    defaults = initial_limits(design, what)
     try:
         result = find(design, what, stated, **options)
-        _ = result.errors
+        rounded = round_solution(result, design, machine=options.get("machine", same_design))
+        _ = result.errors, rounded.errors
     except KindynaError as error:
-        result = error
-    return SearchResult(initial_limits(design, what), result)
+        return SearchResult(defaults, error)
+    return SearchResult(defaults, result, rounded)
 
 
 def _fill(box: WordBox, rows: Mapping[str, str]) -> None:

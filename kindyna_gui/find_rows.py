@@ -28,7 +28,9 @@ from core.find import (
     Solution,
     default_limits,
 )
+from core.find.rounding import TORQUE
 from core.frozen import frozen
+from core.number_text import COMPARED_DIGITS, MOST_DIGITS, RESULT_DIGITS, digits_apart
 from core.output.lines import in_sentence
 from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
@@ -36,9 +38,9 @@ from kindyna_gui.labels import allowed_text, name_of, no_number, sentence
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
-from kindyna_gui.pictures.units import brief, measure, number, with_unit
+from kindyna_gui.pictures.units import brief, signed
 from kindyna_gui.rebuilt import ContentArea, clear_menu, fill
-from kindyna_gui.settings import in_units, size_of, symbol_of
+from kindyna_gui.settings import in_units, symbol_of
 
 # -- texts -----------------------------------------------------------------------------------------------
 
@@ -55,10 +57,10 @@ _SEARCH_LIMITS: Mapping[str, Info] = MappingProxyType(
 )
 """Limits that only a search has, not a design."""
 _BOUNDS = {"_min": "\u2265", "_max": "\u2264"}
-DECIMALS = 4  # of the values reached
 START = MappingProxyType({True: 30.0, False: 1.0})  # first upper and lower limit where the design has no value
 START_DIGITS = 2
 PRESENT_DIGITS = 6
+EXACT_DIGITS = 8  # of the exact value next to a rounded one
 TYPED_DIGITS, DEFAULT_DIGITS = 9, 4
 MOST_NAMED = 2  # values in the name of a step
 
@@ -203,13 +205,15 @@ def unit_of(design: Design, key: str) -> Unit:
 def value_of(design: Design, path: str, value: float, most: int) -> str:
     """Label, value and unit of a field: ``Base radius 62.884 mm``."""
     label, unit = _label_of(design, path)
-    return f"{label} {measure(value if abs(value) > 1e-9 else 0.0, unit.symbol, most)}"  # less is a rounded zero
+    return f"{label} {brief(value if abs(value) > 1e-9 else 0.0, unit.symbol, most)}"  # less is a rounded zero
 
 
-def _reached(value: float, unit: Unit) -> str:
+def _reached(value: float, unit: Unit, limit: float | None = None) -> str:
+    """Value reached; next to its limit with as many digits as tell it apart from this."""
     if not isfinite(value):
         return "none"
-    return with_unit(number(value / size_of(unit.symbol), DECIMALS), symbol_of(unit.symbol))
+    most = RESULT_DIGITS if limit is None else digits_apart([value, limit], COMPARED_DIGITS)
+    return brief(value, unit.symbol, most)
 
 
 def solution_html(design: Design, solution: Solution) -> str:
@@ -218,7 +222,7 @@ def solution_html(design: Design, solution: Solution) -> str:
     if not solution.is_valid:
         lines.append(f"<span style='color:{SCREEN.limit}'>No value meets all limits. The closest:</span>")
     for path, value in solution.answer.items():
-        text = escape(value_of(design, path, value, solution.digits))
+        text = escape(_taken_text(design, solution, path, value))
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
     listed = [
         key
@@ -242,7 +246,7 @@ def solution_html(design: Design, solution: Solution) -> str:
         lines.append(f"Limited by the search range only{f': {escape(why)}' if why else ''}.")
     lines += [f"Beyond it: {escape(text)}" for text in solution.next_findings]
     lines += [f"Note: {escape(text)}" for text in solution.notes]
-    lines += [_applied_text(design, solution, path) for path in solution.applied]
+    lines += [_applied_text(design, solution, path) for path in solution.applied if path not in solution.rounding]
     lines += [f"<span style='color:{SCREEN.limit}'>But {escape(text)}</span>" for text in solution.errors]
     if not solution.is_valid:
         lines += [
@@ -252,10 +256,36 @@ def solution_html(design: Design, solution: Solution) -> str:
     return "<br>".join(map(in_units, lines))
 
 
+def _taken_text(design: Design, solution: Solution, path: str, value: float) -> str:
+    """Value of a result; a rounded one with the exact value and, after the last number, with the cost of the rounding."""
+    label, unit = _label_of(design, path)
+    if path not in solution.rounding or value == solution.exact[path]:
+        return value_of(
+            design, path, value, MOST_DIGITS if path in solution.rounding else min(solution.digits, EXACT_DIGITS)
+        )
+    text = f"{label} {brief(value, unit.symbol, MOST_DIGITS)}, exact {brief(solution.exact[path], unit.symbol, EXACT_DIGITS)}"
+    cost = _cost_text(design, solution) if path == [*solution.rounding][-1] else ""
+    return f"{text}: {cost}" if cost else text
+
+
+def _cost_text(design: Design, solution: Solution) -> str:
+    """Tightest limit with the rounded result, and the change of the torque."""
+    texts = []
+    key = next((key for key in solution.cost if key in LIMITS), "")
+    if key:
+        label, unit = _label_of(design, key)
+        texts.append(f"{in_sentence(label)} {brief(solution.cost[key][1], unit.symbol)}")
+    exact, taken = solution.cost.get(TORQUE, solution.cost.get("peak_torque_nm", (0.0, 0.0)))
+    if exact and (change := round(100.0 * (taken / exact - 1.0), 2)):
+        texts.append(f"torque {signed(change)} %")
+    return ", ".join(texts)
+
+
 def _applied_text(design: Design, solution: Solution, path: str) -> str:
     """Value that is applied in addition to the result, or in place of it."""
-    text = value_of(design, path, solution.applied[path], solution.digits)
-    if path in solution.answer and text == value_of(design, path, solution.answer[path], solution.digits):
+    most = MOST_DIGITS if solution.rounding else solution.digits
+    text = value_of(design, path, solution.applied[path], most)
+    if path in solution.answer and text == value_of(design, path, solution.answer[path], most):
         return "Applied just below this value, so that the limit is met."
     reason = "" if path in solution.answer else ", so that the speed stays within its allowed fluctuation"
     return f"Also changes: {escape(text)}{reason}."
@@ -272,8 +302,8 @@ def _now(text: str) -> str:
 
 def _line(design: Design, solution: Solution, key: str) -> str:
     label, unit = _label_of(design, key)
-    text = f" {_reached(solution.reached[key], unit)}"
     limit = solution.limits.get(key)
+    text = f" {_reached(solution.reached[key], unit, limit)}"
     if limit is not None:
         digits = DEFAULT_DIGITS if key in solution.reasons else TYPED_DIGITS
         text += (

@@ -418,6 +418,15 @@ class Settings:
         self._store.setValue("stability/as_in_paper", "1" if shown else "0")
 
     @property
+    def exact(self) -> bool:
+        """Whether results of searches are taken over with all their digits."""
+        return stored_text(self._store, "find/exact", "0") == "1"
+
+    @exact.setter
+    def exact(self, on: bool) -> None:
+        self._store.setValue("find/exact", "1" if on else "0")
+
+    @property
     def recent(self) -> list[Path]:
         """Files opened or saved, the latest first."""
         return [Path(name) for name in self._texts("files/recent")[:MOST_RECENT]]

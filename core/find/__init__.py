@@ -26,7 +26,7 @@ from core.find.ranking import (
 from core.find.rounding import rounded_values
 from core.find.shaft import EXTRA, SHAFT_SEARCHES, available_shaft_searches
 from core.find.solution import Solution
-from core.find.spring import SEARCHES, find, remedy_of
+from core.find.spring import SEARCHES, find, remedy_of, round_solution
 from core.find.trial import same_design
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue
 
@@ -60,6 +60,7 @@ __all__ = [
     "ranking_columns",
     "ranking_row",
     "remedy_of",
+    "round_solution",
     "rounded_values",
     "same_design",
     "sorted_rows",

@@ -110,7 +110,6 @@ def rounded(solution: Solution, step: float = 0.0) -> Solution:
         design=design,
         answer=answer,
         reached={**solution.reached, **reached},
-        end="",
         applied={path: value for path, value in found.values.items() if path in solution.applied},
         exact=exact,
         rounding=found.steps,

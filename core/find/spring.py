@@ -17,7 +17,7 @@ from core.errors import KindynaError
 from core.find import search
 from core.find.goals import CAM_SEARCHES, LIFT_OFF, PRELOADS, SPRING_RATES, has, speed_path
 from core.find.offer import StatedLimits, available_searches, search_request
-from core.find.rounding import NO_ROUNDING, rounded, rounded_flywheel
+from core.find.rounding import rounded, rounded_flywheel
 from core.find.shaft import SHAFT_SEARCHES, available_shaft_searches, find_on_shaft, with_least_flywheel
 from core.find.solution import Judge, Judgement, Solution, out_of_bounds, search_with_findings
 from core.find.trial import (
@@ -461,21 +461,40 @@ def find(
         solution = find_for_contact(design, what, stated, machine)
     else:
         solution = search.find(design, what, stated, machine=machine, **options)
-    if rounding is not None:
-        solution = rounded(solution, rounding)
-    if what == "flywheel":
-        return solution
-    return _with_flywheel(solution, machine(design), machine(solution.design), rounding)
+    if what != "flywheel":
+        solution = _with_flywheel(solution, machine(design), machine(solution.design))
+    return solution if rounding is None else round_solution(solution, design, rounding, machine)
 
 
-def _with_flywheel(solution: Solution, before: Design, machine: Design, rounding: float | None) -> Solution:
+def round_solution(solution: Solution, design: Design, step: float = 0.0, machine: MachineOf = same_design) -> Solution:
+    """Return the solution of a search in a design with rounded values, with the flywheel that these make necessary.
+
+    Parameters
+    ----------
+    solution : Solution
+    design : Design
+        In which it was found.
+    step : float
+        Step of the values, each in its unit; 0: that of each field.
+    machine : callable
+        Design -> the machine that contains it.
+    """
+    result = rounded(solution, step)
+    return (
+        _with_flywheel(result, machine(design), machine(result.design), rounded_flywheel) if result.rounding else result
+    )
+
+
+def _with_flywheel(
+    solution: Solution, before: Design, machine: Design, size: Callable[[float], float] | None = None
+) -> Solution:
     """Add the machine to a solution, with the flywheel that the solution makes necessary.
 
-    This is where the speed of the machine fluctuates beyond its limit with the solution, and within it before.
+    This is where the speed of the machine fluctuates beyond its limit with the solution, and within it before. ``size``
+    rounds its inertia up.
     """
-    notes = set(solution.notes) - {NO_ROUNDING}
-    if solution.is_valid and not notes and has_uneven_speed(machine) and not has_uneven_speed(before):
-        complete, wheel = with_least_flywheel(machine, None if rounding is None else rounded_flywheel)
+    if solution.is_valid and not solution.notes and has_uneven_speed(machine) and not has_uneven_speed(before):
+        complete, wheel = with_least_flywheel(machine, size)
         design = complete if machine == solution.design else solution.design
         return replace(solution, design=design, complete=complete, applied={**solution.applied, **wheel})
     return replace(solution, complete=machine)

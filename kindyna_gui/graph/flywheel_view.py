@@ -17,7 +17,7 @@ from core.dynamics import ContactMap, Flight, Flights
 from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
 from core.frozen import frozen
-from core.number_text import RESULT_DIGITS, rounded_up
+from core.number_text import COMPARED_DIGITS, RESULT_DIGITS, rounded_up
 from core.output.subject_files import (
     SPECTRUM_SPEEDS,
     contact_force_map,
@@ -35,9 +35,10 @@ from kindyna_gui.labels import reason, step_text
 from kindyna_gui.look import answer_label, row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
-from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, readable, short, with_unit
+from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, readable, short, typed, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
+from kindyna_gui.settings import size_of, symbol_of
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
 
 FLYWHEEL_HEADINGS = (
@@ -91,20 +92,20 @@ def flywheel_text(wheel: Flywheel, needed: float, allowed: str) -> str:
     """
     if not needed:
         return f"No flywheel is needed: the speed stays within {allowed} without one."
-    keeps = f"{_inertia(needed)} keep the speed within {allowed}"
+    keeps = f"{_inertia(needed, COMPARED_DIGITS)} keep the speed within {allowed}"
     if not has_flywheel(wheel.shaft):
         return f"No flywheel, and the speed is taken as constant: {keeps}."
-    own = _inertia(wheel.shaft.flywheel_inertia_kg_m2)
+    own = _inertia(wheel.shaft.flywheel_inertia_kg_m2, COMPARED_DIGITS)
     if not wheel.runs:
         return f"The motor stalls with {own}: {_inertia(wheel.least_inertia)} prevent it, {keeps}."
     state = f"With {own} the speed varies by {digits(100.0 * wheel.fluctuation)} %, {allowed} are allowed"
     if wheel.fluctuation <= wheel.shaft.speed_fluctuation:
-        return f"{state}: the flywheel suffices, the least is {_inertia(needed)}."
+        return f"{state}: the flywheel suffices, the least is {_inertia(needed, COMPARED_DIGITS)}."
     return f"{state}: too much, {keeps}."
 
 
-def _inertia(value: float) -> str:
-    return measure(value, "kg·m²")
+def _inertia(value: float, most: int = RESULT_DIGITS) -> str:
+    return measure(value, "kg·m²", most)
 
 
 def _shaft_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
@@ -120,13 +121,24 @@ def _shaft_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:
 
 
 def _row(
-    label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0, name: str = "", theta: float | None = None
+    label: str,
+    value: float,
+    symbol: str,
+    tip: str = "",
+    floor: float = 0.0,
+    name: str = "",
+    theta: float | None = None,
+    most: int = RESULT_DIGITS,
 ) -> TableRow:
     """Row of a value. floor: smaller values are rounding errors of 0; name: column or figure to explain, at theta [rad]."""
     value = 0.0 if abs(value) <= floor else value
     display_unit = readable(symbol, abs(value))
     number = ExplainableNumber(name, theta) if name else None
-    return TableRow((label, digits(value / display_unit.size), display_unit.symbol), tip=tip, number=number)
+    return TableRow((label, digits(value / display_unit.size, most), display_unit.symbol), tip=tip, number=number)
+
+
+def _input_row(label: str, value: float, symbol: str, tip: str = "") -> TableRow:
+    return TableRow((label, typed(value / size_of(symbol)), symbol_of(symbol)), tip=tip)
 
 
 class FlywheelView(View):
@@ -159,7 +171,7 @@ class FlywheelView(View):
         full_study = self.session.full_study
         shaft = turned_shaft(full_study, NO_WHEEL)
         wheel = full_study.flywheel
-        slope = _row(
+        slope = _input_row(
             "Motor slope, assumed",
             shaft.motor_slope_nm_s_per_rad,
             "N·m·s/rad",
@@ -168,12 +180,14 @@ class FlywheelView(View):
         floor = ROUNDING * max(torque_size(drive) for drive in full_study.drives.values())
         inertia_floor = floor / (shaft.speed_fluctuation * study.omega**2)
         self._needed = (
-            rounded_up(wheel.needed_inertia, RESULT_DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
+            rounded_up(wheel.needed_inertia, COMPARED_DIGITS) if wheel.estimated_inertia > inertia_floor else 0.0
         )
         allowed = f"{short(100 * shaft.speed_fluctuation)} %"
         percent = f"{allowed} fluctuation of speed"
         self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
-        self.use_button.setToolTip(f"Set the inertia to {_inertia(self._needed)}, required for {percent}")
+        self.use_button.setToolTip(
+            f"Set the inertia to {_inertia(self._needed, COMPARED_DIGITS)}, required for {percent}"
+        )
         self.answer.setText(flywheel_text(wheel, self._needed, allowed))
         swing_tip = "Largest surplus of energy that the flywheel stores"
         inertia_tip = "Least inertia whose calculated speed, with the motor's slope, fluctuates no more than this"
@@ -181,7 +195,14 @@ class FlywheelView(View):
             [
                 _row("Mean torque", wheel.mean_torque, "N·m", floor=floor, name="mean_torque_nm"),
                 _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor, "energy_swing_j"),
-                _row(f"Inertia for {percent}", self._needed, "kg·m²", inertia_tip, name="needed_inertia_kg_m2"),
+                _row(
+                    f"Inertia for {percent}",
+                    self._needed,
+                    "kg·m²",
+                    inertia_tip,
+                    name="needed_inertia_kg_m2",
+                    most=COMPARED_DIGITS,
+                ),
                 _row(
                     "Estimate from the energy",
                     wheel.estimated_inertia,
@@ -191,7 +212,7 @@ class FlywheelView(View):
                     "estimated_inertia_kg_m2",
                 ),
                 *([slope] if is_assumed(full_study.design, SLOPE) else []),
-                _row("Inertia of this design", shaft.flywheel_inertia_kg_m2, "kg·m²"),
+                _input_row("Inertia of this design", shaft.flywheel_inertia_kg_m2, "kg·m²"),
                 *self._speed_rows(wheel),
                 *(
                     _shaft_peaks(self.session.shaft, floor)

@@ -1,5 +1,6 @@
 """Kine > Find: what is shown is what the core finds; it is taken over as one step; nothing is sought while nobody sees it."""
 
+import math
 import re
 from html import unescape
 
@@ -83,30 +84,42 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     ]
     type_limit(view, RETURN, "2*11 + 3")
     rested(view)
-    wanted = find(before, "base-radius", {RETURN: 25.0})
-    radius = wanted.answer["cam.base_radius_mm"]
+    exact = find(before, "base-radius", {RETURN: 25.0})
+    wanted = find(before, "base-radius", {RETURN: 25.0}, rounding=0.0)
+    radius, given = exact.answer["cam.base_radius_mm"], wanted.answer["cam.base_radius_mm"]
+    assert given == pytest.approx(math.ceil(radius * 10.0) / 10.0) == 26.3
     lines = text_of(view).splitlines()
     assert lines[:2] == [
-        f"Base radius Br {radius:.7f} mm now 50 mm",
-        "Pressure angle, return 25.0000°, limit 25° now 16.9141°",
+        f"Base radius Br 26.3 mm, exact {radius:.8g} mm: pressure angle, return 24.97° now 50 mm",
+        "Pressure angle, return 24.974°, limit 25° now 16.91°",
     ]
     assert lines[2].startswith("Also met: ")
     assert "Convex radius" in lines[2]
     assert [rule.at for rule in view.plot.rules if rule.level] == [25.0]
     answer, now = view.plot.dots
-    assert (answer.x[0], answer.y[0]) == pytest.approx((radius, 25.0), abs=1e-6)
+    assert (answer.x[0], answer.y[0]) == pytest.approx((26.3, wanted.reached[RETURN]), abs=1e-6)
     assert (now.x[0], now.y[0]) == pytest.approx((50.0, 16.9141), abs=1e-4)
     x, y = view.plot.lines[0]
     assert x.min() < radius < 50.0 < x.max()
     assert set(zip(x.tolist(), y.tolist(), strict=True)) <= set(wanted.curve)
     press(view.take)
     assert user.design == wanted.design
-    assert user.steps == [f"Take over base radius Br {radius:.4f} mm"]
+    assert user.steps == ["Take over base radius Br 26.3 mm"]
     rested(view)
     assert (view.take.text(), view.take.isEnabled()) == ("Taken over", False)
     user.session.stack.undo()
     assert user.design == before
     assert rested(view).take.isEnabled()
+    searches = view.searches
+    QTest.mouseClick(view.exact, Qt.MouseButton.LeftButton)
+    assert text_of(view).splitlines()[0] == f"Base radius Br {radius:.8g} mm now 50 mm"
+    press(view.take)
+    assert user.design == exact.design
+    user.session.stack.undo()
+    rested(view)
+    QTest.mouseClick(view.exact, Qt.MouseButton.LeftButton)
+    assert "exact" in text_of(view), "the switch searches nothing"
+    assert view.searches - searches <= 2, "for the design with the result, and for the one before"
     # what is no limit stays as typed, and says so
     type_limit(view, RETURN, "95")
     assert view.limits.message.text() == "Pressure angle, return: outside its range; allowed: above 0 ... 90 °"
@@ -139,14 +152,14 @@ def test_usual_limits_stand_in_grey_with_their_reasons_and_what_is_typed_takes_t
     rested(view)
     assert [grey(key) for key in USUAL] == [key != CONVEX for key in USUAL]
     assert view.solution is not None
-    assert view.solution.answer == find(before, "base-radius", {CONVEX: 30.0}).answer
+    assert view.solution.answer == find(before, "base-radius", {CONVEX: 30.0}, rounding=0.0).answer
     press(view.limits.removers[CONVEX])  # type: ignore[arg-type]
     assert rested(view).limits.boxes[CONVEX].value == 5.0, "the usual one is back"
     assert grey(CONVEX)
     press(view.limits.removers["cam.base_radius_mm_min"])  # type: ignore[arg-type]
     assert list(rested(view).limits.boxes) == USUAL[:-1], "a usual one can be taken away"
     assert view.solution is not None
-    assert view.solution.answer == find(before, "base-radius", {"cam.base_radius_mm_min": None}).answer
+    assert view.solution.answer == find(before, "base-radius", {"cam.base_radius_mm_min": None}, rounding=0.0).answer
     # the design's own limit comes in place of the usual one, but not of what was typed
     user.session.put(edited(before, f"limits.{RISE}", 20.0), "Limit")
     assert rested(view).limits.boxes[RISE].value == 20.0
@@ -169,7 +182,9 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
     view, before = see(user), user.design
     seek(view, "lift-off-speed")
     fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
-    assert text_of(view).splitlines()[0] == f"Speed {fact:.5f} rpm now 300 rpm"
+    assert text_of(view).splitlines()[0].startswith(f"Speed 1130 rpm, exact {fact:.8g} rpm: torque ")
+    QTest.mouseClick(view.exact, Qt.MouseButton.LeftButton)
+    assert text_of(view).splitlines()[0] == f"Speed {fact:.8g} rpm now 300 rpm"
     assert text_of(view).endswith("Applied just below this value, so that the limit is met.")
     press(view.take)
     assert get(user.design, "shaft.speed_rpm") == pytest.approx(fact, rel=1e-8)
@@ -183,10 +198,10 @@ def test_a_flywheel_that_is_not_needed_says_what_is_reached_without_and_what_is_
     view = see(open_user(example("card_picker")))
     view.search_for("flywheel")
     rested(view)
-    assert "Speed fluctuation C<sub>s</sub> 0.0031" in view.answer.text()
+    assert "Speed fluctuation C<sub>s</sub> 0.00309" in view.answer.text()
     assert text_of(view).splitlines() == [
         "Flywheel inertia 0 kg·m² now 0 kg·m²",
-        "Speed fluctuation Cs 0.0031, limit 0.02 now 0.0031",
+        "Speed fluctuation Cs 0.003095, limit 0.02 now 0.003095",
         "With an assumed motor slope of 50 N·m·s/rad.",
         "Limited by the search range only.",
     ]

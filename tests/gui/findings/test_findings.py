@@ -285,16 +285,16 @@ def test_the_flywheel_has_its_figures(user: User) -> None:
     wheel = user.session.study.flywheel
     told = {row[0]: row[1:] for row in cells(view.table)}
     assert told["Inertia for 2 % fluctuation of speed"] == (digits(wheel.needed_inertia, 5), "kg·m²")
-    assert told["Estimate from the energy"] == (digits(34820.0, 5), "kg·m²")
-    assert told["Motor slope, assumed"] == ("50.000", "N·m·s/rad")
+    assert told["Estimate from the energy"] == (digits(34820.0), "kg·m²")
+    assert told["Motor slope, assumed"] == ("50", "N·m·s/rad")
     assert told["Inertia of this design"] == told["Inertia for 2 % fluctuation of speed"]
     assert told["Speed fluctuation"] == ("2.000", "%")
     user.enter("shaft.flywheel_inertia_kg_m2", "5000")
     wait_for(lambda: view.up_to_date)
     told = {row[0]: row[1:] for row in cells(view.table)}
-    assert told["Inertia of this design"] == ("5000.0", "kg·m²")
+    assert told["Inertia of this design"] == ("5000", "kg·m²")
     found = extremes_of(user.session.study, "dynamics", ("camshaft_speed",))["camshaft_speed"]
-    assert told["Speed, lowest"] == (digits(found.low.value * 30 / pi, 5), "rpm")
+    assert told["Speed, lowest"] == (digits(found.low.value * 30 / pi), "rpm")
     assert float(told["Speed fluctuation"][0]) == pytest.approx(
         100 * (found.high.value - found.low.value) * 30 / pi / 20, rel=1e-3
     )
@@ -309,7 +309,7 @@ def test_a_flywheel_that_does_not_carry_the_load_is_said_to_stall(same_window: O
     wait_for(lambda: view.up_to_date)
     told = {row[0]: row[1:] for row in cells(view.table)}
     assert "The motor stalls" in told
-    assert told["Least inertia that prevents it"] == ("787.00", "kg·m²")
+    assert told["Least inertia that prevents it"] == ("787.0", "kg·m²")
     assert not any(name.startswith(("Motor torque", "Speed", "Fluctuation")) for name in told)
     user.choose("Dyna", "Torque")
     plot = user.window.view("torque")
@@ -401,7 +401,7 @@ def test_the_torque_of_a_dwell_has_no_figures(user: User) -> None:
     assert isinstance(view, FlywheelView)
     wait_for(lambda: view.up_to_date)
     told = {row[0]: row[1:] for row in cells(view.table)}
-    assert {told.pop(name) for name in ("Speed, lowest", "Speed, highest")} == {("20.000", "rpm")}
+    assert {told.pop(name) for name in ("Speed, lowest", "Speed, highest")} == {("20.00", "rpm")}
     assert told.pop("Inertia of this design")[1] == "kg·m²"
     assert "Motor slope, assumed" in told
     del told["Motor slope, assumed"]

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QStyle, QStyleOptionSpinBox, 
 from sampled import stressed
 from window_user import Open, User, plain, settle, wait_for
 
-from core.design import join_angles, join_levels, with_drive
+from core.design import edited, get, join_angles, join_levels, with_drive
 from core.project import dumps, load, loads
 from core.study import Study, extremes_of
 from kindyna_gui import dialogs
@@ -406,9 +406,13 @@ def sized(user: User, kind: str) -> Actions:
         actor.press_button(rested(view).take)
         actor.pick(view.what, "base-radius")
     actor.press_button(rested(view).take)
-    if flat:
-        radius = extremes_of(Study(user.design), "cam", ("profile_curvature",))["profile_curvature"].high.value
-        assert 1.0 / radius == pytest.approx(0.025, rel=1e-12)
-    else:
-        assert np.rad2deg(highest(user.design, "pressure_angle")) == pytest.approx(30.0, abs=1e-10)
+    radius = get(user.design, "cam.base_radius_mm")
+    assert radius == pytest.approx(round(radius, 1), abs=1e-12), "a radius that can be made"
+    smaller = edited(user.design, "cam.base_radius_mm", radius - 0.1)
+    for design, keeps in ((user.design, True), (smaller, False)):
+        if flat:
+            curvature = extremes_of(Study(design), "cam", ("profile_curvature",))["profile_curvature"].high.value
+            assert (1.0 / curvature >= 0.025) == keeps
+        else:
+            assert (np.rad2deg(highest(design, "pressure_angle")) <= 30.0) == keeps
     return actor
