@@ -371,11 +371,16 @@ class Field(QObject):
             self.trouble_changed.emit()
 
     def _typed_number(self) -> float | None:
-        return parsed(self.editor.text(), self.spec.unit) if isinstance(self.editor, NumberBox) else None
+        """The number that the editor holds in place of the value; None for a text, or where it was typed elsewhere."""
+        if not isinstance(self.editor, NumberBox) or not self.editor.pending:
+            return None
+        return parsed(self.editor.text(), self.spec.unit)
 
     def _typed_text(self) -> str:
+        if isinstance(self.editor, WordBox):
+            return self.editor.currentText()
         number = self._typed_number()
-        return self.editor.currentText() if isinstance(self.editor, WordBox) else value_text(number, self.spec.unit)
+        return "" if number is None else value_text(number, self.spec.unit)
 
     def _remedies(self) -> Remedies:
         """Remedies of a refused number or choice."""

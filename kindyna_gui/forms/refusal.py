@@ -43,8 +43,8 @@ def nearest_value(session: Session, path: str, info: Info, typed: float | None) 
 
 
 def with_value(text: str, typed: str) -> str:
-    """Return the sentence about a value outside its range with that value: ``allowed: 0 ... 90°, not 120°``."""
-    return f"{text}, not {typed}" if "utside its range; allowed: " in text and "\n" not in text else text
+    """Return the sentence about a value outside its range with that value, if given: ``allowed: 0 ... 90°, not 120°``."""
+    return f"{text}, not {typed}" if typed and "utside its range; allowed: " in text and "\n" not in text else text
 
 
 class RefusalLine(QWidget):

@@ -13,6 +13,7 @@ from PySide6.QtGui import QKeyEvent, QKeySequence, QPainter, QShortcut
 
 from core.design import AttachedEnd, Target, entry_at, put, split_unit
 from core.errors import KindynaError
+from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import allowed_text, no_number, reason, value_text
 from kindyna_gui.linkage.canvas import Canvas, draggable_circles
@@ -27,6 +28,7 @@ if TYPE_CHECKING:  # imported when first used
     from kindyna_gui.linkage.drives_mouse import DrivesMouse
     from kindyna_gui.touch_targets import MouseTarget, ReadoutLine
 
+REFUSAL_LENGTH = 60  # of a line of the read-out that says why a value is refused, characters
 PROFILE_REACH = 8.0  # distance within which a profile is read, pixels
 RUN_PARTS = 12  # one move of the mouse runs the machine by at most this part of a turn
 
@@ -42,19 +44,23 @@ class JointDrag:
     at       position of the mouse [mm]
     typed    number typed during the drag
     lines    read-out next to the mouse
+    refusal  why the last position or number was refused
     """
 
     def __init__(
         self, name: str, field: str, work: object, rim: tuple[complex, float] | None, pressed: complex
     ) -> None:
         self.name, self.field, self.work, self.rim, self.pressed = name, field, work, rim, pressed
-        self.at, self.typed = pressed, ""
+        self.at, self.typed, self.refusal = pressed, "", ""
         self.lines: list[ReadoutLine] = []
 
     @property
     def shown(self) -> list[ReadoutLine]:
-        """Lines of the read-out; a typed number replaces the first."""
-        return [(f"{self.typed}_", False), *self.lines[1:]] if self.typed else self.lines
+        """Lines of the read-out and of the refusal; a typed number replaces the first."""
+        from textwrap import wrap  # imported here to save start-up time
+
+        lines = [(f"{self.typed}_", False), *self.lines[1:]] if self.typed else self.lines
+        return [*lines, *((line, True) for line in wrap(self.refusal, REFUSAL_LENGTH))]
 
 
 class MechanismMouseView(View):
@@ -72,6 +78,8 @@ class MechanismMouseView(View):
         super().__init__(session, player)
         self.is_stale = self._layout_shown = False
         self.drag: JointDrag | None = None
+        session.refused.connect(self._show_refusal)
+        session.accepted.connect(self._clear_refusal)
         self.picker = Picker(self.canvas, self.scene)
         self._drives: DrivesMouse | None = None  # created when all drives are first drawn
         self._escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self, context=Qt.ShortcutContext.WindowShortcut)
@@ -186,9 +194,22 @@ class MechanismMouseView(View):
         info = entry.info
         value = round(value, decimals) + 0.0
         if not info.admits(value):
-            self.session.refuse(drag.field, f"{value_text(value, unit)} is not {allowed_text(info, unit)}")
+            self.session.refuse(
+                drag.field,
+                f"outside its range; allowed: {allowed_text(info, unit)}, not {value_text(value, unit)}",
+            )
             return False
         return self.session.put(put(self.session.design, drag.field, value), f"Change {info.in_sentence}", drag.field)
+
+    def _show_refusal(self, refusal: Refusal) -> None:
+        """Show next to the mouse why the dragged value is refused."""
+        if self.drag is not None:
+            self.drag.refusal = refusal.at(refusal.path)
+            self.canvas.viewport().update()
+
+    def _clear_refusal(self, _: str) -> None:
+        if self.drag is not None:
+            self.drag.refusal = ""
 
     def _update_readout(self) -> None:
         """Compute the read-out of the drag for the current design."""

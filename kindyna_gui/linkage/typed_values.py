@@ -13,7 +13,7 @@ from typing import Any
 
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from core.design import NO_UNIT, UNITS, Design, SecondDriver, Unit, put
 from core.design.linkage import FRAME_LINK, GEAR, RACK, WHEELS
@@ -24,7 +24,8 @@ from core.mechanism.drawing_edits import with_length, with_local_point, with_mov
 from core.mechanism.drawn import assembled, fault, link_pose, unit_vector, with_input_values
 from core.number_text import shortest
 from kindyna_gui.forms.number_box import parsed
-from kindyna_gui.labels import no_number
+from kindyna_gui.forms.refusal import RefusalLine
+from kindyna_gui.labels import no_number, sentence
 from kindyna_gui.linkage.draw_tools import (
     DIRECTION,
     LENGTH,
@@ -42,6 +43,7 @@ from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
 from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
+from kindyna_gui.settings import symbol_of
 
 Typed = float | str | None
 """Value of an input box; None if the box is empty."""
@@ -51,6 +53,7 @@ AcceptFunction = Callable[[Sequence[Typed]], str]
 """Called with the values of the boxes; returns why they are not valid, or an empty text."""
 
 BOX_OFFSET = QPoint(16, 12)  # from the mouse, pixels
+REFUSAL_WIDTH = 260  # of the line below the boxes, pixels
 MM, DEG, KG, KG_M2, N = UNITS["mm"], UNITS["deg"], UNITS["kg"], UNITS["kg_m2"], UNITS["n"]
 RATE = UNITS["n_per_mm"]
 
@@ -69,6 +72,8 @@ class Box:
 class TypedBoxes(QFrame):
     """Input boxes at the mouse: Tab moves between them, Enter accepts the values, Esc cancels.
 
+    The line below the boxes says why a value was refused, with a button that restores it.
+
     Signals: ``message`` with the reason why a value is not valid; ``edited`` with the values while they are typed; ``closed``.
     """
 
@@ -82,7 +87,9 @@ class TypedBoxes(QFrame):
         self.setObjectName("typed boxes")
         self.setAutoFillBackground(True)
         self.setStyleSheet(f"#typed\\ boxes {{ background: {SCREEN.paper}; border: 1px solid {SCREEN.line}; }}")
-        self._row = fill(QHBoxLayout(self), margins=(5, 3, 5, 3), spacing=4)
+        self._row = fill(QHBoxLayout(), spacing=4)
+        self.refusal = RefusalLine()
+        fill(QVBoxLayout(self), self._row, self.refusal, margins=(5, 3, 5, 3), spacing=0)
         self._boxes: list[tuple[Box, QLineEdit]] = []
         self._accept: AcceptFunction | None = None
         self.hide()
@@ -105,10 +112,7 @@ class TypedBoxes(QFrame):
                 self._row.addWidget(QLabel(box.unit.symbol))
             edit.textChanged.connect(self._text_changed)
             self._boxes.append((box, edit))
-        self.adjustSize()
-        room = self._area.rect().adjusted(2, 2, -2 - self.width(), -2 - self.height())
-        position = at + BOX_OFFSET
-        self.move(max(room.left(), min(position.x(), room.right())), max(room.top(), min(position.y(), room.bottom())))
+        self._place(at + BOX_OFFSET)
         self.show()
         self.raise_()
         edit = self._boxes[first][1]
@@ -117,6 +121,12 @@ class TypedBoxes(QFrame):
         if typed:
             edit.setText(typed)
             edit.end(False)
+
+    def _place(self, position: QPoint) -> None:
+        """Put the boxes at a pixel of the parent, as far as they have room there."""
+        self.adjustSize()
+        room = self._area.rect().adjusted(2, 2, -2 - self.width(), -2 - self.height())
+        self.move(max(room.left(), min(position.x(), room.right())), max(room.top(), min(position.y(), room.bottom())))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
@@ -149,8 +159,28 @@ class TypedBoxes(QFrame):
             self._mark(self._boxes[0][1], wrong)
         if wrong:
             self.message.emit(wrong)
+            self._show_refusal(wrong)
         elif self._accept is accept:
             self.close_all()
+
+    def _show_refusal(self, why: str) -> None:
+        """Say below the boxes why the first marked one is refused, with a button that restores its text."""
+        box, edit = next(row for row in self._boxes if row[1].toolTip())
+        unit = "" if box.unit is None else f" {symbol_of(box.unit.symbol)}".replace(" °", "°")
+        back = f"Back to {box.text}{unit}" if box.text else "Leave it empty"
+        remedies = {back: partial(self._restore, box, edit)} if edit.text() != box.text else {}
+        self.refusal.setMinimumWidth(min(REFUSAL_WIDTH, self._area.width() - 20))
+        self.refusal.show_refusal(sentence(why), remedies)
+        self._place(self.pos())
+
+    def _restore(self, box: Box, edit: QLineEdit) -> None:
+        """Restore the text that a refused box was opened with."""
+        edit.setText(box.text)
+        self._mark(edit, "")
+        self.refusal.show_refusal("")
+        self.adjustSize()
+        edit.setFocus()
+        edit.selectAll()
 
     def _mark(self, edit: QLineEdit, why: str) -> None:
         """Mark a box whose value is not valid, or is valid again."""
@@ -164,6 +194,7 @@ class TypedBoxes(QFrame):
         """Close the boxes without accepting their values."""
         was_open, self._accept = self.open, None
         self._boxes.clear()
+        self.refusal.show_refusal("")
         focus = self.window().focusWidget()
         had_focus = focus is not None and self.isAncestorOf(focus)
         self.hide()

@@ -118,6 +118,24 @@ def test_a_joint_stays_at_its_last_good_place_where_nothing_fits(user: User) -> 
     assert len(user.steps) <= 1
 
 
+def test_a_refused_drag_says_why_at_the_mouse_until_a_place_is_valid(user: User) -> None:
+    view = user.drawing()
+    canvas, start = view.canvas, place(user, "arm_pin")
+    end = (place(user, "pivot") + place(user, "slider_pin")) / 2.0
+    QTest.mousePress(canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(canvas, start))
+    for at in (start + 1.0, end):
+        QTest.mouseMove(canvas.viewport(), pixel(canvas, at))
+        settle()
+    assert view.drag is not None
+    refusal = view.drag.refusal
+    assert refusal
+    assert refusal in " ".join(text for text, violated in view.drag.shown if violated), "in the colour of limits"
+    QTest.mouseMove(canvas.viewport(), pixel(canvas, start + 2.0))
+    settle()
+    assert view.drag.refusal == ""
+    QTest.mouseRelease(canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(canvas, start + 2.0))
+
+
 def test_beside_the_joints_the_drawing_is_moved(user: User) -> None:
     view = user.drawing()
     centre = view.canvas.visible.center()

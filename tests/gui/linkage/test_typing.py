@@ -6,6 +6,7 @@ import math
 
 import pytest
 from pen import NONE, Key, Pen, four_bar, start
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit
 from window_user import Open, settle
@@ -111,6 +112,30 @@ def test_a_value_that_is_refused_says_why(open_user: Open) -> None:
     edit.setText("12")
     pen.key(Key.Key_Return)
     assert abs(pen.places["B"]) == pytest.approx(12.0)
+
+
+def test_a_refused_value_stays_with_a_sentence_below_the_boxes_and_a_button_back(open_user: Open) -> None:
+    pen = start(open_user)
+    pen.drag(0j, 60 + 0j)
+    before = pen.user.steps
+    drawing = pen.user.drawing().drawing
+    drawing.choose(links=(pen.design.drive.linkage.links[-1].number,))
+    boxes = drawing.typed.boxes
+    drawing.typed.ask_length(pen.design.drive.linkage.links[-1].number, "A", "B")
+    QTest.keyClicks(QApplication.focusWidget(), "6o")
+    pen.key(Key.Key_Return)
+    line = boxes.refusal
+    assert line.isVisible()
+    assert not line.visibleRegion().isEmpty()
+    assert "nter a number" in line.text()
+    edit = QApplication.focusWidget()
+    assert isinstance(edit, QLineEdit)
+    assert (edit.text(), bool(edit.styleSheet())) == ("6o", True)
+    QTest.mouseClick(line.buttons["Back to 60 mm"], Qt.MouseButton.LeftButton)
+    settle()
+    assert (edit.text(), edit.styleSheet(), line.isVisible(), edit.hasFocus()) == ("60", "", False, True)
+    pen.key(Key.Key_Escape)
+    assert pen.user.steps == before
 
 
 def test_the_mark_shows_what_the_typed_numbers_join(open_user: Open) -> None:
