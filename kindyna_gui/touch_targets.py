@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -43,6 +44,7 @@ class MouseTarget:
     explain  channel whose value can be explained, or empty
     value    text that is copied; if empty, the value of the field
     profile  has a profile that can be exported
+    point    name of the point of a linkage, whose path can be shown
     """
 
     noun: str
@@ -50,6 +52,7 @@ class MouseTarget:
     explain: str = ""
     value: str = ""
     profile: bool = False
+    point: str = ""
 
 
 # -- context menu -----------------------------------------------------------------------------------------------
@@ -143,6 +146,9 @@ def open_menu(
         menu.addSection(target.noun)
     for text, run in menu_entries(target, view, host):
         add_entry(menu, text, run)
+    paths = getattr(view, "paths", None)
+    if paths is not None and target is not None and target.point:
+        add_entry(menu, "Show path", partial(paths.toggle, target.point), checked=paths.is_shown(target.point))
     if more is not None and more.actions():
         menu.addSeparator()
         menu.addActions(more.actions())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import count
@@ -48,6 +49,15 @@ def point_positions(linkage: Linkage) -> dict[str, complex]:
                 places.setdefault(name, origin + at * axis)
         unknown = [link for link in unknown if link not in known]
     return places
+
+
+def traced_points(linkage: Linkage) -> frozenset[str]:
+    """Points of a drawn linkage that trace a path: points of one moving link alone, which has two further points."""
+    if linkage.drawn is None:
+        return frozenset()
+    counts = Counter(p.name for link in linkage.links for p in link.points)
+    names = (p.name for k in linkage.links if k.number != FRAME_LINK and len(k.points) > 2 for p in k.points)
+    return frozenset(name for name in names if counts[name] == 1)
 
 
 def _has_pose(linkage: Linkage, link: Link, places: PointPositions) -> bool:

@@ -8,7 +8,8 @@ each, with lengths in units of the size.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from core.design import CRANK, FRAME_LINK, Design, Linkage
 from core.design.topology import driver_pair, driver_turns, gains, input_slides, is_pin, pins, solving_order
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.mechanism.drawing_edits import with_driving_link
 from core.mechanism.drawn import PointPositions, assembled_positions, drawn_position, frame_link, point_positions
 from core.mechanism.driver_ranges import DriverRanges, driver_ranges_of
 from core.mechanism.drivers import CrankMotion, motion_extent
@@ -384,6 +386,10 @@ class _Equations:
 # -- motion of an incomplete drawing with its driver ------------------------------------------------------------
 
 
+_PATH, _LOOSE_PATH = (
+    180,
+    49,
+)  # points of a path that the driver determines, and of another, which are assembled one by one
 _AS_DRAWN = 1e-9  # [rad or m] a driver position nearer to the drawn one is equal to it
 
 
@@ -425,6 +431,44 @@ class DrivenPart:
             return assembled_positions(linkage, positions, {*fixed, *led})
         except KindynaError:  # the other links do not reach: they stay as drawn
             return positions
+
+    def paths(self, names: Collection[str]) -> dict[str, np.ndarray]:
+        """Paths of points over the range of the driver.
+
+        Parameters
+        ----------
+        names : collection of str
+            Points; those that the driver does not determine move from their drawn positions as little as necessary.
+
+        Returns
+        -------
+        dict of str to ndarray (n,) complex [mm]
+        """
+        state = self.runs.state(self.runs.angles(np.linspace(0.0, 2.0 * np.pi, _PATH, endpoint=False)))
+        kinematics = solve_mechanism(self.mechanism, state, self.ranges)
+        paths = {
+            name: kinematics.bodies[body_name(link.number)].position(name) * 1e3
+            for link in self.mechanism.linkage.links
+            for name in link.places
+            if link.number != FRAME_LINK and name in names
+        }
+        if others := [name for name in names if name not in paths]:
+            poses = [self.positions(theta) for theta in np.linspace(0.0, 2.0 * np.pi, _LOOSE_PATH)]
+            paths |= {name: np.array([pose[name] for pose in poses]) for name in others if name in poses[0]}
+        return paths
+
+
+def movable_part_of(design: Design, lack: Mobility) -> DrivenPart | None:
+    """The part of a drawing that moves with its driver; without one, what the first possible driver would move; or None."""
+    if lack.has_driver:
+        return driven_part_of(design, lack)
+    for number in lack.possible_drivers:
+        with suppress(KindynaError):
+            driven = with_driving_link(design, number)
+            part = driven_part_of(driven, mobility(driven.drive.linkage))
+            if part is not None:
+                return part
+    return None
 
 
 def driven_part_of(design: Design, lack: Mobility) -> DrivenPart | None:

@@ -24,6 +24,7 @@ from core.mechanism.drawing_targets import DrawingTarget
 from core.project import dumps, loads
 from kindyna_gui.linkage.draw_tools import DrawingEdit, grid_step
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
+from kindyna_gui.linkage.point_paths import PointPaths
 from kindyna_gui.linkage.typed_values import TypedValues
 
 SHIFT_CELLS = 4  # offset of a copy from its original, cells of the grid
@@ -32,8 +33,8 @@ SHIFT_CELLS = 4  # offset of a copy from its original, cells of the grid
 class SelectionActions:
     """Edits of the selected parts; a message says what to select where an action needs another selection."""
 
-    def __init__(self, drawn: DrawnLinkage, typed: TypedValues) -> None:
-        self.drawn, self.typed = drawn, typed
+    def __init__(self, drawn: DrawnLinkage, typed: TypedValues, paths: PointPaths) -> None:
+        self.drawn, self.typed, self.paths = drawn, typed, paths
 
     def delete(self) -> None:
         """Delete the selected parts."""
@@ -168,6 +169,11 @@ class SelectionActions:
             )
             self.drawn.changed.emit()
 
+    def show_path(self) -> None:
+        """Show or hide the path of the selected point."""
+        if name := self.drawn.selected_point():
+            self.paths.toggle(name)
+
     def choose_all(self) -> None:
         """Select all parts of the drawing."""
         design, positions = self.drawn.layout
@@ -218,6 +224,8 @@ ACTIONS: tuple[DrawingAction, ...] = (
     DrawingAction("lock", "&Lock", "Ctrl+Shift+L",
                   "Lock the selected point, or the length of the selected bar, against dragging",
                   SelectionActions.lock, ("point", "link")),
+    DrawingAction("path", "Show &path", "Ctrl+T", "Show or hide the path that the selected point traces, its coupler curve",
+                  SelectionActions.show_path, ("point",)),
     DrawingAction("rename", "R&ename...", "F2", "Rename the selected point",
                   lambda actions: actions.typed.rename(), ("point",)),
     DrawingAction("all", "Choose &all", "Ctrl+A", "Select all parts",

@@ -18,6 +18,7 @@ from kindyna_gui.linkage.drawing_actions import ACTIONS, DrawingAction, Selectio
 from kindyna_gui.linkage.drawing_mouse import SelectionInput, ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.linkage_sketch import Highlights
+from kindyna_gui.linkage.point_paths import PointPaths
 from kindyna_gui.linkage.typed_values import TypedValues
 from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
@@ -75,15 +76,16 @@ class DrawingMode(DrawnLinkage):
 
     switched = Signal(bool)
 
-    def __init__(self, canvas: Canvas, session: Session, player: Player, owner: QWidget) -> None:
+    def __init__(self, canvas: Canvas, session: Session, player: Player, paths: PointPaths, owner: QWidget) -> None:
         super().__init__(canvas, session, player, owner)
+        self.paths = paths
         self.tool_input = ToolInput(self)
         self.typed = TypedValues(self, self.tool_input)
         self.selection_input = SelectionInput(self, self.typed.ask_length)
         self.group = QActionGroup(self)
         self.group.setObjectName("Draw")
         self.tools = {name: self._tool_action(tool, owner) for name, tool in TOOLS.items()}
-        edits = SelectionActions(self, self.typed)
+        edits = SelectionActions(self, self.typed, paths)
         self.actions = {row.name: self._menu_action(row, edits, owner) for row in ACTIONS}
         self.bar = DrawBar(list(self.tools.values()))
         connect_all(
@@ -91,6 +93,7 @@ class DrawingMode(DrawnLinkage):
             (session.started, self.forget),
             (session.drive_chosen, self.forget),
             (session.restored, self._prune),
+            (paths.changed, self.refresh),
         )
 
     def _tool_action(self, tool: DrawTool, owner: QWidget) -> QAction:
@@ -103,6 +106,7 @@ class DrawingMode(DrawnLinkage):
     def _menu_action(self, row: DrawingAction, edits: SelectionActions, owner: QWidget) -> QAction:
         action = QAction(row.text, owner)
         action.triggered.connect(lambda *_: row.run(edits))
+        action.setCheckable(row.name == "path")
         return _added(action, f"deed:{row.name}", row, owner)
 
     @property
@@ -205,6 +209,8 @@ class DrawingMode(DrawnLinkage):
         if self.active:
             sketch.paint_grid(painter, self.canvas.visible)
         sketch.paint(painter, self.highlights, dimensions=self.active, grey=self.static_links)
+        for path in self.paths.drawn().values():
+            sketch.paint_path(painter, path.positions, path.is_driven)
         if not self.active:
             return
         if (box := self.selection_input.box) is not None:
@@ -327,7 +333,10 @@ class DrawingMode(DrawnLinkage):
         menu.addSeparator()
         for drawing_action in ACTIONS:
             if kind in drawing_action.kinds:
-                menu.addAction(self.actions[drawing_action.name])
+                action = self.actions[drawing_action.name]
+                menu.addAction(action)
+                if action.isCheckable():
+                    action.setChecked(bool(name) and self.paths.is_shown(name))
         return menu
 
     def _start_here(self, tool: str, snap: Snap, *_: object) -> None:

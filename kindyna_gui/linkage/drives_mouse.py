@@ -18,6 +18,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import name_of
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.picking import Picker, rows_at
+from kindyna_gui.linkage.point_paths import path_points
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.cam_parts import on_cam
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -54,7 +55,11 @@ def target_at(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex
 def _pin(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> MouseTarget | None:
     name = canvas.joint_at(canvas.pixel_at(at), rims=False)
     drag = joints_of(geometry.study.design).get(name)
-    return None if drag is None else MouseTarget(drag.label[:1].upper() + drag.label[1:], drag.field, "pressure_angle")
+    if drag is None:
+        return None
+    drive = geometry.study.design.drive
+    point = name if drive.links and name in path_points(drive.linkage) else ""
+    return MouseTarget(drag.label[:1].upper() + drag.label[1:], drag.field, "pressure_angle", point=point)
 
 
 def _load(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry) -> MouseTarget | None:

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import field
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
 
@@ -154,10 +155,10 @@ class LinkageSketch:
     ) -> None:
         """Paint the drawing; the links in ``grey`` do not move."""
         self._paint_lines(painter)
-        for i, link in enumerate(self.linkage.links):
+        for link in self.linkage.links:
             if link.number == FRAME_LINK:
                 continue
-            fill = QColor(SCREEN.faint if link.number in grey else SCREEN.links[i % len(SCREEN.links)])
+            fill = QColor(SCREEN.faint if link.number in grey else SCREEN.link(link.number))
             pen = _outline_pen(link.number in highlights.links, link.number in highlights.wrong_links)
             self._paint_face(painter, link, fill, pen)
             painter.setPen(pen)
@@ -374,6 +375,13 @@ class LinkageSketch:
                 painter.setPen(QColor(SCREEN.chosen if locked else SCREEN.quiet))
                 painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, f"[{text}]" if locked else text)
         painter.restore()
+
+    def paint_path(self, painter: QPainter, path: np.ndarray, is_driven: bool) -> None:
+        """Paint the path of a point (n,) [mm], dotted where the driver does not determine it."""
+        style = Qt.PenStyle.SolidLine if is_driven else Qt.PenStyle.DotLine
+        painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 1.4, style))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPolyline(QPolygonF([self.to(complex(at)) for at in np.append(path, path[:1]) if np.isfinite(at)]))
 
     def paint_snap(self, painter: QPainter, snap: Snap, start: complex | None = None) -> None:
         """Paint the mark of a snap, and the line from ``start`` to it."""

@@ -23,6 +23,7 @@ from kindyna_gui.drives import ON_SHAFT, ONE, DriveStrip, drive_rows
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas, PinnedOutline, paint_pinned
 from kindyna_gui.linkage.mechanism_mouse import MechanismMouseView
+from kindyna_gui.linkage.point_paths import PointPaths
 from kindyna_gui.look import Note, linked
 from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -67,6 +68,7 @@ class MechanismView(MechanismMouseView):
         self.note = Note()
         self.strip = DriveStrip()
         self._drawing: DrawingMode | None = None
+        self.paths = PointPaths(session)
         self._underlay: UnderlayDesk | None = None
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
@@ -94,6 +96,7 @@ class MechanismView(MechanismMouseView):
             (self.strip.chosen, self._choose_drive),
             (self.strip.arranged, self.arrange),
             (self.all_canvas.clicked, self._click_drive),
+            (self.paths.changed, self._show_paths),
         )
         self._update_strip()
         self._load_underlay()
@@ -145,7 +148,7 @@ class MechanismView(MechanismMouseView):
         if self._drawing is None:
             from kindyna_gui.linkage.drawing_mode import DrawingMode
 
-            self._drawing = DrawingMode(self.canvas, self.session, self.player, self)
+            self._drawing = DrawingMode(self.canvas, self.session, self.player, self.paths, self)
             column = self.content.layout()
             assert isinstance(column, QVBoxLayout)
             column.insertWidget(0, self._drawing.bar)
@@ -276,9 +279,15 @@ class MechanismView(MechanismMouseView):
         self.scene.show_step(
             self.session.step if set(STEP_LAYERS) <= set(available_layers(study)) else None, draw=False
         )
+        self._show_paths()
         self.scene.update_study(self._in_turn(study), keep_labels=True, lay=not self._needs_fit)
         self.canvas.rest.start()
         self._fit_or_keep(self.canvas)
+
+    def _show_paths(self) -> None:
+        """Show the paths of the points that trace one, or that the user has chosen."""
+        drive = self.session.design.drive
+        self.scene.show_paths(self.paths.shown(drive.linkage) if drive.links else ())
 
     def _fit_or_keep(self, canvas: Canvas) -> None:
         if self._needs_fit:

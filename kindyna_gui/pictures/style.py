@@ -175,6 +175,10 @@ class Theme:
     idle: str
     ratio: float = 1.0
 
+    def link(self, number: int) -> str:
+        """Fill of a link, the same in every drawing."""
+        return self.links[(number - 2) % len(self.links)]
+
     def pen(self, colour: str, width: float = THIN, dash: tuple[float, ...] = ()) -> QPen:
         """Pen with a width in pixels at every zoom; dashes in pixels."""
         return QPen(_pen(colour, width, dash, self.ratio))

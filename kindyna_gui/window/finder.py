@@ -183,6 +183,24 @@ def _channels(window: Window) -> Iterator[Match]:
             )
 
 
+def _paths(window: Window) -> Iterator[Match]:
+    """Paths of the points of a linkage; choosing one shows it in the drawing."""
+    if window.session.typed.drive.links:
+        from kindyna_gui.linkage.point_paths import path_points
+
+        for name in path_points(window.session.typed.drive.linkage):
+            more = "show trace of the point, coupler curve"
+            yield _match(
+                "Command", f"Path of {name}", "", "Show the path of this point", partial(_trace, window, name), more
+            )
+
+
+def _trace(window: Window, name: str) -> None:
+    view: Any = window.show_view("mechanism")
+    if not view.paths.is_shown(name):
+        view.paths.toggle(name)
+
+
 def _help(window: Window) -> Iterator[Match]:
     """Pages and sections of the help."""
     for page, title, heading, text in sections():
@@ -200,7 +218,7 @@ def _findings(window: Window) -> Iterator[Match]:
         yield _match("Finding", sentence(finding.message), "", "", partial(window.focus_field, finding.field))
 
 
-SOURCES = (_commands, _fields, _channels, _findings, _help)
+SOURCES = (_commands, _paths, _fields, _channels, _findings, _help)
 """Sources in the order in which equal matches are listed."""
 
 

@@ -84,6 +84,7 @@ def new_shaft(window: Window) -> None:
 def new_drawing(window: Window) -> None:
     """Begin with an empty canvas."""
     if window.documents.new_drawing():
+        window.show_task("compo")
         window.draw(True, "bar")
 
 

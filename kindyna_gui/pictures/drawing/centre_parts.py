@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -460,9 +460,9 @@ class LinkageLayers:
         self.ratios[layer] = drawn
         yield DrawnPart(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
 
-    def paths(self) -> list[np.ndarray]:
-        """Paths of the coupler layer (n,) [mm]."""
-        return [track for _, track, _ in _paths(self._geometry)]
+    def paths(self, names: Collection[str] | None = None) -> list[np.ndarray]:
+        """Paths of the coupler layer (n,) [mm], of all points or of these."""
+        return [track for name, track, _ in _paths(self._geometry) if names is None or name in names]
 
     def _poses(self, layer: str) -> Iterator[DrawnPart]:
         yield from ghost_poses(self._geometry, self._theme, layer)

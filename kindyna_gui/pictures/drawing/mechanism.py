@@ -33,6 +33,7 @@ from kindyna_gui.pictures.drawing.overlay import (
     dimensions,
 )
 from kindyna_gui.pictures.drawing.parts import (
+    COUPLER,
     DIMENSIONS,
     EVERY_LAYER,
     FORCE_LAYERS,
@@ -191,6 +192,7 @@ class MechanismScene(QGraphicsScene):
         self._ribbons: list[ColouredLoop] = []
         self._extent = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
+        self._paths: frozenset[str] = frozenset()  # points whose path is shown without its layer
         self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
         self._fields: dict[str, overlay.Field] = {}
@@ -241,7 +243,7 @@ class MechanismScene(QGraphicsScene):
         for layer in LINKAGE_LAYERS:
             self._draw_construction(layer)
         with_values = had_vectors or self._shown[DIMENSIONS]
-        if self._fields or with_values or geometry.elements or self._shown["masses"] or self._shown["coupler"]:
+        if self._fields or with_values or geometry.elements or self._shown["masses"] or self._shows_paths:
             self._make_room()
         self._show()
         if not lay or (self._region is None and keep_labels):
@@ -333,7 +335,7 @@ class MechanismScene(QGraphicsScene):
 
     def _draw_construction(self, layer: str) -> None:
         """Draw a layer of a general linkage when it is first shown."""
-        if self.linkage_layers is not None and self.layer_shown(layer):
+        if self.linkage_layers is not None and (self.layer_shown(layer) or (layer == COUPLER and self._paths)):
             for part in self.linkage_layers.parts(layer):
                 self._add_part(part)
 
@@ -363,7 +365,8 @@ class MechanismScene(QGraphicsScene):
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
             values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
             values += load_parts.load_strokes(self.geometry, self._shown.__getitem__)
-            curves = () if self.linkage_layers is None or not self._shown["coupler"] else self.linkage_layers.paths()
+            names = None if self._shown[COUPLER] else self._paths
+            curves = () if self.linkage_layers is None or not self._shows_paths else self.linkage_layers.paths(names)
             drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
             self._labels.avoid([*drawn, *values], curves)
 
@@ -414,15 +417,29 @@ class MechanismScene(QGraphicsScene):
             self.overlay.lay(*self._region)
         if name == DIMENSIONS and self.geometry is not None:
             self._frame()
-        if name in (*FIELDS, *LOAD_LAYERS, DIMENSIONS, "coupler"):
+        if name in (*FIELDS, *LOAD_LAYERS, DIMENSIONS, COUPLER):
             self._make_room()
             if self._region is not None:
                 self.show_region(*self._region)
         self._move(self.index, self._angle)
 
+    @property
+    def _shows_paths(self) -> bool:
+        """Whether the path of a point is shown."""
+        return self._shown[COUPLER] or bool(self._paths)
+
+    def show_paths(self, names: Collection[str]) -> None:
+        """Show the paths of these points, whether their layer is shown or not."""
+        if self._paths != (paths := frozenset(names)):
+            self._paths = paths
+            self._draw_construction(COUPLER)
+            self._show()
+            self._make_room()
+
     def _show(self) -> None:
         for part in self.parts.values():
-            part.item.setVisible(all(self.layer_shown(layer) for layer in part.layers))
+            is_path = part.layers == (COUPLER,) and part.key.partition(".")[2] in self._paths
+            part.item.setVisible(is_path or all(self.layer_shown(layer) for layer in part.layers))
         if self.overlay is not None:
             self.overlay.show_layers(self._shown)
 

@@ -62,7 +62,7 @@ class Layer:
     shown: bool = True
 
 
-DIMENSIONS, TWIST, MODULO = "dimensions", "twist", "modulo"
+DIMENSIONS, TWIST, MODULO, COUPLER = "dimensions", "twist", "modulo", "coupler"
 
 LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
@@ -100,7 +100,7 @@ LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
         "kennedy": Layer("Kennedy's construction", shown=False),
         "ratios": Layer("Velocity ratios to the driver", shown=False),
         "chain": Layer("Velocity ratios from link to link", shown=False),
-        "coupler": Layer("Coupler curves", shown=False),
+        COUPLER: Layer("Coupler curves", shown=False),
         **{name: Layer(f"Ghost poses every {n}°", shown=False) for name, n in GHOST_POSES.items()},
     }
 )
@@ -155,8 +155,9 @@ _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
 def linkage(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Bodies as bars, levers and plates, and the pins and slides between them."""
+    numbers = {name: n for n, name in geometry.study.mechanism.bodies.items()} if geometry.has_numbered_links else {}
     for number, body in enumerate(geometry.moving.values()):
-        fill = brush(theme.links[number % len(theme.links)])
+        fill = brush(theme.link(numbers.get(body.name, number + 2)))
         pieces = body_pieces(body, geometry)
         if pieces:
             item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), fill)

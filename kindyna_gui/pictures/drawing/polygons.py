@@ -377,7 +377,7 @@ class PolygonSheet(QWidget):
             painter.drawText(QPointF(10.0, sized(33.0 + LINE * row)), line)
         painter.setPen(Qt.PenStyle.NoPen)
         for link, corners in diagram.images:
-            tint = QColor(theme.links[(link - 2) % len(theme.links)])
+            tint = QColor(theme.link(link))
             tint.setAlphaF(0.55)
             painter.setBrush(tint)
             painter.drawPolygon(QPolygonF([_dot(frame.at(v)) for v in corners]))
