@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import field
+from itertools import combinations
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -332,15 +333,15 @@ class LinkageSketch:
     def _paint_names(self, painter: QPainter) -> None:
         painter.setPen(QColor(SCREEN.ink))
         fixed = frame_link(self.linkage).places
+        away_of = dict.fromkeys(self.positions, 0j)  # sum of the directions from the other points of its links
+        for link in self.linkage.links:
+            ends = [(p.name, self.positions[p.name]) for p in link.points if p.name in self.positions]
+            for (first, a), (second, b) in combinations(ends if link.number != FRAME_LINK else (), 2):
+                if a != b:
+                    away_of[first] += (a - b) / abs(a - b)
+                    away_of[second] += (b - a) / abs(a - b)
         for name, at in self.positions.items():
-            neighbours = [
-                self.positions[n]
-                for link in self.linkage.links
-                if link.number != FRAME_LINK and name in link.places
-                for n in link.places
-                if n != name and n in self.positions
-            ]
-            away = sum(((at - point) / abs(at - point) for point in neighbours if point != at), 0j)
+            away = away_of[name]
             direction = away / abs(away) if abs(away) > 0.3 and name not in fixed else complex(1.0, 0.6)
             pixel = self.to(at) + QPointF(13.0 * direction.real - 4.0, -13.0 * direction.imag + 4.0)
             painter.drawText(pixel, name)

@@ -37,7 +37,7 @@ def seen(pen: Pen) -> int:
 
 def test_a_new_linkage_opens_in_compo(open_user: Open) -> None:
     user = open_user(whole=True)
-    user.window.show_task("make")
+    user.window.show_task("graph")
     user.choose("File", "New of a kind", "Linkage by drawing")
     assert user.window.layouts.current == "compo"
     assert user.action("Compo", "Draw").isChecked()
