@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from core.design.linkage import FRAME_LINK, Link, Linkage
 from core.frozen import frozen
-from core.mechanism.drawn import PointPositions
+from core.mechanism.drawn import PointPositions, nearest_on_segment
 
 JOINED = 1e-6
 """Distance [mm] within which a position is on a point, or on the line of a bar."""
@@ -93,14 +93,6 @@ def faces_at(linkage: Linkage, positions: PointPositions, at: complex, half_widt
         if link.number != FRAME_LINK and (near or is_inside(at, corners)):
             numbers.append(link.number)
     return numbers
-
-
-def nearest_on_segment(at: complex, start: complex, end: complex) -> complex:
-    """Point of a line segment that is nearest to a position."""
-    along = end - start
-    size = abs(along) ** 2
-    share = 0.0 if size == 0.0 else min(max(((at - start) * along.conjugate()).real / size, 0.0), 1.0)
-    return start + share * along
 
 
 def crossing(start: complex, along: complex, first: complex, second: complex) -> complex | None:

@@ -99,6 +99,14 @@ def slider_line(linkage: Linkage, slider: Slider, places: PointPositions) -> Lin
     return origin + complex(slider.through_x_mm, slider.through_y_mm) * axis, axis * unit_vector(slider.angle_deg)
 
 
+def nearest_on_segment(at: complex, start: complex, end: complex) -> complex:
+    """Point of a line segment that is nearest to a position."""
+    along = end - start
+    size = abs(along) ** 2
+    share = 0.0 if size == 0.0 else min(max(((at - start) * along.conjugate()).real / size, 0.0), 1.0)
+    return start + share * along
+
+
 def unit_vector(degrees: float) -> complex:
     """Unit vector of an angle [deg], exact at multiples of 90°."""
     exact = {0.0: 1.0 + 0j, 90.0: 1j, 180.0: -1.0 + 0j, -180.0: -1.0 + 0j, -90.0: -1j, 270.0: -1j}

@@ -29,10 +29,16 @@ from core.mechanism.drawing_targets import (
     faces_at,
     joined,
     links_with,
-    nearest_on_segment,
     outline,
 )
-from core.mechanism.drawn import PointPositions, frame_link, link_pose, point_positions, slider_line
+from core.mechanism.drawn import (
+    PointPositions,
+    frame_link,
+    link_pose,
+    nearest_on_segment,
+    point_positions,
+    slider_line,
+)
 from kindyna_gui.pictures.units import typed
 
 POINT, LINE, PERPENDICULAR, ANGLE, GRID, FREE = "point", "line", "perpendicular", "angle", "grid", ""

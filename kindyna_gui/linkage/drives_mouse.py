@@ -12,13 +12,12 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QApplication
 
-from core.design import drive_names, entries, phase_room, split_unit, turn_drive
+from core.design import FRAME_LINK, drive_names, entries, phase_room, split_unit, turn_drive
 from core.followers.dragging import joints_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import name_of
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.picking import Picker, rows_at
-from kindyna_gui.linkage.point_paths import path_points
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.cam_parts import on_cam
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -58,7 +57,10 @@ def _pin(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geo
     if drag is None:
         return None
     drive = geometry.study.design.drive
-    point = name if drive.links and name in path_points(drive.linkage) else ""
+    moving = (
+        () if not drive.links else (p.name for k in drive.linkage.links if k.number != FRAME_LINK for p in k.points)
+    )
+    point = name if name in moving else ""
     return MouseTarget(drag.label[:1].upper() + drag.label[1:], drag.field, "pressure_angle", point=point)
 
 

@@ -23,7 +23,6 @@ from kindyna_gui.drives import ON_SHAFT, ONE, DriveStrip, drive_rows
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas, PinnedOutline, paint_pinned
 from kindyna_gui.linkage.mechanism_mouse import MechanismMouseView
-from kindyna_gui.linkage.point_paths import PointPaths
 from kindyna_gui.look import Note, linked
 from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -47,6 +46,7 @@ from kindyna_gui.view import ViewHost
 
 if TYPE_CHECKING:  # imported when first used
     from kindyna_gui.linkage.drawing_mode import DrawingMode
+    from kindyna_gui.linkage.point_paths import PointPaths
     from kindyna_gui.linkage.underlay import UnderlayDesk
 
 UNDERLAY = ".underlay.toml"  # ending of the file next to the design's file
@@ -68,7 +68,7 @@ class MechanismView(MechanismMouseView):
         self.note = Note()
         self.strip = DriveStrip()
         self._drawing: DrawingMode | None = None
-        self.paths = PointPaths(session)
+        self._paths: PointPaths | None = None
         self._underlay: UnderlayDesk | None = None
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
@@ -96,7 +96,6 @@ class MechanismView(MechanismMouseView):
             (self.strip.chosen, self._choose_drive),
             (self.strip.arranged, self.arrange),
             (self.all_canvas.clicked, self._click_drive),
-            (self.paths.changed, self._show_paths),
         )
         self._update_strip()
         self._load_underlay()
@@ -156,6 +155,16 @@ class MechanismView(MechanismMouseView):
             self._drawing.switched.connect(self.drawing_switched)
             self._drawing.message.connect(self.status_message)
         return self._drawing
+
+    @property
+    def paths(self) -> PointPaths:
+        """The points of a linkage that show their paths, created when first used."""
+        if self._paths is None:
+            from kindyna_gui.linkage.point_paths import PointPaths
+
+            self._paths = PointPaths(self.session)
+            self._paths.changed.connect(self._show_paths)
+        return self._paths
 
     @property
     def draws(self) -> bool:
@@ -287,7 +296,8 @@ class MechanismView(MechanismMouseView):
     def _show_paths(self) -> None:
         """Show the paths of the points that trace one, or that the user has chosen."""
         drive = self.session.design.drive
-        self.scene.show_paths(self.paths.shown(drive.linkage) if drive.links else ())
+        is_drawn = bool(drive.links) and (self._paths is not None or drive.linkage.drawn is not None)
+        self.scene.show_paths(self.paths.shown(drive.linkage) if is_drawn else ())
 
     def _fit_or_keep(self, canvas: Canvas) -> None:
         if self._needs_fit:

@@ -377,7 +377,7 @@ def row_paths(geometry: Geometry) -> Iterator[str]:
 
 def rows_at(canvas: Canvas, at: complex) -> list[str]:
     """Return the rows of the loads at a position [mm], the nearest first."""
-    from core.mechanism.drawing_targets import nearest_on_segment  # as above
+    from core.mechanism.drawn import nearest_on_segment  # as above
 
     geometry = canvas.drawn.geometry
     if geometry is None:
