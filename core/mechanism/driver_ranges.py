@@ -311,7 +311,8 @@ def guided_ranges(
 def followed_ranges(linkage: Linkage, last: DriverRanges) -> DriverRanges | None:
     """Driver ranges of a linkage that differs a little from another one, without a search: with the branch of the other.
 
-    Its driver is taken to pass the same range. Where a dyad locks, the solution has no position, and the ranges must be searched.
+    Its driver is taken to pass the same range, to the moved dead centres where the other has some. Where another dyad locks, the
+    solution has no position, and the ranges must be searched.
 
     Parameters
     ----------
@@ -322,14 +323,14 @@ def followed_ranges(linkage: Linkage, last: DriverRanges) -> DriverRanges | None
     Returns
     -------
     DriverRanges or None
-        None where the other linkage locks or has a group, where the order of solution differs, and where a change point is not
-        found near that of the other linkage.
+        None where the other linkage has a group, where the order of solution differs, and where a change point or a dead centre is
+        not found near that of the other linkage.
     """
-    plan, (r, *others) = plan_of(linkage), last.ranges
+    plan = plan_of(linkage)
     same_order = [step for step, _ in plan.steps] == [step for step, _ in last.plan.steps]
     same_driver = (linkage.driver, linkage.turns) == (last.plan.linkage.driver, last.plan.linkage.turns)
-    is_free = r.is_free and not others and not any(step.kind == GROUP for step, _ in plan.steps)
-    if not (same_order and same_driver and is_free and linkage.branch == last.plan.linkage.branch):
+    has_group = any(step.kind == GROUP for step, _ in plan.steps)
+    if not (same_order and same_driver and not has_group and linkage.branch == last.plan.linkage.branch):
         return None
     branch, points = Branch(last.branch.start, last.branch.chosen), list[ChangePoint]()
     for index, near in last.branch.changes.items():
@@ -338,10 +339,39 @@ def followed_ranges(linkage: Linkage, last: DriverRanges) -> DriverRanges | None
             return None
         points += _with_bridges(plan, index, branch, changes.tolist())
     points.sort(key=lambda point: point.at)
-    at = np.linspace(r.low, r.high, _sample_count(r.high - r.low, r.high - r.low))
-    is_full = r.high - r.low == TURN * last.turns
-    angles = MappingProxyType(_lazy_angles(plan, branch, tuple(last.angles), [at], is_full))
-    return replace(last, plan=plan, changes=tuple(points), branch=branch, angles=angles)
+    ranges = _moved_ranges(plan, branch, last.ranges)
+    if not ranges:
+        return None
+    total = ranges[-1].high - ranges[0].low
+    parts = [np.linspace(r.low, r.high, _sample_count(r.high - r.low, total)) for r in ranges]
+    is_full = len(ranges) == 1 and ranges[0].is_free and total == TURN * last.turns
+    angles = MappingProxyType(_lazy_angles(plan, branch, tuple(last.angles), parts, is_full))
+    return replace(last, plan=plan, ranges=ranges, changes=tuple(points), branch=branch, angles=angles)
+
+
+def _moved_ranges(plan: SolutionPlan, branch: Branch, near: Sequence[DriverRange]) -> tuple[DriverRange, ...]:
+    """Ranges between the dead centres near those of another linkage, at which the same dyads lock; () where one is not found."""
+    joints = {joint for r in near for joint in (r.low_joint, r.high_joint)} - {""}
+    locking = [i for i, (step, _) in enumerate(plan.steps) if step.joint in joints]
+    if not locking:
+        return () if joints else tuple(near)
+    around = (1.0 if plan.driver.revolute else plan.size) * _AROUND
+    ends = [end for r in near for end in ((r.low, r.low_joint), (r.high, r.high_joint))]
+    at = np.concatenate([end + around if joint else np.array([end]) for end, joint in ends])
+    if not (np.diff(at) > 0.0).all():
+        return ()
+
+    def gap(q: np.ndarray) -> np.ndarray:
+        solution = solve(plan, at_driver(q), branch, locking[-1] + 1)
+        return np.min([_solution_gap(solution, index, branch, q) for index in locking], axis=0)
+
+    found = nonnegative_ranges(gap, at, gap(at))
+    if len(found) != len(near):
+        return ()
+    offsets, reach = np.ravel(found) - [end for end, _ in ends], [around[-1] if joint else 0.0 for _, joint in ends]
+    if not ((np.abs(offsets) < reach) | (offsets == 0.0)).all():
+        return ()
+    return tuple(replace(r, low=low, high=high) for r, (low, high) in zip(near, found, strict=True))
 
 
 def _moved_changes(plan: SolutionPlan, index: int, branch: Branch, near: np.ndarray) -> np.ndarray:

@@ -58,6 +58,33 @@ def test_where_a_dragged_linkage_locks_its_ranges_are_searched() -> None:
     assert not followed.follows
 
 
+def test_dead_centres_are_followed_until_the_linkage_is_free_again() -> None:
+    """The links have the positions of a search up to both ends of the crank's range."""
+    design = dragged(load(example("lecture_six_bar")), "O2", 0.002j)
+    last, ends = Study(design, SAMPLES), []
+    assert last.linkage.bodies
+    for _ in range(4):
+        design = dragged(design, "O2", 2e-4 - 1e-4j)
+        followed, searched = Study(design, SAMPLES).follow(last), Study(design, SAMPLES)
+        assert followed.linkage is not searched.linkage
+        assert followed.follows
+        near, wanted = (study.driver_ranges.ranges for study in (followed, searched))
+        assert [(r.low_joint, r.high_joint) for r in near] == [("", "D"), ("D", "D"), ("D", "")]
+        assert [(r.low_joint, r.high_joint) for r in wanted] == [("", "D"), ("D", "D"), ("D", "")]
+        assert [r.low for r in near] == pytest.approx([r.low for r in wanted], abs=1e-9)
+        assert [r.high for r in near] == pytest.approx([r.high for r in wanted], abs=1e-9)
+        ends.append(near[0].high)
+        for body, pose in searched.linkage.bodies.items():
+            error = np.abs(followed.linkage.bodies[body].origin[0] - pose.origin[0]).max()
+            assert error < 1e-6 * last.driver_ranges.plan.size
+        last = followed
+    assert len(set(ends)) == 4
+    design = dragged(design, "O2", -2.8e-3j)
+    followed, searched = Study(design, SAMPLES).follow(last), Study(design, SAMPLES)
+    assert searched.driver_ranges.ranges[0].is_free
+    assert followed.driver_ranges is searched.driver_ranges
+
+
 def test_what_is_computed_on_a_followed_branch_is_not_kept_for_the_typed_design() -> None:
     design = load(example("lecture_six_bar"))
     last = Study(design, SAMPLES)
