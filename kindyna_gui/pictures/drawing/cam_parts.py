@@ -5,6 +5,7 @@ Lengths are in mm, angles in degrees. Curves of the cam are given in the frame o
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
@@ -21,7 +22,7 @@ from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.study.extremes import has_undercut
 from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
-from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, text_size, turning
+from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, standing_at, text_size, turning
 from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
 from kindyna_gui.pictures.style import (
     BLUE,
@@ -109,19 +110,13 @@ def _zero_mark(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     tick = Outline(segments([(inner + 0j, edge + 0j)]), theme.pen(theme.cam_line, THIN))
     yield DrawnPart("zero", tick, ("cam",), Z_CURVES, turning(tick, geometry.cam_rotation))
     tag = Tag("0°", theme.cam_line, theme)
-    track = inner * np.exp(1j * np.deg2rad(geometry.cam_rotation))
-    yield DrawnPart("zero.text", tag, ("cam", "labels"), Z_CURVES, _pinned_inside(tag, track))
-
-
-def _pinned_inside(tag: Tag, track: np.ndarray) -> Callable[[int], None]:
-    """Pin a text to a path (n,) [mm], shifted by a few pixels towards the cam centre."""
-    follow, towards = pinned(tag, track), -track / np.abs(track)
 
     def move(i: int) -> None:
-        follow(i)
-        tag.shift(13.0 * towards.real[i], -10.0 * towards.imag[i])
+        outwards = geometry.cam_turn(i)
+        tag.setPos(at(inner * outwards))
+        tag.shift(-13.0 * outwards.real, 10.0 * outwards.imag)  # towards the cam centre
 
-    return move
+    yield DrawnPart("zero.text", tag, ("cam", "labels"), Z_CURVES, move)
 
 
 def edge_radius(profile: np.ndarray) -> float:
@@ -168,7 +163,7 @@ def contact(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     line.setPen(theme.pen(theme.quiet, THIN))
     yield DrawnPart("normal", line, ("normal",), Z_NORMAL, _normal_move(line, geometry))
     dot = Outline(circle(0.35 * geometry.unit), theme.pen(theme.ink, THIN), brush(theme.ink))
-    yield DrawnPart("contact", dot, ("normal",), Z_NORMAL + 0.1, pinned(dot, geometry.contact))
+    yield DrawnPart("contact", dot, ("normal",), Z_NORMAL + 0.1, standing_at(dot, geometry.contact))
     size = 0.8 * geometry.unit
     mark = Outline(joined(cross(1.5 * size), circle(0.55 * size)), theme.pen(theme.limit, OUTLINE))
     yield DrawnPart("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, centre_within_reach(geometry)))
@@ -195,18 +190,16 @@ def centre_within_reach(geometry: Geometry) -> np.ndarray:
 
 def _normal_move(line: QGraphicsLineItem, geometry: Geometry) -> Callable[[int], None]:
     assert geometry.shape is not None
-    normal, start = geometry.shape.flank.normal, geometry.contact - geometry.face_radius * geometry.shape.flank.normal
-    with np.errstate(invalid="ignore"):
-        along = ((geometry.centre - start) * normal.conjugate()).real
-    finite, reach = np.isfinite(along), _reach(geometry)
-    overshoot = 2.0 * geometry.unit
-    along = np.clip(np.where(finite, along, 0.0), -reach, reach)
-    low = np.where(finite, np.minimum(along, -overshoot), -reach)
-    high = np.where(finite, np.maximum(along, geometry.face_radius), reach)
-    first, second = start + low * normal, start + high * normal
+    normals, reach = geometry.shape.flank.normal, _reach(geometry)
 
     def move(i: int) -> None:
-        line.setLine(QLineF(at(first[i]), at(second[i])))
+        normal = complex(normals[i])
+        start = geometry.contact(i) - geometry.face_radius * normal
+        low, high = -reach, reach
+        if cmath.isfinite(centre := complex(geometry.centre[i])):
+            along = min(max(((centre - start) * normal.conjugate()).real, -reach), reach)
+            low, high = min(along, -2.0 * geometry.unit), max(along, geometry.face_radius)
+        line.setLine(QLineF(at(start + low * normal), at(start + high * normal)))
 
     return move
 

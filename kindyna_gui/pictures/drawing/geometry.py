@@ -5,13 +5,15 @@ This module only changes units and frames; it contains no case for a particular 
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
 
 import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, keyway_corners, row_of
-from core.dynamics import Element, OutputForce, Spring
+from core.dynamics import Element, Inertia, OutputForce, Spring, body_inertias
 from core.errors import NoSolution
 from core.followers import FACE_PLACE
 from core.frozen import frozen
@@ -305,10 +307,13 @@ class Geometry:
             if self.shape is not None and flank.reference is not self.shape.reference
         )
 
-    @cached_property
-    def contact(self) -> np.ndarray:
-        """Contact point of cam and follower in the global frame (n,) [mm]."""
-        return self.profile * np.exp(1j * np.deg2rad(self.cam_rotation))
+    def cam_turn(self, index: int) -> complex:
+        """Unit vector of the cam's x axis at a sample."""
+        return cmath.rect(1.0, math.radians(self.cam_rotation[index]))
+
+    def contact(self, index: int) -> complex:
+        """Contact point of cam and follower in the global frame at a sample [mm]."""
+        return complex(self.profile[index]) * self.cam_turn(index)
 
     @cached_property
     def bearing_room(self) -> float:
@@ -320,7 +325,8 @@ class Geometry:
         """Instant centre Q of follower and cam (n,) [mm]; infinite where it is at infinity or unknown."""
         if self.shape is None:
             return np.full(self.samples, complex(np.inf, np.inf))
-        return np.asarray(self.shape.centre.finite * MM)
+        with np.errstate(invalid="ignore"):  # infinite times the 0 in x + iy
+            return np.asarray(self.shape.centre.finite * MM)
 
     # -- sizes -----------------------------------------------------------------------------------------
 
@@ -339,9 +345,9 @@ class Geometry:
         boxes = [(-sweep, -sweep, sweep, sweep)] if self.has_cam else []
         corners = tuple(self.face_outline[:-1]) if self.face_outline.size and not self.face_radius else ()
         turn = self.face_turn
-        tracks = np.stack((*self.tracks(), *(self.reference + corner * turn for corner in corners)))
-        boxes.append((tracks.real.min(), tracks.imag.min(), tracks.real.max(), tracks.imag.max()))
         rounds = (
+            *((track, 0.0) for track in self.tracks()),
+            *((self.reference + corner * turn, 0.0) for corner in corners),
             (self.reference, self.face_radius),
             *((track, radius) for _, track, radius in self.other_rollers),
             *((self.centre_of(wheel), wheel.radius) for pair in self.wheels for wheel in pair.circles),
@@ -392,6 +398,14 @@ class Geometry:
             return tuple(element for element in self.study.loading.others if element.is_active)
         except NoSolution:
             return ()
+
+    @cached_property
+    def inertias(self) -> Mapping[str, Inertia]:
+        """Body -> inertia of its masses; empty where the loads have no solution."""
+        try:
+            return body_inertias(self.study.loading)
+        except NoSolution:
+            return {}
 
     @cached_property
     def has_spring(self) -> bool:

@@ -38,6 +38,9 @@ MOST_SAMPLES = 8  # samples of the turn at which free space is searched
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
 SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # positions of a text
+LEAN_X, LEAN_Y = (
+    np.clip(1.6 * part, -1.0, 1.0) for part in (SIDES.real, SIDES.imag)
+)  # of its centre, by half its size
 FAR_TURN = 90.0  # [deg] rotation over the turn above which a label may turn with its link
 PAD = 3.0  # free margin around a text, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the view, a longer gap
@@ -47,6 +50,8 @@ AROUND = 240  # dots of a curve around the cam
 STEM_ROOM = STEM * EYE + BUSH  # half the width of a stem with its bush or its spring, in units
 
 
+Strokes = Sequence[tuple[np.ndarray, np.ndarray]]
+"""Start (n,) and end (n,) of moving strokes [mm], such as arrows."""
 TextBox = tuple[np.ndarray, complex]
 """Centre of a text at the k samples of the search (k,) [mm], and half its size [pixels]."""
 
@@ -80,12 +85,6 @@ class Label:
         """Directions of the sides at the given samples (k,): unit vectors (k, c)."""
         fixed = np.broadcast_to(SIDES, (samples.size, SIDES.size))
         return fixed if self.turn is None else np.hstack([fixed, self.turn[samples][:, None] * DIRECTIONS])
-
-
-def _lean(outwards: np.ndarray, half: complex) -> np.ndarray:
-    """Offset from a point to the centre of a text with half size ``half`` outside the point."""
-    x, y = np.clip(1.6 * outwards.real, -1.0, 1.0), np.clip(1.6 * outwards.imag, -1.0, 1.0)
-    return np.asarray(half.real * x + 1j * half.imag * y)
 
 
 def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
@@ -218,7 +217,7 @@ class DrawnDots:
 def drawing_dots(
     geometry: Geometry,
     samples: np.ndarray,
-    strokes: Sequence[tuple[np.ndarray, np.ndarray]],
+    strokes: Strokes,
     curves: Sequence[np.ndarray] = (),
 ) -> DrawnDots:
     """The drawing as dots.
@@ -304,8 +303,7 @@ class Labels:
 
     def __init__(self, geometry: Geometry, theme: Theme) -> None:
         self._geometry = geometry
-        self._strokes: Sequence[tuple[np.ndarray, np.ndarray]] = ()
-        self._curves: Sequence[np.ndarray] = ()
+        self._obstacles: Callable[[], tuple[Strokes, Sequence[np.ndarray]]] = lambda: ((), ())
         self._fixed_sample: int | None = None
         self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in labels_of(geometry)]
         self._moves: dict[str, Move] = {}
@@ -329,7 +327,7 @@ class Labels:
 
     @cached_property
     def _dots(self) -> DrawnDots:
-        return drawing_dots(self._geometry, self.samples, self._strokes, self._curves)
+        return drawing_dots(self._geometry, self.samples, *self._obstacles())
 
     def parts(self) -> Iterator[DrawnPart]:
         """The labels as parts of the drawing, which move with the labelled parts."""
@@ -340,9 +338,9 @@ class Labels:
     def _mover(self, key: str) -> Move:
         return lambda i: self._moves[key](i)
 
-    def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]], curves: Sequence[np.ndarray] = ()) -> None:
-        """Avoid strokes from (n,) to (n,) [mm] and fixed curves (m,) [mm], from the next ``arrange`` on."""
-        self._strokes, self._curves = strokes, curves
+    def avoid(self, obstacles: Callable[[], tuple[Strokes, Sequence[np.ndarray]]]) -> None:
+        """Avoid strokes from (n,) to (n,) [mm] and fixed curves (m,) [mm], from the next ``arrange`` on, which reads them."""
+        self._obstacles = obstacles
         self.__dict__.pop("_dots", None)
 
     def use_sample(self, index: int) -> None:
@@ -388,7 +386,8 @@ class Labels:
                 continue
             outwards = complex(SIDES[side])
             start = label.room if label.line_start is None else label.line_start
-            push = outwards * (gap + (label.room - start) * scale) + complex(_lean(SIDES[side], half))
+            lean = complex(half.real * LEAN_X[side], half.imag * LEAN_Y[side])
+            push = outwards * (gap + (label.room - start) * scale) + lean
             tag.shift(push.real, -push.imag)
             tag.lead(gap > GAPS[0] or label.line_start is not None)
             self._moves[label.key] = standing_at(tag, partial(_offset_position, label.track, outwards * start))
@@ -405,8 +404,8 @@ class Labels:
             half = complex(*tag.size) / 2
             outwards = label.outwards(self.samples)
             centre = np.where(np.isfinite(label.track), label.track, 0.0)[self.samples][:, None]
-            fixed, around = outwards[:, : SIDES.size], outwards[:, SIDES.size :]
-            lean = np.hstack([_lean(fixed, half), _clear(around, half)])
+            fixed = np.broadcast_to(half.real * LEAN_X + 1j * half.imag * LEAN_Y, (self.samples.size, SIDES.size))
+            lean = np.hstack([fixed, _clear(outwards[:, SIDES.size :], half)])
             centre = centre + outwards * label.room + (outwards * label.gaps + lean) / scale
             cost = self._covered(centre, half / scale, scale)
             cost += FURTHER * np.searchsorted(GAPS, label.gaps)

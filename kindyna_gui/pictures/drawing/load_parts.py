@@ -23,10 +23,8 @@ from core.dynamics import (
     ScheduledForce,
     Spring,
     Torsion,
-    body_inertias,
     element_forces,
 )
-from core.errors import NoSolution
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.parts import BLOCK_LENGTH, behind_face, bush_start, is_stem
@@ -204,11 +202,7 @@ def loads(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
 
 def masses(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Quartered circle at the centre of mass of each body, with the mass."""
-    try:
-        bodies = body_inertias(geometry.study.loading)
-    except NoSolution:
-        return
-    for body, inertia in bodies.items():
+    for body, inertia in geometry.inertias.items():
         if not inertia.mass:
             continue
         track = geometry.bodies[body].track(inertia.centre * MM)
@@ -244,7 +238,7 @@ def load_strokes(geometry: Geometry, shown: Callable[[str], bool]) -> list[tuple
         along = end - start
         half_width = HALF_WIDTH * unit * along * 1j / np.where(along == 0.0, 1.0, np.abs(along))
         strokes += [(start + offset, end + offset) for offset in (-half_width, half_width)]
-    for body, inertia in body_inertias(geometry.study.loading).items() if shown("masses") else ():
+    for body, inertia in geometry.inertias.items() if shown("masses") else ():
         if inertia.mass:
             track = geometry.bodies[body].track(inertia.centre * MM)
             strokes += [

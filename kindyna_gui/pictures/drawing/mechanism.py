@@ -5,7 +5,7 @@ Parts of layers that are rarely shown are drawn when the layer is first shown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from math import degrees, radians
 from types import MappingProxyType
@@ -22,7 +22,7 @@ from core.study import Study
 from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
 from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, colour_scale, coloured_profile, reading_at
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.labels import Labels, TextBox
+from kindyna_gui.pictures.drawing.labels import Labels, Strokes, TextBox
 from kindyna_gui.pictures.drawing.overlay import (
     BOTTOM_STRIP,
     FIELDS,
@@ -361,14 +361,19 @@ class MechanismScene(QGraphicsScene):
 
     def _make_room(self) -> None:
         """Keep the labels clear of the vectors, dimensions, loads and curves that are shown."""
-        if self._labels is not None and self.geometry is not None:
-            shown = [field for layer, field in self._fields.items() if self._shown[layer]]
-            values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
-            values += load_parts.load_strokes(self.geometry, self._shown.__getitem__)
-            names = None if self._shown[COUPLER] else self._paths
-            curves = () if self.linkage_layers is None or not self._shows_paths else self.linkage_layers.paths(names)
-            drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
-            self._labels.avoid([*drawn, *values], curves)
+        if self._labels is not None:
+            self._labels.avoid(self._obstacles)
+
+    def _obstacles(self) -> tuple[Strokes, Sequence[np.ndarray]]:
+        """Strokes and curves that the labels avoid."""
+        assert self.geometry is not None
+        shown = [field for layer, field in self._fields.items() if self._shown[layer]]
+        values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
+        values += load_parts.load_strokes(self.geometry, self._shown.__getitem__)
+        names = None if self._shown[COUPLER] else self._paths
+        curves = () if self.linkage_layers is None or not self._shows_paths else self.linkage_layers.paths(names)
+        drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
+        return [*drawn, *values], curves
 
     def _other_texts(self, samples: np.ndarray) -> Iterator[TextBox]:
         """All texts of the view but the labels, at the given samples."""
