@@ -16,6 +16,7 @@ from core.mechanism.drawing_targets import coincident_point, links_with
 from core.mechanism.drawn import PointPositions, link_pose, point_positions
 from kindyna_gui.linkage.draw_tools import (
     CHOOSE,
+    DIRECTION,
     TOOLS,
     Drawing,
     DrawingEdit,
@@ -99,10 +100,15 @@ class ToolInput:
 
     @property
     def barred(self) -> set[int]:
-        """Links that have a point of the link that is being drawn: a second one would make them one body."""
+        """Links that the next click does not join.
+
+        A second point of the link that is being drawn would make both one body; the direction of a line joins nothing.
+        """
+        linkage = self.drawn.layout[0].drive.linkage
+        if self.tool.boxes_at(len(self.snaps)) == DIRECTION:
+            return set(linkage.by_number)
         if not self.tool.adds_link:
             return set()
-        linkage = self.drawn.layout[0].drive.linkage
         names = {snap.point for snap in self.snaps if snap.point}
         return links_with(linkage, names) | {snap.link for snap in self.snaps if snap.link is not None}
 

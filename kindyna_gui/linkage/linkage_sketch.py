@@ -414,7 +414,8 @@ class LinkageSketch:
         elif snap.mark == GRID:
             parts.append(f"{typed(snap.at.real)}, {typed(snap.at.imag)}")
         if parts:
-            painter.drawText(QPointF(x + 12.0, y - 10.0), "  ".join(parts))
+            above = 24.0 if snap.point else 10.0  # clear of the name of the pin
+            painter.drawText(QPointF(x + 12.0, y - above), "  ".join(parts))
 
 
 def _outline_pen(is_selected: bool, is_wrong: bool) -> QPen:

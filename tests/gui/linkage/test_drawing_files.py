@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from pen import CTRL, Key, Pen, start
+from PySide6.QtCore import QPointF
 from window_user import Open, settle, wait_for
 
 from core.__main__ import main
@@ -71,3 +72,41 @@ def test_two_loose_bars_are_recovered_after_a_crash(open_user: Open) -> None:
     assert set(again.shape(4)) == {"B", "C"}
     other.session.stack.undo()
     assert again.design.drive.mechanism == drawn
+
+
+def test_a_four_bar_that_looks_joined_is_joined(open_user: Open, tmp_path: Path) -> None:
+    """With clicks a few pixels off every pin and saved half-way: one degree of freedom, a coupler curve, no field in red."""
+    pen = start(open_user, whole=True, size=(1440, 900))
+    pen.canvas.show_region(QPointF(40.0, 20.0), 2.3)
+    pen.key(Key.Key_G)
+    pen.click(-10 + 0j)
+    pen.click(90 + 0j)
+    pen.key(Key.Key_B)
+    pen.click(-10 + 4j)
+    pen.click(-10 + 30j)
+    pen.click(-6 + 34j)
+    pen.type("75", "30")
+    file = tmp_path / "half.toml"
+    pen.user.picks("design_to_save", file)
+    pen.user.choose("File", "Save as...")
+    assert not pen.user.session.modified
+    assert main(["check", str(file)]) == 2
+    pen.key(Key.Key_B)
+    pen.click(pen.places["B"] + 3 - 3j)
+    pen.click(86 - 4j)
+    assert [list(pen.shape(n)) for n in (2, 3, 4)] == [["O1", "A"], ["A", "B"], ["B", "O2"]]
+    assert pen.user.session.incomplete is None
+    pen.key(Key.Key_T)
+    pen.click((pen.places["A"] + pen.places["B"]) / 2.0)
+    pen.type("40", "25")
+    view = pen.user.drawing()
+    assert view.drawing.paths.drawn()["C"].is_driven
+    for name, at in pen.places.items():
+        others = [abs(at - other) * pen.canvas.scale_now for n, other in pen.places.items() if n != name]
+        assert min(others) > 8.0, "pins that overlap would look like one"
+    pen.key(Key.Key_Escape)
+    pen.key(Key.Key_Escape)
+    assert view.scene.item("coupler.C").isVisible()
+    assert not any(form.in_trouble for form in pen.user.parameters().forms.values())
+    pen.user.choose("File", "Save")
+    assert main(["check", str(file)]) == 0

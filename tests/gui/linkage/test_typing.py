@@ -72,8 +72,14 @@ def test_a_slider_asks_its_angle(open_user: Open) -> None:
     assert (slider.angle_deg, slider.through_x_mm, slider.through_y_mm) == (0.0, 40.0, 20.0)
     pen.key(Key.Key_G)
     pen.click(0j)
+    pen.key(Key.Key_B)
+    pen.drag(-60 + 30j, -20 - 10j)
     pen.key(Key.Key_S)
     pen.click("O1")
+    pen.hover(-40 + 10j)
+    mark = pen.user.drawing().drawing.snap
+    assert mark is not None
+    assert mark.link is None, "the direction joins nothing"
     pen.hover(-50 + 10j)
     pen.type("120")
     slider = pen.design.drive.linkage.sliders[-1]
