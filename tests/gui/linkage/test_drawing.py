@@ -709,6 +709,7 @@ def test_while_a_line_is_drawn_the_mouse_is_drawn_to_what_is_there(open_user: Op
     """Points, lines, perpendiculars, 15° steps, the grid; Ctrl frees it."""
     pen = four_bar(open_user)
     drawing = pen.user.drawing().drawing
+    pen.canvas.show_region(QPointF(50.0, 20.0), 4.0)
     pen.key(Key.Key_B)
     marks = {}
     pen.hover(pen.places["A"] + 1.0)
