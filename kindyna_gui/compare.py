@@ -307,7 +307,7 @@ class ExplainView(View):
             self.table.show_rows([])
             self.proof.clear()
             return
-        self.header.setText("\n".join([number.headline(MOST_DIGITS), *number.equations, f"after {number.source}"]))
+        self.header.setText("\n".join([number.headline(MOST_DIGITS), *number.equations, f"source: {number.source}"]))
         self.table.update_rows(
             [
                 TableRow(

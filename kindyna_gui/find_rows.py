@@ -15,6 +15,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButton, QVBoxLayout, QWidget
 
 from core.design import NO_UNIT, Design, Info, Limits, Unit, entry_at, info_of, split_unit
+from core.design.fields import in_sentence
 from core.find import (
     ANY_PRESSURE,
     CAM_SEARCHES,
@@ -31,7 +32,6 @@ from core.find import (
 from core.find.rounding import TORQUE
 from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, RESULT_DIGITS, digits_apart
-from core.output.lines import in_sentence
 from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import allowed_text, name_of, no_number, sentence

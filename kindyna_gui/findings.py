@@ -13,9 +13,9 @@ from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
+from core.design.fields import in_sentence
 from core.findings import ERROR, Finding, Remedy, Residual
 from core.number_text import result_text
-from core.output.lines import in_sentence
 from core.study import STAGES, Study, certificate_of, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow

@@ -24,13 +24,12 @@ from core.design import (
     row_at,
     split_unit,
 )
-from core.design.fields import LARGEST
+from core.design.fields import LARGEST, in_sentence
 from core.errors import DesignError, FileError, KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import named_law
 from core.materials import MATERIALS
 from core.number_text import shortest, typed_text, typeset
-from core.output.lines import in_sentence
 from core.output.load_text import row_name
 from kindyna_gui.settings import in_units, number_text, point, size_of, symbol_of
 
@@ -238,7 +237,7 @@ def heading_of(design: Design, path: str) -> str:
 def driver_text(driver: Driver) -> str:
     """Driver in words: ``Link 4 follows the motion``."""
     against = "" if driver.on == FRAME_LINK else f" against link {driver.on}"
-    return f"Link {driver.link} {'turns at speed' if driver.kind == CRANK else 'follows the motion'}{against}"
+    return f"Link {driver.link} {'turns at constant speed' if driver.kind == CRANK else 'follows the motion'}{against}"
 
 
 def entry_label(design: Design, entry: Entry) -> str:

@@ -42,6 +42,15 @@ class Bounds:
     most: bool = True
 
 
+PROPER_NAMES = ("Hertz", "Hill", "Kennedy", "Poisson", "Young")
+"""Beginnings of names that keep their capital."""
+
+
+def in_sentence(name: str) -> str:
+    """Name within a sentence: ``rod L2``; a symbol, such as that of a point or an angle, and ``Young's modulus`` keep their case."""
+    return f"{name[:1].lower()}{name[1:]}" if name[1:2].islower() and not name.startswith(PROPER_NAMES) else name
+
+
 @frozen
 class Info:
     """Metadata of one field.
@@ -95,8 +104,8 @@ class Info:
 
     @property
     def in_sentence(self) -> str:
-        """The label inside a sentence, in lower case."""
-        return self.label[:1].lower() + self.label[1:]
+        """The label inside a sentence."""
+        return in_sentence(self.label)
 
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""

@@ -12,13 +12,13 @@ import numpy as np
 
 from core.design import UNITS, Design, Motion, join_angles, join_levels, motion_of, stroke
 from core.design.edits import is_dwell
+from core.design.fields import in_sentence
 from core.dynamics import input_power
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import TURN
 from core.number_text import result_text
 from core.numerics.derivatives import spread
-from core.output.lines import in_sentence
 from core.study import QUANTITIES, Camshaft, Quantity, Study, extremes_of, names_of, quantity
 from core.study.drive_forces import turn_nodes
 from core.study.extremes import has_quantity

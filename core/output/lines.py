@@ -37,11 +37,6 @@ def text_cell(text: str, delimiter: str = ",") -> str:
     return '"' + safe.replace('"', '""') + '"' if set(safe) & {delimiter, '"', "\n", "\r"} else safe
 
 
-def in_sentence(name: str) -> str:
-    """Name within a sentence: ``rod L2``; a symbol, such as that of a point or an angle, keeps its case."""
-    return f"{name[:1].lower()}{name[1:]}" if name[1:2].islower() else name
-
-
 def printable(text: str) -> str:
     """The text on one line, without characters that a terminal executes."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

@@ -11,11 +11,11 @@ from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design, Entry, Process, entries, get, load_lists, row_at, with_rows_in_order
+from core.design.fields import in_sentence
 from core.dynamics import element_at, peak_load
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.number_text import shortest
-from core.output.lines import in_sentence
 from core.output.load_text import row_attachments, row_name
 from core.study import Study
 from kindyna_gui.documents.session import Session

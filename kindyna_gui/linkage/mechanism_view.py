@@ -11,10 +11,10 @@ from PySide6.QtGui import QAction, QActionGroup, QColor, QPainter
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 
 from core.design import turns_on
+from core.design.fields import in_sentence
 from core.errors import KindynaError, NoSolution
 from core.instant_centres import CHAINS
 from core.numerics.lazy import postponing
-from core.output.lines import in_sentence
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session

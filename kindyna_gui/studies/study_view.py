@@ -23,10 +23,10 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import Design, Tolerance, get
+from core.design.fields import in_sentence
 from core.design.limits import Waviness
 from core.errors import DesignError, KindynaError
 from core.number_text import count_text
-from core.output.lines import in_sentence
 from core.study import Study
 from core.varying import (
     StudyFile,

@@ -7,9 +7,9 @@ from html import escape
 from types import MappingProxyType
 
 from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
+from core.design.fields import in_sentence
 from core.laws import LAWS
 from core.number_text import count_text
-from core.output.lines import in_sentence
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying import Optimum, StudyOfMany, ToleranceResult

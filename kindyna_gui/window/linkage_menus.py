@@ -12,9 +12,9 @@ from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
 
 from core.design import CRANK, AttachedEnd, Design, Driver, Target, get, holds_of, load_lists, with_new_row
+from core.design.fields import in_sentence
 from core.errors import KindynaError
 from core.mechanism.drivers import driver_position, drivers, roller_points, with_driver, with_roller, without_roller
-from core.output.lines import in_sentence
 from core.output.load_text import row_name
 from kindyna_gui.background import in_background
 from kindyna_gui.forms.load_rows import put_attachment

@@ -163,7 +163,7 @@ def fill_pictures(window: Window, menu: QMenu) -> None:
         view = window.view(name)
         if row.picture and view is not None and view.on_screen():
             title = title_of(name, window.session.design)
-            tip = view.no_picture.replace("\n", " ") or f"Save the picture {title} as PNG or SVG"
+            tip = view.no_picture.replace("\n", " ") or f"Export the view {title} as PNG or SVG"
             add_entry(menu, f"{title}...", partial(window.export_picture, name), tip, enabled=not view.no_picture)
     menu.menuAction().setEnabled(not menu.isEmpty())
 
@@ -428,7 +428,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("P&lay", "player.play", None, "F5", "Play or stop the motion", checkable=True, name="play"),
             Item("Step &forward", "player.step", 1.0, "F7", "Turn one degree forward"),
             Item("Step &back", "player.step", -1.0, "F6", "Turn one degree back"),
-            Item("&Reverse", "reverse", None, "F8", "Play backwards", checkable=True),
+            Item("Play bac&kwards", "reverse", None, "F8", "Play the motion backwards", checkable=True),
         ),
     ),
     (

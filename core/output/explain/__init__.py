@@ -285,7 +285,7 @@ def as_text(explanation: Explanation) -> str:
     lines = [
         explanation.headline(WORKING_DIGITS),
         *(f"  {line}" for line in explanation.equations),
-        f"  after {explanation.source}",
+        f"  source: {explanation.source}",
     ]
     rows = [
         (letter.symbol, digits(letter.value, WORKING_DIGITS), letter.unit, letter.meaning, letter.origin)

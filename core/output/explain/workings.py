@@ -13,6 +13,7 @@ import numpy as np
 
 from core.cam import SECOND
 from core.design import UNITS
+from core.design.fields import in_sentence
 from core.dynamics import CAM_FACE
 from core.dynamics.free_body import CONTACT, DRIVE, FRICTION, INERTIA, REACTION, WEIGHT, ForceOnBody, element_forces
 from core.dynamics.walk import input_of
@@ -20,7 +21,6 @@ from core.frozen import frozen
 from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import REVOLUTE
 from core.numerics.derivatives import cross, dot
-from core.output.lines import in_sentence
 from core.study import Quantity, Study, quantity
 from core.study.letters import keys_of, letters_of
 from core.study.quantities import member_of

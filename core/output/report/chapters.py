@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.design.fields import in_sentence
 from core.frozen import frozen
 from core.number_text import MOST_DIGITS, result_text
 from core.output.channels import channels
 from core.output.export import SHAFT_QUANTITIES
-from core.output.lines import in_sentence, printable
+from core.output.lines import printable
 from core.output.report import sections as content
 from core.output.report.equations import equations_of
 from core.output.report.parts import (

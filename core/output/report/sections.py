@@ -12,11 +12,12 @@ import numpy as np
 
 from core.cam import SECOND
 from core.design import CRANK, FRAME_LINK, UNITS, Design, distances, drive_at, entries, entry_at, is_assumed, only
+from core.design.fields import in_sentence
 from core.findings import Residual
 from core.laws import find_law
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, digits_apart, input_text, result_text, signed_text
 from core.output.channels import channels, has_cycle, motion_cycle
-from core.output.lines import digits, finding_line, in_sentence, printable
+from core.output.lines import digits, finding_line, printable
 from core.output.load_text import ROW, row_title
 from core.output.report.equations import equations_of
 from core.output.report.parts import Block, Cell, Number, ReportTable, Section, Sentences, section, table

@@ -13,8 +13,8 @@ from PySide6.QtGui import QAccessible, QPen
 from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
+from core.design.fields import in_sentence
 from core.motion.extremes import Extremes
-from core.output.lines import in_sentence
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline

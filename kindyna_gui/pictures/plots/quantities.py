@@ -16,6 +16,7 @@ from PySide6.QtGui import QPainter, QPolygonF
 from core.cam import PRESSURE_LIMITS
 from core.design import Curve as DesignCurve
 from core.design import Design, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, TableCurve, curve_of
+from core.design.fields import in_sentence
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws import PieceTable, find_law
@@ -23,7 +24,6 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion.curves import segment_shape
 from core.motion.extremes import Extremes
 from core.output.channels import channels, existing
-from core.output.lines import in_sentence
 from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
 from core.study.limits import USER_BOUNDS, bounded_quantities

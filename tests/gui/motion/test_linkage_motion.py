@@ -224,9 +224,9 @@ def test_another_link_leads_and_the_drawing_stays(same_window: Open) -> None:
     user.window.player.set_theta(1.0)
     before, crank = stands(user), user.design
     assert user.entries("Compo", "Driver") == [
-        "Link 2 turns at speed",
+        "Link 2 turns at constant speed",
         "Link 2 follows a motion",
-        "Link 4 turns at speed",
+        "Link 4 turns at constant speed",
         "Link 4 follows a motion",
     ]
     user.choose("Compo", "Driver", "Link 4 follows a motion")
@@ -235,7 +235,7 @@ def test_another_link_leads_and_the_drawing_stays(same_window: Open) -> None:
     assert user.window.player.theta == 0.0
     assert stands(user) == pytest.approx(before, abs=1e-3)
     assert user.steps == ["Drive link 4 by a motion"]
-    user.choose("Compo", "Driver", "Link 2 turns at speed")
+    user.choose("Compo", "Driver", "Link 2 turns at constant speed")
     assert stands(user) == pytest.approx(before, abs=1e-3)
     assert user.window.player.theta == pytest.approx(1.0, abs=1e-6)
     assert user.design.drive.mechanism == crank.drive.mechanism
@@ -249,7 +249,7 @@ def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(same_window: Op
     user = same_window(example("four_bar_coupler_cam"))
     user.turn(270.0)
     before = user.design
-    entry = ("Compo", "Driver", "Link 4 turns at speed")
+    entry = ("Compo", "Driver", "Link 4 turns at constant speed")
     assert user.action(*entry).statusTip().endswith("removes its motion and its cam")
     user.choose(*entry)
     assert user.design.drive.motion is None
@@ -343,7 +343,7 @@ def test_a_driver_that_takes_long_can_be_given_up(same_window: Open) -> None:
     timer = QTimer(user.window, interval=10)
     timer.timeout.connect(give_up)
     timer.start()
-    user.choose("Compo", "Driver", "Link 6 turns at speed")
+    user.choose("Compo", "Driver", "Link 6 turns at constant speed")
     assert not timer.isActive(), "a dialog came while it was computed"
     assert user.design is before
     assert "Cancelled" in user.window.status.currentMessage()

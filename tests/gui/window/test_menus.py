@@ -227,9 +227,9 @@ def test_the_player_obeys_the_menu(user: User) -> None:
     user.choose("Kine", "Step forward")
     assert user.window.status.angle.text() == "cam angle 1.0°"
     user.choose("Kine", "Step back")
-    user.choose("Kine", "Reverse")
+    user.choose("Kine", "Play backwards")
     assert (player.theta, player.forward) == (0.0, False)
-    assert user.action("Kine", "Reverse").isChecked()
+    assert user.action("Kine", "Play backwards").isChecked()
     player.play()
     assert user.action("Kine", "Play").isChecked()
     player.play(False)
