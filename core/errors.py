@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -55,12 +55,24 @@ class _Missing:
 MISSING = _Missing()
 
 
+class AnyFault(Protocol):
+    """A wrong entry, which ``str()`` describes in one line; ``path`` says where it is."""
+
+    @property
+    def path(self) -> str:
+        """Where the entry is in its file."""
+
+
 class KindynaError(Exception):
-    """Base of all errors for the user; ``str()`` gives one line per fault."""
+    """Base of all errors for the user; ``str()`` gives one line per fault, ``faults`` lists wrong entries of a design."""
+
+    faults: tuple[AnyFault, ...] = ()
 
 
 class DesignError(KindynaError):
     """The design has wrong values; ``faults`` lists all of them."""
+
+    faults: tuple[Fault, ...]
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)

@@ -68,16 +68,24 @@ class RowFault(NamedTuple):
     rows: int = 1
     others: tuple[int, ...] = ()
 
+    @property
+    def path(self) -> str:
+        """Where it is in the file."""
+        return f"line {self.line}" if self.line else ""
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.text}" if self.line else self.text
+
 
 class TableError(KindynaError):
     """A measured table that cannot be read, with one line of text per fault."""
 
+    faults: tuple[RowFault, ...]
+
     def __init__(self, name: str, faults: Iterable[RowFault]) -> None:
         self.name, self.faults = name, tuple(faults)
         shown = name if name.isprintable() else repr(name)
-        super().__init__(
-            "\n".join(f"{shown}, line {f.line}: {f.text}" if f.line else f"{shown}: {f.text}" for f in self.faults)
-        )
+        super().__init__("\n".join(f"{shown}, {fault}" if fault.line else f"{shown}: {fault}" for fault in self.faults))
 
 
 class LineRuns:

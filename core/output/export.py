@@ -19,7 +19,7 @@ from core.output.channels import ANGLES, channels, existing
 from core.output.summary import summary, to_json
 from core.project.files import write_into
 from core.requests import option
-from core.study import Camshaft, Study
+from core.study import Camshaft, Quantity, Study
 from core.study.camshaft import has_speed, is_complete
 from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 
@@ -117,25 +117,41 @@ def study_blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
         vars(block).clear()  # reference cycle with its camshaft: memory would wait for the garbage collector
 
 
-def table(
-    study: Study, name: str, stages: Sequence[str], without: frozenset[str] = frozenset()
-) -> Iterator[bytes] | None:
-    """One of ``TABLES`` with columns of the named stages, in blocks of lines.
+def table_rows(
+    study: Study, name: str, stages: Sequence[str] = (), without: frozenset[str] = frozenset()
+) -> list[tuple[str, Quantity]]:
+    """Columns of one of ``TABLES`` after its angle, with their quantities; none where a guide jams in a table of forces.
 
-    None without columns or forces; ``without`` lists quantities to omit.
+    ``without`` lists quantities to omit.
     """
     bounded = bounded_study(study)
     rows = existing(
         bounded, (row for row in channels(study.design, stages) if row.table == name and row.name not in without)
     )
     if not rows or (name in (DYNAMICS, SERVO) and bounded.jam is not None):
+        return []
+    return [(MOTOR_COLUMNS.get(row.slug, row.slug), row) for row in rows]
+
+
+def angle_of_table(study: Study, name: str) -> str:
+    """First column of one of ``TABLES``."""
+    return ANGLES.get(name, study.angle_column)
+
+
+def table(
+    study: Study, name: str, stages: Sequence[str], without: frozenset[str] = frozenset()
+) -> Iterator[bytes] | None:
+    """One of ``TABLES`` with columns of the named stages, in blocks of lines; None without columns."""
+    rows = table_rows(study, name, stages, without)
+    if not rows:
         return None
-    columns = [ANGLES.get(name, study.angle_column), *(MOTOR_COLUMNS.get(row.slug, row.slug) for row in rows)]
+    columns = [angle_of_table(study, name), *(column for column, _ in rows)]
 
     def lines() -> Iterator[bytes]:
         yield csv_header(columns)
         yield from (
-            csv_lines(columns, [degrees, *(row.values(part) for row in rows)]) for degrees, part in study_blocks(study)
+            csv_lines(columns, [degrees, *(row.values(part) for _, row in rows)])
+            for degrees, part in study_blocks(study)
         )
 
     return lines()

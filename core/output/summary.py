@@ -80,7 +80,7 @@ def _shaft_figures(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         "base": {},
         "drives": _drives(camshaft),
         "timing": _timing(study.design),
-        "extremes": _camshaft_extremes(camshaft) if dynamics else {},
+        "extremes": shaft_extremes(camshaft) if dynamics else {},
         "torque": torque(camshaft) if dynamics else {},
         "flywheel": flywheel(study) if dynamics else {},
     }
@@ -389,7 +389,7 @@ def _timing(design: Design) -> list[dict[str, Any]]:
     ]
 
 
-def _camshaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
+def shaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
     """Extremes of the columns of ``shaft.csv``; their ``cam_angle_deg`` is the machine angle."""
     loads = {
         f"{camshaft.slugs[name]}_torque_nm": peaks(camshaft.drive_load(name))

@@ -1,7 +1,7 @@
 """Cam and mechanism design from Python: ``import kindyna as kd``.
 
 Numbers are in the unit at the end of their name, angles in degrees; arrays are float64 and read-only. A public name is
-imported when it is first used.
+imported when it is first used. ``KINDYNA_KEEP_MEMORY=0`` in the environment leaves the memory settings of the process alone.
 """
 
 from __future__ import annotations
@@ -11,10 +11,32 @@ from kindyna._checkout import foreign_core
 if problem := foreign_core():
     raise ImportError(problem)
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from core import __version__ as __version__
 from core.errors import KindynaError
 
-__all__ = ["KindynaError"]
+if TYPE_CHECKING:
+    from kindyna._design import Design, Study, design, example, examples, open
+    from kindyna._results import Channel, Extreme, Finding
+
+__all__ = [
+    "Channel", "Design", "Extreme", "Finding", "KindynaError", "Study", "design", "example", "examples", "open",
+]  # fmt: skip
+
+_MODULES = {
+    "_design": ("Design", "Study", "design", "example", "examples", "open"),
+    "_results": ("Channel", "Extreme", "Finding"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _MODULES.items():
+        if name in names:
+            globals()[name] = value = getattr(import_module(f"{__name__}.{module}"), name)
+            return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -40,6 +40,22 @@ print(json.dumps([len(found), sorted(m for m in sys.modules if m.split(".")[0] i
 """
 
 
+USE = """
+import numpy as np
+import kindyna as kd
+
+design: kd.Design = kd.example("transfer_lift").edit({"cam.base_radius_mm": 430.0})
+study: kd.Study = design.study(36)
+torque: np.ndarray[tuple[int, ...], np.dtype[np.float64]] = study["drive_torque_nm"]
+largest: float = float(study.extreme("drive_torque_nm", of="abs"))
+messages: list[str] = [finding.message for finding in study.at([0.0, 90.0]).findings]
+try:
+    kd.design({})
+except kd.KindynaError as error:
+    paths: list[str] = [fault.path for fault in error.faults]
+"""
+
+
 def run(folder: Path, path: list[Path], *words: str | Path) -> subprocess.CompletedProcess[str]:
     """A process in a folder, with these folders on its path and nothing else of the caller's environment."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP"))}
@@ -243,6 +259,6 @@ def test_its_window_paints_beside_another_core(python: Path, libraries: tuple[Pa
 
 
 def test_a_type_checker_sees_its_types(python: Path, libraries: tuple[Path, Path], tmp_path: Path) -> None:
-    (tmp_path / "use.py").write_text("import kindyna as kd\n\nfault: type[Exception] = kd.KindynaError\n", "utf-8")
+    (tmp_path / "use.py").write_text(USE, "utf-8")
     done = run(tmp_path, [], sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "use.py")
     assert done.returncode == 0, done.stdout

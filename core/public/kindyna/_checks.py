@@ -1,0 +1,91 @@
+"""Arguments of the library: names that exist, numbers, angles; an error is one line that names the argument."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.project.reading_faults import did_you_mean
+from core.units import UNITS
+
+_MOST_NAMES = 12
+Array = NDArray[np.float64]
+
+
+def unknown(what: str, name: object, names: Iterable[str]) -> KeyError:
+    """Return the error for a name that does not exist; it suggests the nearest name, or lists names."""
+    known = tuple(names)
+    near = did_you_mean(str(name), known)
+    listed = ", ".join(known[:_MOST_NAMES]) + (", ..." if len(known) > _MOST_NAMES else "")
+    return KeyError(f"{name!s}: no such {what}{near}" if near else f"{name!s}: no such {what}; allowed: {listed}")
+
+
+def text(what: str, value: object) -> str:
+    """Return a text. Raises TypeError."""
+    if not isinstance(value, str):
+        raise TypeError(f"{what} = {value!r}: a text is needed, not {type(value).__name__}")
+    return value
+
+
+def path_of(value: object) -> str:
+    """Return the path of a file or folder. Raises TypeError."""
+    if not isinstance(value, str | os.PathLike):
+        raise TypeError(f"path = {value!r}: a text or a path is needed, not {type(value).__name__}")
+    return os.fspath(value) if isinstance(value, str) else str(value)
+
+
+def number(what: str, value: Any) -> float:
+    """Return a finite number. Raises TypeError, ValueError."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+        raise TypeError(f"{what} = {value!r}: a number is needed, not {type(value).__name__}")
+    if not math.isfinite(value):
+        raise ValueError(f"{what} = {value!r}: a finite number is needed")
+    return float(value)
+
+
+def whole(what: str, value: Any) -> int:
+    """Return a whole number. Raises TypeError, ValueError."""
+    result = number(what, value)
+    if not result.is_integer():
+        raise ValueError(f"{what} = {value!r}: a whole number is needed")
+    return int(result)
+
+
+def vector(what: str, values: ArrayLike) -> Array:
+    """Return a vector (n,) of finite numbers, read-only. Raises TypeError, ValueError."""
+    try:
+        result = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{what}: a list of numbers is needed, not rows of different lengths") from None
+    if result.dtype.kind not in "iuf":
+        raise TypeError(f"{what}: numbers are needed, not {result.dtype}")
+    if result.ndim != 1 or not result.size:
+        raise ValueError(f"{what}: a list of numbers is needed, at least one; it has the shape {result.shape}")
+    if not np.isfinite(result).all():
+        raise ValueError(f"{what}: finite numbers are needed; number {int(np.argmin(np.isfinite(result)))} is not")
+    return read_only(result)
+
+
+def brief(line: str) -> str:
+    """Return a line of at most 120 characters."""
+    return line if len(line) <= 120 else line[:117] + "..."
+
+
+def read_only(values: ArrayLike) -> Array:
+    """Return a read-only copy as float64."""
+    result = np.array(values, dtype=np.float64)
+    result.flags.writeable = False
+    return result
+
+
+def points(complex_metres: NDArray[np.complex128]) -> Array:
+    """Return points (n,) complex [m] as coordinates (n, 2) [mm], read-only."""
+    return read_only(np.column_stack((complex_metres.real, complex_metres.imag)) / UNITS["mm"].factor)

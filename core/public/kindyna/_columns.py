@@ -1,0 +1,129 @@
+"""Columns of a study: names, values and extremes, as the command ``export`` writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from core.errors import KindynaError
+from core.output.export import SHAFT, TABLES, angle_of_table, table_rows
+from core.output.summary import extremes, shaft_extremes
+from core.study.formulas import FORMULAS
+from core.study.quantities import Quantity
+from core.study.study import Study as CoreStudy
+from core.units import split_unit
+from kindyna._checks import Array, read_only, text, unknown
+from kindyna._results import Channel, Extreme
+
+if TYPE_CHECKING:
+    from core.output.explain.shaft import ShaftColumn
+
+_OF = ("max", "min", "abs")
+_MACHINE = "machine_angle_deg"
+
+
+class Columns:
+    """Columns of a study, by the angle of cam, driver or machine.
+
+    Attributes
+    ----------
+    full : study over the full turn
+    given : its other angles (n,) [deg], None for those of ``full``
+    """
+
+    def __init__(self, full: CoreStudy, given: Array | None) -> None:
+        self.full, self.given = full, given
+        self._cache: dict[str, Array] = {}
+
+    @cached_property
+    def core(self) -> CoreStudy:
+        """The study of a drive at its angles."""
+        return self.full if self.given is None else self.full.at_theta(np.deg2rad(self.given))
+
+    @cached_property
+    def angle_deg(self) -> Array:
+        """Angles (n,) [deg]."""
+        return read_only(self.full.angle_degrees) if self.given is None else self.given
+
+    @property
+    def angle(self) -> str:
+        """Column of the angles."""
+        return _MACHINE if self.full.design.listed else self.full.angle_column
+
+    @cached_property
+    def channels(self) -> Mapping[str, Channel]:
+        """Name -> channel."""
+        return self._of_shaft() if self.full.design.listed else self._of_drive()
+
+    def channel(self, name: str) -> Channel:
+        """Return the channel of a name. Raises KeyError."""
+        if text("channel", name) not in self.channels:
+            raise unknown("channel of this design", name, self.channels)
+        return self.channels[name]
+
+    def values(self, name: str) -> Array:
+        """Return the values (n,) of a channel, in the unit of its name. Raises KeyError."""
+        if name not in self._cache:
+            self.channel(name)
+            quantity = self._quantities.get(name)
+            self._cache[name] = self.angle_deg if quantity is None else read_only(self._computed(quantity))
+        return self._cache[name]
+
+    def extreme(self, name: str, of: str) -> Extreme:
+        """Return an extreme over the full turn. Raises KeyError, ValueError, and KindynaError for an angle that wraps."""
+        channel, quantity = self.channel(name), self._quantities.get(name)
+        if of not in _OF:
+            raise ValueError(f"of = {of!r}: extreme of {name}; allowed: {', '.join(_OF)}")
+        key = quantity.slug if isinstance(quantity, Quantity) else name
+        listed = self.full.design.listed
+        row = (shaft_extremes(self.full.camshaft) if listed else extremes(self.full, (channel.stage,))).get(key)
+        if row is None:
+            raise KindynaError(f"{name}: an angle that wraps, or that counts the rows, has no extremes")
+        end = max(row["max"], row["min"], key=lambda end: abs(end["value"])) if of == "abs" else row[of]
+        value = abs(end["value"]) if of == "abs" else end["value"]
+        return Extreme(float(value), float(end["cam_angle_deg"]), channel.unit)
+
+    @cached_property
+    def _quantities(self) -> dict[str, Quantity | ShaftColumn]:
+        """Name -> quantity, of all channels but the angles of the rows."""
+        if self.full.design.listed:
+            from core.output.explain.shaft import shaft_columns  # only several drives need it
+
+            return dict(shaft_columns(self.full))
+        result: dict[str, Quantity | ShaftColumn] = {}
+        for table in TABLES:
+            for column, row in table_rows(self.full, table):
+                result[row.slug if column in result else column] = row  # the servo's motor next to that of the shaft
+        return result
+
+    def _computed(self, row: Quantity | ShaftColumn) -> Any:
+        if isinstance(row, Quantity):
+            return row.values(self.core)
+        camshaft = self.full.camshaft
+        at_angles = camshaft if self.given is None else camshaft.at_theta(np.deg2rad(self.given))
+        return row.values(at_angles) / row.unit.factor + 0.0
+
+    def _of_drive(self) -> dict[str, Channel]:
+        result: dict[str, Channel] = {}
+        for name, row in self._quantities.items():
+            assert isinstance(row, Quantity), "a column of a shaft"
+            angle = angle_of_table(self.full, row.table)
+            result.setdefault(angle, _angle_channel(angle, row.table, row.stage))
+            result[name] = Channel(name, row.label, row.unit.symbol, row.table, row.stage, row.equation, row.source)
+        return result
+
+    def _of_shaft(self) -> dict[str, Channel]:
+        result = {_MACHINE: _angle_channel(_MACHINE, SHAFT, "dynamics")}
+        for name, row in self._quantities.items():
+            formula = FORMULAS.get(name)
+            equation, source = ("", "") if formula is None else (formula.lines[0], formula.source)
+            result[name] = Channel(name, row.label, row.unit.symbol, SHAFT, "dynamics", equation, source)
+        return result
+
+
+def _angle_channel(name: str, table: str, stage: str) -> Channel:
+    label, unit = split_unit(name)
+    return Channel(name, label.replace("_", " ").capitalize(), unit.symbol, table, stage, "", "")

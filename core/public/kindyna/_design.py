@@ -1,0 +1,380 @@
+"""Designs, edited by the paths of their files, and their studies: tables as arrays, extremes, findings, profile and points."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.commands.common import LEAST_SAMPLES, MOST_SAMPLES, studied
+from core.design.design import Design as CoreDesign
+from core.design.edits import edited
+from core.design.paths import Entry, all_paths, entries, get, put, row_at
+from core.design.rules import faults
+from core.errors import DesignError, KindynaError
+from core.mechanism.mechanism import body_name
+from core.output.export import export
+from core.project import from_table, load, loads, one_of, save
+from core.project.reading_faults import subjects
+from core.project.writing import dumps
+from core.study.certificate import certificate_of
+from core.study.findings import findings_of
+from core.study.study import Study as CoreStudy
+from kindyna._checks import Array, brief, number, path_of, points, text, unknown, vector, whole
+from kindyna._columns import Columns
+from kindyna._results import Channel, Extreme, Finding, finding
+
+__all__ = ["Design", "Study", "design", "example", "examples", "open"]
+
+_NAME, _LAW = "name", ".law"
+
+
+@dataclass(frozen=True, repr=False)
+class Design:
+    """A design: what was typed, without results. It cannot be changed; designs of equal content are equal.
+
+    ``d[path]`` is the value at a path, spelled as in files: ``d["cam.base_radius_mm"]``, ``d["motion.segments[1].law"]``,
+    ``d["linkage.links[2].points.B.x_mm"]``.
+    """
+
+    _design: CoreDesign
+
+    @property
+    def name(self) -> str:
+        """Name of the design."""
+        return self._design.name
+
+    @property
+    def kind(self) -> str:
+        """Kind of mechanism: of a follower, ``linkage``, ``motion``; ``shaft`` where drives are listed."""
+        return "shaft" if self._design.listed else self._design.drive.kind
+
+    @property
+    def toml(self) -> str:
+        """Text of its file, with all digits of every number."""
+        return dumps(self._design)
+
+    def __getitem__(self, path: str) -> Any:
+        values = self._values()
+        if text("path", path) not in values:
+            raise unknown("field of this design", path, values)
+        return values[path]
+
+    def fields(self) -> dict[str, float | int | str | bool]:
+        """Return path -> value of every number, word and flag that is given and can be edited: names, then the order of the file."""
+        single = (bool, int, float, str)
+        return {path: value for path, value in self._values().items() if isinstance(value, single)}
+
+    def edit(self, values: Mapping[str, Any]) -> Design:
+        """Return the design with other values, all set at once.
+
+        Neighbours that must follow do so, as in the window: where a span or a rise changes, the segments that are not named make up
+        for it.
+
+        Parameters
+        ----------
+        values : mapping of str -> float, int, str, bool or None
+            Path -> new value; None removes an optional one.
+
+        Raises
+        ------
+        KeyError
+            The design lacks a path.
+        TypeError, ValueError
+            A value is not of the kind of its field, or not finite.
+        KindynaError
+            The new design has faults; ``faults`` lists all of them.
+        """
+        if not isinstance(values, Mapping):
+            raise TypeError(f"values = {values!r}: a mapping of paths is needed, not {type(values).__name__}")
+        present, known = dict(self._entries()), self._values()
+        new: dict[str, Any] = {}
+        for path, value in values.items():
+            if text("path", path) not in known:
+                raise unknown("field of this design", path, known)
+            new[path] = _typed(path, present.get(path), known[path], value)
+        result, typed = self._design, {row_at(path)[1] for path in new if path.startswith("motion.segments[")}
+        for path, value in sorted(
+            new.items(), key=lambda item: not isinstance(item[1], str)
+        ):  # words choose the fields
+            result = edited(result, path, value, typed)
+        for path, value in new.items():
+            if not isinstance(value, str):
+                result = put(result, path, value)
+        if wrong := faults(result):
+            raise DesignError(wrong)
+        return Design(result)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the design to a file, whole or not at all. Raises KindynaError where it cannot be written."""
+        save(self._design, path_of(path))
+
+    def study(self, samples: int = 360, drive: str = "") -> Study:
+        """Return a study at equally spaced angles.
+
+        Parameters
+        ----------
+        samples : int
+            Angles per turn.
+        drive : str
+            Name of a drive, of a design that lists them; without it the drives together on their shaft.
+
+        Raises
+        ------
+        KindynaError
+            There is no such drive, or none of the drives has a solution.
+        """
+        count = whole("samples", samples)
+        if not LEAST_SAMPLES <= count <= MOST_SAMPLES:
+            raise ValueError(f"samples = {count}: angles per turn; allowed: {LEAST_SAMPLES} ... {MOST_SAMPLES}")
+        only = one_of(self._design, drive) if text("drive", drive) else self._design
+        return Study(self if only is self._design else Design(only), Columns(studied(only, count), None))
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
+        return self.study().findings
+
+    def __repr__(self) -> str:
+        return brief(f"<kindyna.Design {self.kind}: {self.name!r}>")
+
+    def _entries(self) -> Iterator[tuple[str, Entry]]:
+        return ((entry.path, entry) for table in self._design.tables for entry in entries(self._design, table))
+
+    def _values(self) -> dict[str, Any]:
+        """Path -> value of every entry of the file, None where it is not given."""
+        single = {path: entry.value for path, entry in self._entries()}
+        result: dict[str, Any] = {_NAME: self._design.name}
+        if self._design.listed:
+            result |= {f"drives[{i}].{_NAME}": drive.name for i, drive in enumerate(self._design.drives)}
+        for path in all_paths(self._design):
+            value = single[path] if path in single else get(self._design, path)
+            if path in single or path.endswith(_LAW) or _is_pair(value):
+                result[path] = value
+        return result
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, tuple) and len(value) == 2 and all(isinstance(part, float | int) for part in value)
+
+
+def _typed(path: str, entry: Entry | None, present: Any, value: Any) -> Any:
+    """Return a value of the kind of its field. Raises TypeError, ValueError."""
+    info = None if entry is None else entry.info
+    if value is None and info is not None and info.optional:
+        return None
+    if info is None and not isinstance(present, tuple):  # name and law
+        return text(path, value)
+    if isinstance(present, tuple):
+        if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != len(present):
+            raise TypeError(f"{path} = {value!r}: {len(present)} numbers are needed")
+        return tuple(number(f"{path}[{i}]", part) for i, part in enumerate(value))
+    assert info is not None, "a field without metadata"
+    if info.flag:
+        if not isinstance(value, bool):
+            raise TypeError(f"{path} = {value!r}: True or False is needed, not {type(value).__name__}")
+        return value
+    if info.choices or isinstance(present, str):
+        return text(path, value)
+    return whole(path, value) if info.whole else number(path, value)
+
+
+# -- studies ----------------------------------------------------------------------------------------------------
+
+
+class Study:
+    """A design and what follows from it; each result is computed when it is first read.
+
+    ``s[name]`` is a channel's values at the angles of the study, ndarray (n,) in the unit of its name; ``channels`` lists them.
+    """
+
+    def __init__(self, design: Design, columns: Columns) -> None:
+        self._design, self._columns = design, columns
+
+    @property
+    def design(self) -> Design:
+        """The design."""
+        return self._design
+
+    @property
+    def angle_deg(self) -> Array:
+        """Angles (n,) [deg], the first column of its tables: of cam, driver or machine; of a swing, of its cycle."""
+        return self._columns.angle_deg
+
+    @property
+    def channels(self) -> Mapping[str, Channel]:
+        """Name -> channel: every column over the turn that ``export`` writes. Raises KindynaError where there is no solution."""
+        return MappingProxyType(self._columns.channels)
+
+    def __getitem__(self, name: str) -> Array:
+        return self._columns.values(name)
+
+    def at(self, angles_deg: ArrayLike) -> Study:
+        """Return the study of the same design at other angles.
+
+        Parameters
+        ----------
+        angles_deg : ndarray (n,) [deg]
+            Angles of cam, driver or machine; where a quantity jumps, its right-hand limit is taken.
+
+        Returns
+        -------
+        Study
+        """
+        return Study(self._design, Columns(self._columns.full, vector("angles_deg", angles_deg)))
+
+    def extreme(self, name: str, of: str = "max") -> Extreme:
+        """Return an extreme over the full turn, refined beyond the samples, as in ``summary.json``.
+
+        Parameters
+        ----------
+        name : str
+            A channel.
+        of : str
+            ``max``, ``min``, or ``abs``: the largest absolute value.
+
+        Raises
+        ------
+        KeyError
+            The design lacks the channel.
+        KindynaError
+            The channel is an angle that wraps, which has no extremes.
+        """
+        return self._columns.extreme(name, of)
+
+    def to_dict(self, *names: str) -> dict[str, Array]:
+        """Return channel -> values (n,), of all channels where none is named."""
+        return {name: self[name] for name in names or self.channels}
+
+    def to_frame(self, *names: str) -> Any:
+        """Return a pandas DataFrame of channels, of all where none is named; its index is the angle, named as its column."""
+        try:
+            from pandas import DataFrame, Index
+        except ImportError as error:
+            raise ImportError("to_frame needs pandas: install kindyna with its extra, kindyna[frames]") from error
+        index = Index(self.angle_deg, name=self._columns.angle)
+        return DataFrame({name: self[name] for name in names or self.channels if name != index.name}, index=index)
+
+    def profile(self, flank: str = "inner") -> Array:
+        """Return the profile of the cam in its own frame.
+
+        Parameters
+        ----------
+        flank : str
+            ``inner``, ``outer`` of a groove, ``second`` of a conjugate pair.
+
+        Returns
+        -------
+        ndarray (n, 2) [mm]
+
+        Raises
+        ------
+        KeyError
+            The cam has no such flank.
+        KindynaError
+            The design has no cam.
+        """
+        flanks = {row.name: row for row in self._one_drive("profile").cam.flanks}
+        if text("flank", flank) not in flanks:
+            raise unknown("flank of this cam", flank, flanks)
+        return points(flanks[flank].profile)
+
+    def point(self, link: int | str, name: str) -> Array:
+        """Return a point of a link in the global frame.
+
+        Parameters
+        ----------
+        link : int or str
+            Number of a link of a linkage, or the name of a body: ``arm``, ``rod``, ``slider``, ``follower``.
+        name : str
+            Name of the point.
+
+        Returns
+        -------
+        ndarray (n, 2) [mm]
+
+        Raises
+        ------
+        KeyError
+            There is no such link, or it has no such point.
+        """
+        bodies = self._one_drive("point").linkage.bodies
+        body = link if isinstance(link, str) else body_name(whole("link", link))
+        if body not in bodies:
+            raise unknown("link of this design", link, bodies)
+        pose = bodies[body]
+        if text("name", name) not in pose.points:
+            raise unknown(f"point of {body}", name, pose.points)
+        return points(np.broadcast_to(pose.position(name), self.angle_deg.shape))
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
+        return tuple(map(finding, findings_of(self._columns.full)))
+
+    @property
+    def certificate(self) -> dict[str, tuple[float, float]]:
+        """Name -> residual that is zero in exact arithmetic, and its bound."""
+        return {name: (float(row.value), float(row.bound)) for name, row in certificate_of(self._columns.full).items()}
+
+    @property
+    def drives(self) -> dict[str, Study]:
+        """Name -> study of the drive by its own angle, over the full turn."""
+        return {name: Study(self._design, Columns(study, None)) for name, study in self._columns.full.drives.items()}
+
+    def export(self, target: str | os.PathLike[str], *, only: tuple[str, ...] = ()) -> list[Path]:
+        """Write tables and summary into a folder, as the command ``export``, and return their paths.
+
+        Parameters
+        ----------
+        target : str or path
+            The folder.
+        only : tuple of str
+            Stages to compute and write; all where empty.
+        """
+        return export(self._columns.full, Path(path_of(target)), only)
+
+    def __repr__(self) -> str:
+        return brief(f"<kindyna.Study {self.angle_deg.size} angles of {self._columns.full.design.name!r}>")
+
+    def _one_drive(self, what: str) -> CoreStudy:
+        full = self._columns.full
+        if full.design.listed:
+            raise KindynaError(f"{what}: of one drive; choose it with drives[NAME]: {', '.join(full.drives)}")
+        return self._columns.core
+
+
+# -- where designs come from ------------------------------------------------------------------------------------
+
+
+def open(path: str | os.PathLike[str]) -> Design:
+    """Return the design in a file. Raises KindynaError where it cannot be read; ``faults`` lists all wrong entries."""
+    return Design(load(path_of(path)))
+
+
+def design(table: Mapping[str, Any] | str) -> Design:
+    """Return the design in tables, with keys as in files, or in the text of a file. Raises KindynaError with all faults."""
+    if isinstance(table, str):
+        return Design(loads(table))
+    if not isinstance(table, Mapping):
+        raise TypeError(f"table = {table!r}: a mapping or the text of a file is needed, not {type(table).__name__}")
+    return Design(from_table(table))
+
+
+def example(slug: str) -> Design:
+    """Return an example by its name in ``examples()``. Raises KeyError."""
+    rows = {row.file: row.path for _, examples in subjects() for row in examples}
+    if text("slug", slug) not in rows:
+        raise unknown("example", slug, rows)
+    return Design(load(rows[slug]))
+
+
+def examples() -> dict[str, str]:
+    """Return name -> title of all examples, in the order of the window's menu."""
+    return {row.file: row.name for _, rows in subjects() for row in rows}
