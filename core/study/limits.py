@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import fields
 from functools import partial
 from math import degrees
@@ -522,6 +523,18 @@ def needs_torque(study: Study) -> bool:
     """Whether the room for the shaft follows from the torque, since neither hub, bore nor limit is given."""
     drive = study.design.drive
     return drive.limits.polar_radius_mm is drive.cam.hub_mm is drive.cam.bore_mm is None
+
+
+def limits_in_force(study: Study) -> Mapping[str, LimitValue]:
+    """Typical limits that apply since the design states none: key in [limits] -> value and reason."""
+    if study.design.drive.cam is None:
+        return {}
+    limits = {}
+    for key in (row.name for row in fields(Limits) if getattr(study.design.drive.limits, row.name) is None):
+        with suppress(NoSolution):
+            if (value := LIMITS[key].typical(study)) is not None:
+                limits[key] = value
+    return limits
 
 
 def limit_of(study: Study, key: str) -> LimitValue | None:

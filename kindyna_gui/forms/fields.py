@@ -38,7 +38,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NameBox, NumberBox, WordBox, leaves_undo, parsed, request_menu
 from kindyna_gui.labels import allowed_text, choice_text, choice_tip, no_number, sentence, step_text, value_text
 from kindyna_gui.look import coloured, described
-from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.style import SCREEN, SMALL, font
 from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.settings import DISPLAY, symbol_of
 
@@ -226,6 +226,7 @@ class Field(QObject):
         self._refusals: dict[str, str] = {}  # path of the refused value -> reason
         self._misfit = ""  # why the value does not fit the others, as the line below the form says
         self._last_trouble = ""
+        self.reason: QLabel | None = None  # of the value that applies while the field is empty
         self.label = described(NameLabel(label_html(spec.info.label), not spec.info.choices), tip=tip_html(spec))
         self.unit: QLabel | None = None if spec.info.choices else UnitLabel(spec.unit)
         self.mark: AssumedMark | None = AssumedMark() if spec.can_be_assumed else None
@@ -292,12 +293,29 @@ class Field(QObject):
 
     def add_to(self, grid: QGridLayout, row: int) -> None:
         """Fill a row of a grid."""
+        self._cell = grid, row
         grid.addWidget(self.label, row, 0)
         grid.addWidget(self.editor, row, 1, 1, 2 if self.spec.info.choices else 1)
         if self.unit is not None:
             grid.addWidget(self.unit, row, 2)
         if self.mark is not None:
             grid.addWidget(self.mark, row, COLUMNS - 1)
+
+    def show_default(self, text: str, reason: str) -> None:
+        """Show in grey the value that applies while the field is empty, with its reason below; empty texts: none."""
+        assert isinstance(self.editor, NumberBox)
+        line = self.editor.lineEdit()
+        if line.placeholderText() == text and (self.reason is None or self.reason.text() == reason):
+            return
+        line.setPlaceholderText(text)
+        if self.reason is None and reason:
+            self.reason = coloured(QLabel(wordWrap=True), SCREEN.quiet)
+            self.reason.setFont(font(SMALL))
+            grid, row = self._cell
+            grid.addWidget(self.reason, row + 1, 0, 1, COLUMNS)
+        if self.reason is not None:
+            self.reason.setText(reason)
+            self.reason.setVisible(bool(reason))
 
     # -- from the session ---------------------------------------------------------------------------------
 

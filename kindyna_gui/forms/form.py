@@ -19,6 +19,7 @@ from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import BACK
 from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
@@ -252,6 +253,12 @@ class Form(QScrollArea):
                 self._fields[row.path].refresh(design)
         if are_others:
             self.fields_changed.emit()
+
+    def show_defaults(self, defaults: Mapping[str, tuple[str, str]]) -> None:
+        """Show by the paths of empty fields the values that apply, with their reasons."""
+        for path, field in self._fields.items():
+            if isinstance(field.editor, NumberBox):
+                field.show_default(*defaults.get(path, ("", "")))
 
     def _valid_values(self) -> Mapping[str, Any] | None:
         """Return the values of the last valid design, while what is typed does not fit; else None."""

@@ -15,6 +15,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QScrollBar, QTabWi
 from core.design import Design
 from core.findings import ERROR
 from core.study import Study
+from core.study.limits import limits_in_force
+from core.units import split_unit
 from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.documents.texts import back_text, misfit_sentences
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
@@ -23,12 +25,14 @@ from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon, fill
 from kindyna_gui.requirements import lists_links
+from kindyna_gui.settings import in_units, size_of
 from kindyna_gui.view import View, ViewHost
 
-LOADS = "loads"
+LOADS, LIMITS = "loads", "limits"
 LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for them
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
 EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
@@ -112,6 +116,7 @@ class ParametersView(View):
         for section, page in self.forms.items():
             page.fields_changed.connect(partial(self._fields_changed, section))
         self.tabs.setCurrentIndex(len(first))
+        self.tabs.currentChanged.connect(lambda _: self._show_limits_in_force())
         self.loads.added.connect(self.load_added)
         self.loads.picked.connect(self.load_picked)
         self._watched: WeakSet[Field] = WeakSet()  # fields whose trouble is shown
@@ -159,10 +164,25 @@ class ParametersView(View):
                 self.loads.refresh(study, typed)
             else:
                 form.refresh(design)
+        self._show_limits_in_force()
         if scroll is not None:
             self.show_section(scroll[0])
             bar = self.forms[scroll[0]].verticalScrollBar()
             call_soon(bar, partial(bar.setValue, scroll[1]))  # once the fields have their position
+
+    def _show_limits_in_force(self) -> None:
+        """Show in the empty fields of the page of limits, while it is in front, the typical limits that apply."""
+        page: Any = self.forms[LIMITS]
+        is_in_front = self.tabs.currentWidget() is page
+        if not is_in_front:
+            return
+        limits = limits_in_force(self.session.study)
+        page.show_defaults(
+            {
+                f"{LIMITS}.{key}": (short(limit.value / size_of(split_unit(key)[1].symbol)), in_units(limit.reason))
+                for key, limit in limits.items()
+            }
+        )
 
     def _change_subject(self) -> tuple[str, int] | None:
         """Return the section and scroll at which the drive was left, where another drive was shown before."""

@@ -71,6 +71,7 @@ from kindyna_gui.pictures.units import (
 from kindyna_gui.settings import point, sized, symbol_of
 
 UNNAMED = 4  # height of the axis at the top without names, pixels
+ALWAYS_DRAWN = ("cam.material", "limits.contact_pressure_mpa")  # fields of limits that the axis always shows
 STEPS = 6  # power of two of the steps, by whose number the range of an axis is divided at least
 MOST_FREE = 0.13  # of the height, for the texts of extremes
 NO_BANDS: Mapping[str, np.ndarray] = MappingProxyType({})
@@ -278,8 +279,9 @@ class CurvePlot(TurnCurves, FixedPlot):
         ranges = full_ranges if self._shows_spikes else ranges_without_spikes
         self.display_unit = readable(curves[0].channel.unit.symbol, max(abs(end) for ends in ranges for end in ends))
         size = self.display_unit.size
+        drawn = [(value, value) for value, (_, _, field) in limits if field in ALWAYS_DRAWN]
         self._core = axis_range(
-            [(low / size, high / size) for low, high in ranges],
+            [(low / size, high / size) for low, high in [*ranges, *drawn]],
             {row.family for row in channels},
             [value / size for value, _ in limits],
             free=0.0,

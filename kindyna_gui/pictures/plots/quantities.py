@@ -81,6 +81,8 @@ def _allowable_pressure(study: Study) -> float:
     return np.inf if least is None else least
 
 
+REPLACED = ("limits.", "cam.material")
+"""Beginnings of the fields of typical limits that stated limits replace."""
 _TYPICAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = MappingProxyType(
     {
         "pressure_angle": (("typical limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
@@ -105,12 +107,14 @@ _TYPICAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = 
 def limits_on(study: Study, quantity: str) -> list[Limit]:
     """Limits of a quantity: the typical ones, then those of the design.
 
-    Equal limits give one line: the design's replaces a typical one, and two of the design share their text.
+    Equal limits give one line, and two of the design share their text. Where the design states every limit of the quantity, these
+    replace the typical ones.
     """
     user_limits: dict[float, Limit] = {}
-    for key, (_, bounds) in USER_BOUNDS.items():
-        stated = getattr(study.design.drive.limits, key)
-        if stated is None or quantity not in bounded_quantities(study.design, key):
+    keys = [key for key in USER_BOUNDS if quantity in bounded_quantities(study.design, key)]
+    for key in keys:
+        bounds, stated = USER_BOUNDS[key][1], getattr(study.design.drive.limits, key)
+        if stated is None:
             continue
         value = stated * split_unit(key)[1].factor
         if equal := user_limits.get(value):
@@ -118,7 +122,12 @@ def limits_on(study: Study, quantity: str) -> list[Limit]:
             user_limits[value] = Limit(value, text, equal.field)
         else:
             user_limits[value] = Limit(value, bounds.line, f"limits.{key}")
-    typical = (Limit(value_of(study), text, field) for text, field, value_of in _TYPICAL.get(quantity, ()))
+    are_stated = keys and all(getattr(study.design.drive.limits, key) is not None for key in keys)
+    typical = (
+        Limit(value_of(study), text, field)
+        for text, field, value_of in _TYPICAL.get(quantity, ())
+        if not (are_stated and field.startswith(REPLACED))
+    )
     return [
         *(limit for limit in typical if np.isfinite(limit.value) and limit.value not in user_limits),
         *user_limits.values(),

@@ -535,3 +535,43 @@ def test_the_important_fields_come_first_and_what_is_seldom_needed_once_it_is_gi
     user.enter("limits.pressure_angle_rise_deg", "30")
     rows = user.parameters().forms["limits"].fields.values()
     assert all(field.editor.isVisible() for field in rows), "what is given folds nothing away"
+
+
+# -- limits in force --------------------------------------------------------------------------------------
+
+
+def shown_limits(user: User) -> dict[str, tuple[str, str, str]]:
+    """Label of each limit -> its text, the text in grey, and the reason in sight below it."""
+    form = user.parameters().forms["limits"]
+    return {
+        field.spec.info.label: (
+            field.editor.text(),
+            field.editor.lineEdit().placeholderText(),
+            field.reason.text() if field.reason is not None and field.reason.isVisible() else "",
+        )
+        for field in form.fields.values()
+        if isinstance(field.editor, NumberBox)
+    }
+
+
+def test_limits_in_force_by_default_are_in_grey_with_their_reason(user: User) -> None:
+    user.parameters().show_section("limits")
+    settle()
+    rise = "Pressure angle, rise"
+    rows = shown_limits(user)
+    assert rows[rise] == ("", "45", "typical where the follower swings")
+    assert rows["Convex radius"] == ("", "75", "half the roller's radius")
+    assert rows["Polar radius"][1:] == (
+        "103.7",
+        "a shaft of 115 mm transmits 7511 N·m at 25 MPa (assumed), and its hub is 1.8 times as wide",
+    )
+    assert rows["Concave radius"] == rows["Contact force"] == rows["Contact pressure"] == ("", "", "")
+    user.enter("limits.pressure_angle_rise_deg", "30")
+    settle()
+    assert shown_limits(user)[rise] == ("30", "", "")
+    user.enter("limits.pressure_angle_rise_deg", "")
+    user.enter("cam.roller_radius_mm", "120")
+    user.parameters().show_section("limits")
+    settle()
+    assert shown_limits(user)[rise] == ("", "45", "typical where the follower swings")
+    assert shown_limits(user)["Convex radius"] == ("", "60", "half the roller's radius")

@@ -277,6 +277,11 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
     assert typical_range(np.array([np.inf, np.nan])) == (0.0, 0.0)
 
 
+PRESSED = edited(LIFT, "cam.thickness_mm", 2000.0)
+for _name in ("cam.material", "cam.roller_material"):
+    PRESSED = edited(PRESSED, _name, "16mncr5")
+
+
 @pytest.mark.parametrize(
     ("design", "slug", "texts"),
     [
@@ -293,6 +298,13 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
             "pressure_angle_deg",
             ["limit of the rise and the return 30°"],
         ),
+        (
+            edited(edited(PUSHER, "limits.pressure_angle_return_deg", 25.0), "limits.pressure_angle_rise_deg", 28.0),
+            "pressure_angle_deg",
+            ["limit of the return 25°", "limit of the rise 28°"],
+        ),
+        (PRESSED, "contact_pressure_mpa", ["allowable 1500 MPa"]),  # also where the pressure is far below it
+        (edited(PRESSED, "limits.contact_pressure_mpa", 900.0), "contact_pressure_mpa", ["limit 900 MPa"]),
         (LIFT, "contact_force_n", ["lifts off below 0 kN"]),
         (edited(LIFT, "limits.contact_force_n", 6e4), "contact_force_n", ["lifts off below 0 kN", "limit 60 kN"]),
         (edited(LIFT, "cam.form", "groove"), "contact_force_n", []),
