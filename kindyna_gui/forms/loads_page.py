@@ -27,12 +27,15 @@ from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import add_entry, clear_menu, connect_all, fill, single_shot, widget_with
 
 WHAT = {
-    "masses": ("&Mass", "A mass and an inertia on a link"),
-    "forces": ("&Force", "A constant force and a torque on a link"),
-    "springs": ("&Spring and damper", "Between two points of links, or of a link and the frame"),
-    "torsion_springs": ("&Torsion spring and damper", "Between two links"),
-    "pair_friction": ("F&riction", "In a pin or along a slide"),
-    "process": ("&Process force", "Over a part of the turn, at a part of the motion, or as a table"),
+    "masses": ("&Mass", "Add a mass and an inertia to a link"),
+    "forces": ("&Force", "Add a constant force and a torque on a link"),
+    "springs": (
+        "&Spring and damper",
+        "Add a spring and damper between two points of links, or of a link and the frame",
+    ),
+    "torsion_springs": ("&Torsion spring and damper", "Add a torsion spring and damper between two links"),
+    "pair_friction": ("F&riction", "Add friction in a pin or along a slide"),
+    "process": ("&Process force", "Add a force over a part of the turn or of the motion, or as a table"),
 }
 """List of loads -> its entry in the Add menu, and the tip."""
 GENERAL = "General values"

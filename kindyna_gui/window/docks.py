@@ -272,7 +272,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
             "&Motion table", "Edit the segments of the motion: law, span, rise", least=(384, 480), keys="Ctrl+M", help="making#By mouse"),
         "drives": ViewRow("Drives", lazily("drives_view", "DrivesView"), LEFT,
-            "D&rives", "Add, copy, remove, rename and phase the drives on the shaft; peak torques", least=(280, 200),
+            "D&rives", "Add, duplicate, remove and rename the drives on the shaft, and set their phases; peak torques", least=(280, 200),
             help="camshaft#In the window"),
         "find": ViewRow("Find", lazily("find", "FindView"), LEFT,
             "Fi&nd", "Calculate the smallest base radius, roller, offset, pivot or span within your limits, and plot what it costs",
