@@ -45,7 +45,7 @@ from kindyna_gui.view import ExplainableNumber, View, ViewHost
 
 COMPARE_HEADINGS = (
     TableHeading("What", wide=True),
-    TableHeading("of"),
+    TableHeading("of", spare=1),
     TableHeading("Pinned", number=True),
     TableHeading("Now", number=True),
     TableHeading("Change", number=True),
@@ -210,7 +210,7 @@ EXPLAIN_HEADINGS = (
     TableHeading("Value", number=True),
     TableHeading("Unit"),
     TableHeading("Meaning", wide=True),
-    TableHeading("From"),
+    TableHeading("From", spare=1),
 )
 FIRST = ("drive_torque_nm", "driver_torque_nm", "torque_nm")
 

@@ -31,11 +31,11 @@ from kindyna_gui.view import ExplainableNumber, View, ViewHost
 # -- certificate view ------------------------------------------------------------------------------------
 
 CERTIFICATE_HEADINGS = (
-    TableHeading("Check"),
+    TableHeading("Check", wide=True),
     TableHeading("Residual", number=True),
-    TableHeading("Bound", number=True),
+    TableHeading("Bound", number=True, spare=1),
     TableHeading("Verdict"),
-    TableHeading("What it proves", wide=True),
+    TableHeading("What it proves", wide=True, spare=2),
 )
 
 PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -117,7 +117,6 @@ class CertificateView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(CERTIFICATE_HEADINGS)
-        self.table.setWordWrap(False)
         self.set_column(self.table, grows=self.table)
         self._names: tuple[str, ...] = ()
         self.offer_explanation(self.table, "Explain what it proves")
@@ -173,6 +172,7 @@ class FindingsView(View):
         self._pages = fill(QStackedLayout(self.content), self.table, self.empty)
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
+        self.table.rows_resized.connect(self._request_height)
         self.offer_explanation(self.table)
 
     def belong_to(self, window: ViewHost) -> None:
@@ -201,9 +201,11 @@ class FindingsView(View):
         self.table.show_rows(rows)
         self.table.show_buttons(REMEDY, map(self._button, rows, remedies))
         self._pages.setCurrentWidget(self.table if rows else self.empty)
-        self.height_requested.emit(
-            *((self._height(), False) if rows else (self.empty.sizeHint().height() + 2 * GAP, True))
-        )
+        self._request_height()
+
+    def _request_height(self) -> None:
+        all_of_it = self.empty.sizeHint().height() + 2 * GAP, True
+        self.height_requested.emit(*((self._height(), False) if self.findings else all_of_it))
 
     def _height(self) -> int:
         """Height of the header and the first findings, pixels."""

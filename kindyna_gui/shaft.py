@@ -221,7 +221,7 @@ LATER_MS = 150  # pause in editing before the slow results: motor, true speed, f
 TORQUE = "N·m"
 FIGURE_HEADINGS = (
     TableHeading("Torque", unit=TORQUE), TableHeading("Mean", number=True), TableHeading("RMS", number=True),
-    TableHeading("Peak", number=True), TableHeading("at °", number=True), TableHeading("Peak power", number=True),
+    TableHeading("Peak", number=True), TableHeading("at °", number=True, spare=2), TableHeading("Peak power", number=True, spare=1),
 )  # fmt: skip
 SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
 RPM = UNITS["rpm"].factor

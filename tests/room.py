@@ -145,7 +145,9 @@ def _cut(window: MainWindow) -> Iterator[str]:
                 wanted = each.fontMetrics().horizontalAdvance(each.text().replace("&", "")) + ROOM
             if wanted > each.width() + SLACK:
                 yield f"button {each.text()!r}: too narrow"
-            if not each.parentWidget().rect().contains(each.geometry()):
+            if not isinstance(
+                each.parentWidget().parentWidget(), QAbstractItemView
+            ) and not each.parentWidget().rect().contains(each.geometry()):
                 yield f"button {each.text()!r}: beyond its parent"
         elif isinstance(each, QComboBox) and each.lineEdit() is None:
             wanted = each.fontMetrics().horizontalAdvance(each.currentText()) + 20

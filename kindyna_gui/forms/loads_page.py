@@ -43,14 +43,14 @@ _ROW = re.compile(r"(loads\.\w+\[\d+\])")
 MOST_VALUES = 3  # values that a line lists
 HEADINGS = (
     TableHeading("Load"),
-    TableHeading("Where", wide=True),
+    TableHeading("Where", wide=True, spare=1),
     TableHeading("Value"),
     TableHeading("Largest", number=True),
 )
 PART = 0.38  # largest share of the height for the list
 LOWEST = 40  # height of the form, pixels
 LARGEST_MS = 150  # from an edit to the computation of the largest forces
-LEAST, MOST_ROWS = 1, 8  # rows that the list shows at once
+LEAST, MOST_ROWS = 3, 8  # rows that the list shows at once
 
 # -- the rows of the list as texts -----------------------------------------------------------------------
 
@@ -164,7 +164,7 @@ class LoadsTable(RowsTable):
         return QSize(240, self._height(min(max(self.rows.rowCount(), 2), MOST_ROWS)))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(120, self._height(LEAST))
+        return QSize(120, self._height(min(self.rows.rowCount(), LEAST)))
 
     def _height(self, rows: int) -> int:
         row = self.rowHeight(0) if self.rows.rowCount() else self.fontMetrics().height() + 8
@@ -224,6 +224,11 @@ class LoadsPage(QWidget):
         """Leave the larger part of the height to the form."""
         super().resizeEvent(event)
         self.table.setMaximumHeight(max(int(PART * self.height()), self.table.minimumSizeHint().height()))
+
+    @property
+    def list_height(self) -> int:
+        """Least height of the list of loads; 0 where the form shows all."""
+        return 0 if self.table.isHidden() else self.table.minimumSizeHint().height()
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)

@@ -34,6 +34,8 @@ from kindyna_gui.view import View, ViewHost
 
 LOADS, LIMITS = "loads", "limits"
 LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for them
+LEAST_HEIGHT = 185  # of the view, at which fields of a page can be read [pixels]
+AROUND_LIST = 158  # height of the view without the list of loads [pixels]
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
 EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
 """Sections of all kinds of design, in the order of the tabs."""
@@ -80,11 +82,13 @@ class ParametersView(View):
     """Name and parameters of the design: follower, cam, shaft, loads, limits.
 
     Signals: ``load_added`` with the list to which the user adds a load; ``load_picked`` with the path of a load and the key
-    of the attachment to be selected in the drawing. ``first`` are pages before the forms.
+    of the attachment to be selected in the drawing; ``height_requested`` (pixels, False) with the least height of the list
+    of loads and of the fields. ``first`` are pages before the forms.
     """
 
     load_added = Signal(str)
     load_picked = Signal(str, str)
+    height_requested = Signal(int, bool)
     is_design_wide = True
 
     def __init__(self, session: Session, player: Player, first: Mapping[str, Any] = MappingProxyType({})) -> None:
@@ -165,6 +169,7 @@ class ParametersView(View):
             else:
                 form.refresh(design)
         self._show_limits_in_force()
+        self.height_requested.emit(max(LEAST_HEIGHT, AROUND_LIST + self.loads.list_height), False)
         if scroll is not None:
             self.show_section(scroll[0])
             bar = self.forms[scroll[0]].verticalScrollBar()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import (
@@ -17,7 +18,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QPainter, QPen, QResizeEvent
+from PySide6.QtGui import QAction, QColor, QIcon, QKeyEvent, QKeySequence, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QStyledItemDelegate, QTableView, QWidget
 
 from core.design import Info
@@ -28,7 +29,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox, parsed
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import call_soon, connect_all
+from kindyna_gui.rebuilt import call_soon, connect_all, single_shot
 from kindyna_gui.settings import DISPLAY, number_text, symbol_of
 from kindyna_gui.view import ExplainableNumber
 
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
 EDGE = 4  # pixels around a text across several columns
 LEADING = 5  # pixels between the lines of a table
+LEAST_WIDE = 110  # width of a column that takes the remaining width, below which its texts cannot be read [pixels]
 
 # -- Copy takes the full table to the clipboard, for a spreadsheet ---------------------------------------
 
@@ -329,7 +331,8 @@ class TableRow:
 class TableHeading:
     """The heading of a column: its title, whether it has numbers, whether it takes the remaining width, its tip and unit.
 
-    The unit is shown as the preferences say.
+    The unit is shown as the preferences say. Columns with ``spare`` are hidden where the table is too narrow, that of the
+    largest number first.
     """
 
     title: str
@@ -337,6 +340,7 @@ class TableHeading:
     wide: bool = False
     tip: str = ""
     unit: str = ""
+    spare: int = 0
 
     @property
     def shown(self) -> str:
@@ -404,7 +408,12 @@ class RowsModel(QAbstractTableModel):
 
 
 class RowsTable(QTableView):
-    """A read-only table; Copy takes all of it to the clipboard."""
+    """A read-only table; Copy takes all of it to the clipboard.
+
+    Signal ``rows_resized``: rows have the heights of their texts in the current columns.
+    """
+
+    rows_resized = Signal()
 
     def __init__(self, headings: Sequence[TableHeading]) -> None:
         super().__init__()
@@ -430,6 +439,45 @@ class RowsTable(QTableView):
         for column, heading in enumerate(headings):
             if heading.wide:
                 header.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
+        self._soon = single_shot(self, self.resizeRowsToContents)
+        if any(heading.wide for heading in headings):  # its texts have more lines where it is narrow
+            header.sectionResized.connect(self._soon.start)
+        self._headings = tuple(headings)
+        self._chosen: dict[int, bool] = {}  # columns that the user has shown or hidden
+        header.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        for column, heading in enumerate(headings):
+            if heading.spare:
+                action = QAction(heading.title, header, checkable=True, checked=True)
+                action.setData(column)
+                action.triggered.connect(partial(self._choose_column, column))
+                header.addAction(action)
+
+    # -- columns that give way -----------------------------------------------------------------------------
+
+    def _choose_column(self, column: int, on: bool) -> None:
+        self._chosen[column] = on
+        self._fit_columns()
+        self.resizeRowsToContents()
+
+    def _fit_columns(self) -> None:
+        """Hide the columns with ``spare`` for which there is no room, unless the user has chosen them."""
+        header, spare = self.horizontalHeader(), [c for c, heading in enumerate(self._headings) if heading.spare]
+        if not spare:
+            return
+        widths = [
+            max(header.sectionSizeHint(column), LEAST_WIDE if heading.wide else self.sizeHintForColumn(column))
+            for column, heading in enumerate(self._headings)
+        ]
+        hidden = {column for column in spare if self._chosen.get(column) is False}
+        for column in sorted(spare, key=lambda column: -self._headings[column].spare):
+            room = self.viewport().width() - sum(widths) + sum(widths[other] for other in hidden)
+            if room < 0 and column not in self._chosen:
+                hidden.add(column)
+        for column in spare:
+            if self.isColumnHidden(column) != (column in hidden):
+                self.setColumnHidden(column, column in hidden)
+        for action in header.actions():
+            action.setChecked(action.data() not in hidden)
 
     @property
     def number(self) -> ExplainableNumber | None:
@@ -446,6 +494,7 @@ class RowsTable(QTableView):
         for number, row in enumerate(rows):
             if row.across is not None and row.across + 1 < len(row.cells):
                 self.setSpan(number, row.across, 1, len(row.cells) - row.across)
+        self._fit_columns()
         self.resizeRowsToContents()
         if 0 <= chosen < len(rows):
             self.selectRow(chosen)
@@ -482,6 +531,8 @@ class RowsTable(QTableView):
                 wider.add(column)
         for column in wider:
             self.resizeColumnToContents(column)
+        if wider:
+            self._fit_columns()
 
     def _visible_rows(self) -> range:
         """Return the numbers of the visible rows."""
@@ -509,6 +560,7 @@ class RowsTable(QTableView):
         least = self.fontMetrics().height() + LEADING
         for number in range(len(self.rows.rows)):
             self.setRowHeight(number, max(self.sizeHintForRow(number), least))
+        self.rows_resized.emit()
 
     def scrollContentsBy(self, dx: int, dy: int) -> None:
         """Widen columns for the rows that become visible."""
@@ -521,10 +573,12 @@ class RowsTable(QTableView):
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             self._widths.clear()
+            self._fit_columns()
             self.resizeRowsToContents()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
+        self._fit_columns()
         self.resizeRowsToContents()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -90,7 +90,8 @@ from kindyna_gui.view import View
 
 SIDE_WIDTH = 330  # pixels
 MOST_STEPS = 200  # of undo
-LEAST_SIDE, LEAST_HEIGHT = 180, 60  # pixels of a form before it scrolls
+LEAST_SIDE, LEAST_HEIGHT = 309, 60  # pixels of a form before it scrolls
+LEAST_TOOLS = 335  # width of the buttons in two rows [pixels]
 FIRST = "displacement"  # channel of a new graph, if the design has it
 
 
@@ -169,7 +170,7 @@ class CurvesView(View):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         tools = self._tools()
-        tools.setMinimumWidth(1)  # next to wide docks it is cut off on the right
+        tools.setMinimumWidth(LEAST_TOOLS)
         column.addWidget(tools)
         column.addWidget(self._progress_row)
         column.addWidget(self.plot, 1)

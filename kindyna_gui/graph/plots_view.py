@@ -43,7 +43,7 @@ from kindyna_gui.view import ExplainableNumber
 
 TORQUE = "drive_torque"  # the quantity whose sum over the drives is drawn, too
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
-LEAST_HEIGHT = 123  # with 80 pixels between the axes, without names of curves
+LEAST_HEIGHT = 126  # with 80 pixels between the axes, without names of curves
 SHARES: Mapping[str, int] = MappingProxyType(
     {"displacement": 22, "velocity": 18, "acceleration": 18, "jerk": 18, "pressure_angle": 24}
 )
@@ -140,6 +140,7 @@ class PlotView(PlotsView):
         self.names = tuple(quantities)
         self.plot = LivePlot()
         self.plot.setMinimumWidth(LEAST_WIDTH)
+        self.plot.getViewBox().sigResized.connect(self._request_height)
         self.note = Note(SCREEN.quiet, margin=3)
         self.note.setIndent(6)
         self.rows: tuple[Quantity, ...] = ()
@@ -236,9 +237,12 @@ class PlotView(PlotsView):
         else:
             self.plot.show_message(self.message)
         self.note.show_message("\n".join(filter(None, notes)) if drawn else "")
+        self._request_height()
+        self.request_extremes(study)
+
+    def _request_height(self) -> None:
         below = 0 if self.note.isHidden() else self.note.heightForWidth(self.width())
         self.height_requested.emit(LEAST_HEIGHT + round(self.plot.legend.height) + below, False)
-        self.request_extremes(study)
 
     def shown_parts(self, study: Study) -> Hashable:
         drive, quantities = study.design.drive, self.quantities

@@ -49,7 +49,7 @@ _CENTRES = (
     TableHeading("Centre"),
     TableHeading("x", number=True, unit="mm"),
     TableHeading("y", number=True, unit="mm"),
-    TableHeading("Construction", wide=True),
+    TableHeading("Construction", wide=True, spare=1),
 )
 _LINKS = (
     TableHeading("Link"), TableHeading("ω, rad/s", number=True), TableHeading("ω, rpm", number=True),

@@ -52,7 +52,7 @@ from kindyna_gui.rebuilt import fill
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 LEAST_HEIGHT = 350  # pixels of height from which the derivatives are shown
-DIAGRAM, PLOT, LAST = 34, 20, 26  # shares of the height; the last plot has the numbers of the angle axis
+DIAGRAM, PLOT, LAST = 32, 21, 26  # shares of the height; the last plot has the numbers of the angle axis
 SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
     {
         POINT: Qt.CursorShape.SizeAllCursor,

@@ -179,7 +179,7 @@ class Need:
     tab: int = 0
 
 
-PLOT = (250, 123)
+PLOT = (250, 126)
 """Least size of a plot with its axes: 160 by 80 pixels inside."""
 
 Make = Callable[[Session, Player], View]
@@ -254,7 +254,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             least=(560, 320), keys="Ctrl+G", icon="graph", picture=True,
             help="graphs#draws channels of the design in plots"),
         "curves": ViewRow("Curves", lazily("graph.curves_view", "CurvesView"), CENTRE,
-            "&Curves", "Plot channels, tables and other designs on one graph, with differences and values", least=(620, 360),
+            "&Curves", "Plot channels, tables and other designs on one graph, with differences and values", least=(652, 360),
             icon="graph", picture=True, help="graphs#Curves on one graph"),
         "space": ViewRow("Path in space", lazily("space_view", "SpaceView"), CENTRE,
             "Path in &space", "Show the path of the part that all drives move, in three dimensions", least=(240, 212), picture=True,
@@ -375,6 +375,7 @@ class Dock(QDockWidget):
         self.view: View | None = None  # None while it has not been created
         self._paused = False
         self._least, self._height = row.least, (0, False)
+        self._missed: Need | None = None  # what there was no room for, when the content last changed
         self._soon = single_shot(self, self.wake)
         self.visibilityChanged.connect(self._visibility_changed)
 
@@ -400,6 +401,15 @@ class Dock(QDockWidget):
             hint = QSize() if self.view.arranges_itself else self.view.minimumSizeHint()
             width, height = max(width, hint.width()), max(self._height[0] or height, hint.height())
         return Need(width, height, height if self._height[1] else ANY_HEIGHT, self._tab_width())
+
+    def event(self, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.LayoutRequest and self.view is not None and is_in_sight(self):
+            need = self.need()
+            is_small = need.width > self.view.width() or need.height > self.view.height()
+            if is_small and need != self._missed:
+                self._missed = need  # once: there may be no room for it
+                self.need_changed.emit()
+        return super().event(event)
 
     def _tab_width(self) -> int:
         return self.fontMetrics().horizontalAdvance(self.windowTitle()) + TAB

@@ -297,14 +297,10 @@ class Layouts(QObject):
     def _is_by_hand(self) -> bool:
         """Whether the docks that the user last saw have other sizes than the rule has given them."""
         plan, (noted, _) = self._plans.get(self.current), self._shares.noted_sizes
-        return (
-            plan is None
-            or noted.keys() != plan.sizes.keys()
-            or any(
-                abs(noted[name].width() - width) > NEAR or abs(noted[name].height() - height) > NEAR
-                for name, (width, height) in plan.sizes.items()
-            )
-        )
+        if plan is None or len(noted) != len(plan.groups) or not noted.keys() <= plan.sizes.keys():
+            return True
+        laid = ((noted[name], plan.sizes[name]) for name in noted)
+        return any(abs(now.width() - w) > NEAR or abs(now.height() - h) > NEAR for now, (w, h) in laid)
 
     def refit(self) -> bool:
         """Lay out the docks anew for the size of the window and of their content; False in a layout by hand."""
@@ -312,7 +308,9 @@ class Layouts(QObject):
             return False
         front = self._centre.open_pages[1]
         called = "" if front in self._row.pages else front
-        self._apply(self._names_now(self._plans[self.current]), self._in_front, called)
+        plan, in_front = self._plans[self.current], set(self._in_front)
+        fronts = [next((name for name in g.names if name in in_front), g.front) for g in plan.groups]
+        self._apply(self._names_now(plan), fronts, called)
         return True
 
     def _names_now(self, plan: Plan) -> list[str]:
@@ -325,7 +323,8 @@ class Layouts(QObject):
         if not self._begun:
             self._begun = True
             plan = self._plans[self.current]
-            self._apply(self._names_now(plan), plan.fronts)
+            closed = {name for name in plan.names if self._docks[name].isHidden()}
+            self._apply([name for name in self._names_now(plan) if name not in closed], plan.fronts)
 
     def furnish(self) -> None:
         """Raise the front docks of a first layout; Qt ignores it before the docks are shown."""

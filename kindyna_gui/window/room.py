@@ -71,10 +71,11 @@ class Plan:
 
     @property
     def sizes(self) -> dict[str, tuple[int, int]]:
-        """Width and height of each dock in front, with title or tabs."""
+        """Width and height of each dock, with its title or tabs."""
         return {
-            g.front: (self.extents[g.area], g.length) if g.area in COLUMNS else (g.length, self.extents[g.area])
+            name: (self.extents[g.area], g.length) if g.area in COLUMNS else (g.length, self.extents[g.area])
             for g in self.groups
+            for name in g.names
         }
 
 

@@ -44,7 +44,7 @@ NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
 EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
 TOP_MARGIN = 6  # above a plot that has no axis at the top
 BARE, NUMBERS = 6, 20  # heights of an axis without numbers, and with numbers alone
-LOW = 150  # pixels of height, below which a plot has no room for the name of its angle
+LOW = 150  # pixels of height without the legend, below which a plot has no room for the name of its angle
 DEGREES = ", °"  # end of such a name
 LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
 MESSAGE_EDGE = 16.0  # left free on both sides of a message
@@ -411,7 +411,7 @@ class FixedPlot(pg.GraphicsView):
 
     @property
     def _is_low(self) -> bool:
-        return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() < LOW
+        return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() - self.legend.height < LOW
 
     def _size_axes(self) -> None:
         """Give the axes room for their numbers and titles."""
@@ -462,12 +462,12 @@ class FixedPlot(pg.GraphicsView):
         layout = self._canvas.layout
         if layout.rowMinimumHeight(0) != self.legend.height:
             layout.setRowFixedHeight(0, self.legend.height)
+        if self._low != self._is_low:
+            self._show_below()
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
         if event is not None:  # None: pyqtgraph's call during construction
             self._fit_legend()  # first, because the plot gets the remaining height
-            if self._low != self._is_low:
-                self._show_below()
         super().resizeEvent(event)
 
     # -- layout ---------------------------------------------------------------------------------------------

@@ -161,12 +161,13 @@ def test_a_key_in_a_field_refreshes_only_the_plots_that_it_changes(
     """The motion does not depend on a rod, nor a force on the flywheel; the cursor still has the exact value."""
     user = open_user(size=(1920, 1080))
     plots = {name: user.see(name) for name in ("displacement", "contact_force")}
+    plots["motion"] = user.motion()
+    user.parameters()  # all are called first: a view called lays the docks out
     dock = user.window.docks["contact_force"]
     user.window.removeDockWidget(dock)
     user.window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, dock)  # not a tab in front of the other
     dock.show()
     user.see("displacement")
-    plots["motion"] = user.motion()
     refreshed: list[View] = []
     for kind in (PlotView, SegmentsView):
 
