@@ -201,7 +201,10 @@ class _Room:
             wide = max((self._least(placed[i], area, with_tabs)[0] for i in self._indices(placed, area)), default=0)
             if wide > sides[area][0]:  # the parameters stand there
                 return False
-        if self._forms_in_row(placed) and (middle > self._forms + NEAR or not sides[LEFT][0]):
+        at_edge = sides[LEFT][0] and not sides[RIGHT][0]  # the parameters are at the right of the window in every task
+        if self._has_forms(placed, LEFT) or (
+            self._forms_in_row(placed) and (middle > self._forms + NEAR or not at_edge)
+        ):
             return False
         return (
             sum(columns) + middle + SEPARATOR * len(columns) <= width
