@@ -44,8 +44,9 @@ def _stroke(study: Study) -> float:
 @lru_cache(maxsize=4)
 def force_size(forces: Forces) -> float:
     """Largest finite force on any pair [N]."""
-    sizes = np.abs(np.array(list(forces.pairs.values())))
-    return float(sizes.max(where=np.isfinite(sizes), initial=0.0))
+    rows = np.array(list(forces.pairs.values()))
+    squares = rows.real**2 + rows.imag**2
+    return float(np.sqrt(squares.max(where=np.isfinite(squares), initial=0.0)))
 
 
 def torque_size(study: Study) -> float:

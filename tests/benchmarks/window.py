@@ -5,7 +5,7 @@
 The lift at 1440 x 900, offscreen, 1800 cam angles, forms and motion on the left of the mechanism, findings below it, and on
 its right six plots or, with all docks open, twelve; a six-bar beside lengths, centres and three plots, its frames at
 1920 x 1080 too; several drives on one shaft beside three plots. What is drawn with the mouse stands beside twelve plots at
-1920 x 1080, and a move counts until the next one is taken up, as of a hand that goes on. Times are
+1920 x 1080, as does a length stepped by key, and a move counts until the next one is taken up, as of a hand that goes on. Times are
 processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what slows the
 machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of the same
 plots and drawings in the same run. Tables that are read rather than watched follow when editing pauses: they are a row of
@@ -71,6 +71,7 @@ EDITS = (
 BARE, FRAME, DRAG, TABLES = "bare repaint", "frame", "a join in the motion editor", "findings, certificate, flywheel"
 EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to paint", "animation", "start"
 TABLE_KERNEL = "tables to paint, after a pause"
+KEY_KERNEL, KEY = "edit to paint, by key", "a step of a length"
 THEME_KERNEL, THEME = "theme to paint, by every widget", "light and dark"
 PIN_KERNEL, PINNED = "edit to paint, by one without a pin", "a variant pinned"
 SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
@@ -118,6 +119,7 @@ def names() -> tuple[str, ...]:
         f"{FRAME_KERNEL}: {FRAME}",
         f"{DRAG_KERNEL}: {DRAG}",
         f"{TABLE_KERNEL}: {TABLES}",
+        f"{KEY_KERNEL}: {KEY}",
         f"{THEME_KERNEL}: {THEME}",
         *linkage,
         f"{EIGHT_BAR_KERNEL}: {JOINT}",
@@ -128,7 +130,7 @@ def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, more: bool =
     """Seconds of every method in each layout; ``bare repaint`` is the yardstick of its kernel and number of plots. more: a
     larger window and several drives too."""
     with quiet():
-        rows = [row for plots in layouts for row in _measured(plots, rounds)]
+        rows = [row for plots in layouts for row in _measured(plots, rounds)] + _stepped(rounds)
         rows += _six_bar(rounds, more)
         rows += _joint_drawn(rounds, SIX_BAR_KERNELS[1], load(example(SIX_BAR)))
         rows += _joint_drawn(rounds, EIGHT_BAR_KERNEL, chain(8))
@@ -204,6 +206,30 @@ def _six_bar(rounds: int, wide: bool) -> list[Row]:
             rest(window)
             rows += _rows(WIDE_KERNEL, plots, _timed(window, {FRAME: frame, BARE: bare}, rounds))
         return rows
+    finally:
+        dismiss(window)
+
+
+def _stepped(rounds: int) -> list[Row]:
+    """A length of the lift stepped by the arrow key, beside twelve plots; what waits until the keys rest is not included."""
+    window = hidden_window(load(example("transfer_lift")), WIDE)
+    try:
+        window.show_task("graph")
+        for name in ("mechanism", "parameters"):
+            window.show_view(name)
+        docks = _open_plots(window, MANY)
+        seen = _seen(window, docks)
+        assert len(seen) == MANY + 1, "every plot and the mechanism are on screen"
+        window.focus_field(EDITS[0][1])
+        rest(window)
+
+        def step(count: int) -> None:
+            before, field = window.session.design, window.focusWidget()
+            assert field is not None
+            QTest.keyClick(field, Qt.Key.Key_Up)
+            assert window.session.design is not before, "each step is another design"
+
+        return _rows(KEY_KERNEL, MANY, _timed(window, {KEY: step, BARE: _bare(seen)}, rounds))
     finally:
         dismiss(window)
 

@@ -19,6 +19,10 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
         (window.PIN_KERNEL, [window.PINNED, "bare repaint"]),
     )
     tables = [("tables to paint, after a pause", method, 12) for method in (window.TABLES, "bare repaint")]
+    theme, key = (
+        [(kernel, method, 12) for method in (name, "bare repaint")]
+        for kernel, name in ((window.THEME_KERNEL, window.THEME), (window.KEY_KERNEL, window.KEY))
+    )
     drawn = [("drag to paint", method, 12) for method in (window.DRAG, "bare repaint")]
     joint = [("drag to paint, six-bar", method, 12) for method in (window.JOINT, "bare repaint")]
     eight_bar = [(window.EIGHT_BAR_KERNEL, method, 12) for method in (window.JOINT, "bare repaint")]
@@ -31,6 +35,8 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
         *lift,
         *tables,
         *drawn,
+        *theme,
+        *key,
         *six_bar,
         *wide,
         *joint,
