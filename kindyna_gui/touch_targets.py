@@ -183,6 +183,7 @@ def paint_readout(painter: QPainter, lines: Sequence[ReadoutLine], mouse: QPoint
         box.moveRight(mouse.toPoint().x() - 16)
     if box.bottom() > room.bottom():
         box.moveBottom(mouse.toPoint().y() - 16)
+    box.moveLeft(max(box.left(), room.left()))
     painter.setPen(QColor(SCREEN.line))
     painter.setBrush(QColor(SCREEN.paper))
     painter.drawRect(box)

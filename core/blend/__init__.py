@@ -17,6 +17,7 @@ from core.blend.request import (
     Request,
     SettingRange,
     has_room,
+    nearest_feasible,
 )
 from core.blend.sequences import (
     CONSTANT_VELOCITY,
@@ -66,6 +67,7 @@ __all__ = [
     "flat_heights",
     "has_room",
     "join_error",
+    "nearest_feasible",
     "next_curves",
     "open_settings",
     "peak_of",

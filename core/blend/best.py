@@ -22,6 +22,7 @@ from core.design.edits import back_at_start, balance, is_dwell
 from core.design.motion_edits import with_marks_of, without_marks
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
+from core.frozen import frozen
 from core.number_text import result_text
 from core.numerics.lazy import checkpoint
 
@@ -119,20 +120,45 @@ def _with_mirrored_return(design: Design, blended: BlendResult) -> Design:
     return _turn(design, [(0.0, image), (0.0, curves)], 0.0, blended.first_level + blended.gain)
 
 
-def _outside(motion: Motion, start: float, end: float) -> tuple[list[Numbered], list[Numbered]]:
-    """Segments before and after two cam angles [deg]. Raises DesignError where an angle is inside a moving segment."""
-    before: list[Numbered] = []
-    after: list[Numbered] = []
+@frozen
+class SplitSegment:
+    """A moving segment that a range of cam angles would split.
+
+    Attributes
+    ----------
+    angle_deg : end of the range inside the segment [deg]
+    number : index of the segment
+    start_deg, end_deg : cam angles of the segment [deg]
+    """
+
+    angle_deg: float
+    number: int
+    start_deg: float
+    end_deg: float
+
+
+def split_segment(motion: Motion, start: float, end: float) -> SplitSegment | None:
+    """First moving segment that a range of cam angles [deg] would split; None where its ends are joins or in dwells."""
     end_deg = 0.0
     for number, segment in enumerate(motion.segments):
         start_deg, end_deg = end_deg, balance(end_deg, (-segment.span_deg,))
         for angle in (start, end):
             if start_deg + CLOSING < angle < end_deg - CLOSING and not is_dwell(segment):
-                angles, allowed = (
-                    f"{start_deg:g} ... {end_deg:g} deg",
-                    f"a join, or an angle in a dwell; not {angle:g} deg",
-                )
-                raise _refused(f"motion.segments[{number}]", angles, "moves, and would be split", allowed)
+                return SplitSegment(angle, number, start_deg, end_deg)
+    return None
+
+
+def _outside(motion: Motion, start: float, end: float) -> tuple[list[Numbered], list[Numbered]]:
+    """Segments before and after two cam angles [deg]. Raises DesignError where an angle is inside a moving segment."""
+    before: list[Numbered] = []
+    after: list[Numbered] = []
+    if (split := split_segment(motion, start, end)) is not None:
+        angles = f"{split.start_deg:g} ... {split.end_deg:g} deg"
+        allowed = f"a join, or an angle in a dwell; not {split.angle_deg:g} deg"
+        raise _refused(f"motion.segments[{split.number}]", angles, "moves, and would be split", allowed)
+    end_deg = 0.0
+    for number, segment in enumerate(motion.segments):
+        start_deg, end_deg = end_deg, balance(end_deg, (-segment.span_deg,))
         if start_deg < start - CLOSING:
             span = segment.span_deg if end_deg <= start + CLOSING else balance(start, (start_deg,))
             before.append((replace(segment, span_deg=span), number))

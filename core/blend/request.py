@@ -189,6 +189,13 @@ class SettingRange:
         return f"{low} {'<' if self.low_open else '<='} {name} {'<' if self.high_open else '<='} {high}"
 
 
+def nearest_feasible(ranges: Sequence[SettingRange], value: float) -> float | None:
+    """Feasible value nearest to an infeasible one, rounded inwards; None where no end of a range can be entered."""
+    lows = [rounded(r.low, 9, ROUND_CEILING, SAME) for r in ranges if not r.low_open and r.low > value]
+    highs = [rounded(r.high, 9, ROUND_FLOOR, SAME) for r in ranges if not r.high_open and r.high < value]
+    return min((*lows, *highs), key=lambda end: abs(end - value), default=None)
+
+
 def rounded(value: float, digits: int, rounding: str = ROUND_HALF_EVEN, same: float = 0.0) -> float:
     """Value rounded as given to some digits, but to the nearest where its relative difference is at most ``same``."""
     nearest, directed = (

@@ -73,40 +73,75 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
     {
         row.name: row
         for row in (
-            Setting("h1", "Height (h1)", "h1", "{u}", 0.1, "height of the first curve of the rise"),
-            Setting("h2", "Height (h2)", "h2", "{u}", 0.8, "height of the constant velocity of the rise"),
-            Setting("h3", "Height (h3)", "h3", "{u}", 0.1, "height of the last curve of the rise"),
+            Setting("h1", "Height of the first curve, h1", "h1", "{u}", 0.1, "height of the first curve of the rise"),
             Setting(
-                "vcv", "Velocity (Vcv)", "Vcv", "{u}/°", 0.4, "largest velocity of the rise, per degree of cam angle"
+                "h2",
+                "Height of the constant velocity, h2",
+                "h2",
+                "{u}",
+                0.8,
+                "height of the constant velocity of the rise",
             ),
-            Setting("h4", "Height (h4)", "h4", "{u}", 0.1, "height of the first curve of the return"),
-            Setting("h5", "Height (h5)", "h5", "{u}", 0.8, "height of the constant velocity of the return"),
-            Setting("h6", "Height (h6)", "h6", "{u}", 0.1, "height of the last curve of the return"),
+            Setting("h3", "Height of the last curve, h3", "h3", "{u}", 0.1, "height of the last curve of the rise"),
+            Setting(
+                "vcv",
+                "Constant velocity, Vcv",
+                "Vcv",
+                "{u}/°",
+                0.4,
+                "largest velocity of the rise, per degree of cam angle",
+            ),
+            Setting(
+                "h4",
+                "Return: height of the first curve, h4",
+                "h4",
+                "{u}",
+                0.1,
+                "height of the first curve of the return",
+            ),
+            Setting(
+                "h5",
+                "Return: height of the constant velocity, h5",
+                "h5",
+                "{u}",
+                0.8,
+                "height of the constant velocity of the return",
+            ),
+            Setting(
+                "h6", "Return: height of the last curve, h6", "h6", "{u}", 0.1, "height of the last curve of the return"
+            ),
             Setting(
                 "vcv2",
-                "Velocity (Vcv2)",
+                "Return: constant velocity, Vcv2",
                 "Vcv2",
                 "{u}/°",
                 0.4,
                 "largest velocity of the return, per degree of cam angle",
             ),
-            Setting("length", "Length", "length", "°", 0.5, "duration of the constant velocity in cam angle"),
+            Setting(
+                "length",
+                "Span of the constant velocity",
+                "length",
+                "°",
+                0.5,
+                "duration of the constant velocity in cam angle",
+            ),
             Setting(
                 "length2",
-                "Length 2",
+                "Return: span of the constant velocity",
                 "length2",
                 "°",
                 0.5,
                 "duration of the constant velocity of the return in cam angle",
             ),
-            Setting("peak", "Peak at", "peak", "°", 0.5, "cam angle of the highest point"),
+            Setting("peak", "Cam angle of the peak", "peak", "°", 0.5, "cam angle of the highest point"),
             *(
                 row
                 for i, curve in CURVES.items()
                 for row in (
                     Setting(
                         f"flat{i}",
-                        f"Const. a{i}",
+                        f"Span of the constant acceleration a{i}",
                         f"span a{i}",
                         "°",
                         0.5,
@@ -114,7 +149,7 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
                     ),
                     Setting(
                         f"a{i}",
-                        f"Size of a{i}",
+                        f"Constant acceleration, a{i}",
                         f"a{i}",
                         "{u}/°²",
                         0.5,
@@ -123,7 +158,12 @@ SETTINGS: Mapping[str, Setting] = MappingProxyType(
                 )
             ),
             Setting(
-                "acceleration", "Acceleration", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"
+                "acceleration",
+                "Largest acceleration, a",
+                "a",
+                "{u}/°²",
+                0.3,
+                "largest acceleration, per degree² of cam angle",
             ),
         )
     }

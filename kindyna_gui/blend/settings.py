@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QPalette
@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.blend import FLATS, LENGTHS, MAY_VANISH, SIZES, BlendError, Request, SettingRange
+from core.blend import FLATS, LENGTHS, MAY_VANISH, SIZES, BlendError, Request, SettingRange, nearest_feasible
 from core.design import UNITS, Info, Unit
 from core.design.fields import LARGEST
 from kindyna_gui.blend.request import (
@@ -33,7 +33,9 @@ from kindyna_gui.blend.request import (
     shown_names,
 )
 from kindyna_gui.forms.number_box import NumberBox, parsed
-from kindyna_gui.look import MessageLabel, coloured, icon, text_button
+from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
+from kindyna_gui.labels import value_text
+from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nice_below, short
 from kindyna_gui.rebuilt import remove_part
@@ -121,7 +123,7 @@ class RangedRow(QObject):
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.range.setWordWrap(True)
         self.range.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.message = MessageLabel(SCREEN.limit)
+        self._fault = ""
 
     def boxes(self) -> tuple[LiveBox, ...]:
         """Number boxes of the row."""
@@ -132,6 +134,11 @@ class RangedRow(QObject):
         """Whether the row counts as a setting."""
         return True
 
+    @cached_property
+    def message(self) -> FloatingRefusal:
+        """Why the value is refused, at its box."""
+        return FloatingRefusal(self.boxes()[-1])
+
     def show_ranges(self, ranges: Sequence[SettingRange] | None) -> None:
         """Show the feasible ranges of the value; None while they are computed."""
         self.ranges = ranges
@@ -141,11 +148,28 @@ class RangedRow(QObject):
             text = range_text(ranges, self.symbol, size_of(self.range_unit.symbol)) if ranges or self.is_used else ""
         self.range.setText(text)
         self.range.setToolTip(text if ranges else "")
+        if self._fault:
+            self._show_fault()
 
     def show_fault(self, text: str) -> None:
-        """Show an error below the row; an empty text hides it."""
-        self.message.show_message(text)
+        """Show an error at the box; an empty text hides it."""
+        self._fault = text
         self.boxes()[-1].set_refused(bool(text))
+        self._show_fault()
+
+    def _show_fault(self) -> None:
+        value = self.boxes()[-1].number
+        nearest = None if value is None else nearest_feasible(self.ranges or (), value)
+        near = {} if nearest is None else {f"Use {value_text(nearest, self.range_unit)}": partial(self._use, nearest)}
+        self.message.show_refusal(self._fault, {**near, **self.remedies()})
+
+    def remedies(self) -> Remedies:
+        """Return further remedies of a refused value."""
+        return {}
+
+    def _use(self, value: float) -> None:
+        self.boxes()[-1].set_number(value)
+        self.changed.emit()
 
 
 class SettingRow(RangedRow):
@@ -178,11 +202,13 @@ class SettingRow(RangedRow):
         """The number of the setting; None if its text is not a number."""
         return self.box.number
 
+    def remedies(self) -> Remedies:
+        return {"Leave it open": partial(self.check.setChecked, False)}
+
     def add_to(self, grid: QGridLayout, row: int) -> None:
-        """Fill the rows ``row`` and ``row + 1`` of a grid."""
+        """Fill a row of a grid."""
         for column, widget in enumerate((self.check, self.curve, self.box, self.unit, self.range)):
             grid.addWidget(widget, row, column)
-        grid.addWidget(self.message, row + 1, CURVE, 1, RANGE)
 
     def show(self, on: bool, curve: str) -> None:
         """Show or hide the row of a setting of this curve."""
@@ -191,7 +217,7 @@ class SettingRow(RangedRow):
         for widget in (self.check, self.curve, self.box, self.unit, self.range):
             widget.setVisible(on)
         if not on:
-            self.message.show_message("")
+            self.show_fault("")
 
     def give(self, value: float) -> None:
         """Tick the row with a value, without emitting ``changed``."""
@@ -259,7 +285,6 @@ class PrecisionPointRow(RangedRow):
         for column, widget in enumerate(self.widgets()):
             grid.addWidget(widget, 0, column)
         grid.setColumnStretch(self.widgets().index(self.range), 1)
-        grid.addWidget(self.message, 1, 0, 1, len(self.widgets()))
 
     def boxes(self) -> tuple[LiveBox, ...]:
         return self.at, self.level
@@ -407,7 +432,7 @@ class SettingsArea(QScrollArea):
         if row is None:
             return False
         row.show_fault(reason(error))
-        self.ensureWidgetVisible(row.message, 0, 8)
+        self.ensureWidgetVisible(row.boxes()[-1], 0, 8)
         return True
 
     def _row_with_error(self, error: BlendError) -> RangedRow | None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 
@@ -10,9 +11,9 @@ from PySide6.QtCore import QEvent, QObject, QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QRadioButton, QTabWidget, QVBoxLayout, QWidget
 
-from core.blend import BlendError, BlendResult, Request, best, blend, feasible_ranges
-from core.blend.best import with_blend_as_motion, with_blend_between
-from core.design import UNITS, Design, faults, require_motion
+from core.blend import BlendError, BlendResult, Request, best, blend, feasible_ranges, has_room
+from core.blend.best import SplitSegment, split_segment, with_blend_as_motion, with_blend_between
+from core.design import UNITS, Design, Segment, faults, require_motion, with_motion
 from core.errors import DesignError, KindynaError
 from core.find import blend_candidates
 from core.laws import LAWS
@@ -33,9 +34,10 @@ from kindyna_gui.blend.request import (
     range_request,
     table,
 )
-from kindyna_gui.blend.settings import PrecisionPointRow, RangedRow, quiet
+from kindyna_gui.blend.settings import LiveBox, PrecisionPointRow, RangedRow, quiet
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
+from kindyna_gui.forms.refusal import NO_REMEDIES, Remedies
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, reason
@@ -55,7 +57,8 @@ PAUSE_MS = 250  # after a keystroke, before the optimum is searched for
 SLOW_MS = 150  # after which a range that is still being computed is no longer shown
 LAST = "The last feasible motion"
 SEARCHING = "Calculating …"
-FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 500, QSize(1180, 740), QSize(1040, 560)
+ALONE = "Not in the design: the plots show these curves with a return of their own"
+FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 560, QSize(1180, 740), QSize(1100, 560)
 REPLACEMENTS: Mapping[str, Callable[[Design, BlendResult], Design]] = MappingProxyType(
     {"turn": with_blend_as_motion, "range": with_blend_between}
 )
@@ -147,22 +150,22 @@ class BlendPanel(QFrame):
         self.cover = FadedCover(self)
         self._keep_height()
 
-    def show_blend(self, blended: BlendResult, design: Design | None, before: Study) -> None:
+    def show_blend(self, blended: BlendResult, design: Design | None, before: Study, why: str = "") -> None:
         """Show a blend, and the motion of the design with it over that of the design before.
 
-        None for the design: the blend cannot replace that part of the motion.
+        ``why`` is not empty where the blend cannot replace that part of the motion; the design then moves by the blend
+        alone, or is None.
         """
         self.headline.setText("–".join(blended.curves))
-        self.figures.setText("\n".join(figures(blended, before.design.speed_rpm)))
+        alone = [ALONE] if why and design is not None else []
+        self.figures.setText("\n".join((*figures(blended, before.design.speed_rpm), *alone)))
         rows = table(blended)
         self.table.show_rows([TableRow(cells) for cells in rows])
         self._keep_height()
         if design is None:
             for plot in self.plots:
                 plot.show_message("")
-            self.plots[0].show_message(
-                "The selected range is not at rest at its ends. Replace the full turn, or change the cam angles."
-            )
+            self.plots[0].show_message(why)
         else:
             self._draw(design, before)
         self.cover.show_text("")
@@ -185,6 +188,32 @@ class BlendPanel(QFrame):
         """Make the table as high as its rows, without scrolling."""
         rows = sum(self.table.rowHeight(i) for i in range(len(self.table.rows.rows)))
         self.table.setFixedHeight(self.table.horizontalHeader().sizeHint().height() + rows + 2)
+
+
+def _degrees(angle: float) -> str:
+    return f"{shortest(angle)}°"
+
+
+def _alone(design: Design, blended: BlendResult) -> Design | None:
+    """Return the design moved by a blend alone, with a return of its own; None where the turn has no room for that."""
+    still = with_motion(design, replace(require_motion(design), segments=(Segment(360.0, 0.0),)))
+    try:
+        return with_blend_between(still, blended)
+    except KindynaError:
+        return None
+
+
+def _closes(request: Request) -> bool:
+    """Whether the curves of a request return to their start, so that they can be the motion of a full turn."""
+    return has_both(request.type) and request.return_stroke in (0.0, request.stroke)
+
+
+def _split_text(split: SplitSegment, verb: str, angles: Sequence[float], can_be_turn: bool) -> str:
+    """Sentence about a cam angle inside a moving segment, and the angles to start or end at."""
+    inside = f"{_degrees(split.angle_deg)} lies inside the moving segment {split.number + 1}"
+    ends = f"{shortest(split.start_deg)} … {_degrees(split.end_deg)}"
+    at = f"{verb} at {' or '.join(map(_degrees, angles)) or 'another angle'}"
+    return f"{inside} ({ends}). {at}{', or replace the whole turn' if can_be_turn else ''}."
 
 
 # -- dialogs ---------------------------------------------------------------------------------------------
@@ -217,14 +246,21 @@ class BlendPutDialog(PutDialog):
         try:
             design = replace_motion(blended)
         except KindynaError as error:
-            self.show_message(reason(session.design, error), wrong=True)
-            self.panel.show_blend(blended, None, session.study)
+            why, remedies = self.refusal(blended.request, reason(session.design, error))
+            self.show_message(why, True, remedies)
+            self.panel.show_blend(blended, _alone(session.design, blended), session.study, why)
             return False
         fault = reason(design, DesignError(faults(design)))
-        self.show_message(fault or effect(require_motion(session.design), require_motion(design), blended), bool(fault))
+        fault, remedies = self.refusal(blended.request, fault) if fault else ("", NO_REMEDIES)
+        said = fault or effect(require_motion(session.design), require_motion(design), blended)
+        self.show_message(said, bool(fault), remedies)
         self.panel.show_blend(blended, design, session.study)
         self.design = None if fault else design
         return True
+
+    def refusal(self, request: Request, why: str) -> tuple[str, Remedies]:
+        """Return why the design does not accept the blend, and the remedies."""
+        return why, NO_REMEDIES
 
     def command_line(self, request: Request, goal: str) -> str:
         """Command ``blend`` for a request."""
@@ -266,6 +302,7 @@ class BlendDialog(BlendPutDialog):
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
         self.timers = self._soon, self._pause, self._slow
+        self._chooses_part = True  # the next result chooses the part that it replaces, if the current one is refused
         self._waiting: list[RangedRow] = []  # rows without their range
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
@@ -275,7 +312,7 @@ class BlendDialog(BlendPutDialog):
         self.questions.set_request(request)
         strokes = [s.rise for s in motion.segments if s.rise]
         total_rise = sum(rise for rise in strokes if rise > 0.0)
-        is_all = not strokes or (has_both(request.type) and total_rise <= request.stroke + 1e-9)
+        is_all = not strokes or (_closes(request) and total_rise <= request.stroke + 1e-9)
         self.replaced["turn" if is_all else "range"].setChecked(True)
         self.panel.show_current(session.study)
         self.questions.kind.types[request.type].setFocus()
@@ -309,6 +346,7 @@ class BlendDialog(BlendPutDialog):
         return row
 
     def _connect(self) -> None:
+        self.questions.kind.type_chosen.connect(self._type_chosen)
         self.questions.changed.connect(self._soon.start)
         self._soon.timeout.connect(self.solve_request)
         self._pause.timeout.connect(self._start_best)
@@ -316,6 +354,9 @@ class BlendDialog(BlendPutDialog):
         self.solver.result.connect(self._show_result)
         self.ranges.result.connect(self._show_range)
         self.ranking.chosen.connect(self._choose_ranked)
+
+    def _type_chosen(self) -> None:
+        self._chooses_part = True
 
     def _choose_ranked(self, name: str) -> None:
         """Blend the sequence of a row of the ranking."""
@@ -418,11 +459,49 @@ class BlendDialog(BlendPutDialog):
     def _put_into_design(self, *_: object) -> None:
         """Show the design with the blended motion, and rank the alternatives."""
         if self.blended is not None:
+            if self._chooses_part:
+                self._chooses_part = False
+                if not self._is_accepted(self._replaced_part):
+                    part = next(filter(self._is_accepted, self.replaced), self._replaced_part)
+                    self.replaced[part].setChecked(True)
             replace_motion = partial(REPLACEMENTS[self._replaced_part], self._session.design)
             self.show_in_design(self.blended, replace_motion)
             compared = blend_candidates(self.blended, replace_motion, self.questions.chosen_goal)
             self.ranking.offer(self._session.design, compared, "-".join(self.blended.curves), "this blend")
         self.put_button.setEnabled(self.design is not None)
+
+    def _is_accepted(self, part: str) -> bool:
+        """Whether the design accepts the blend as this part of its motion."""
+        if self.blended is None or not self.replaced[part].isEnabled():
+            return False
+        try:
+            return not faults(REPLACEMENTS[part](self._session.design, self.blended))
+        except KindynaError:
+            return False
+
+    def refusal(self, request: Request, why: str) -> tuple[str, Remedies]:
+        """Return why the design does not accept the blend, and the remedies: another cam angle, or another part."""
+        motion, remedies = require_motion(self._session.design), {}
+        split = split_segment(motion, request.start, request.end) if self._replaced_part == "range" else None
+        if split is not None:
+            verb, box = (
+                ("Start", self.questions.start) if split.angle_deg == request.start else ("End", self.questions.end)
+            )
+            angles = [angle for angle in (split.start_deg, split.end_deg) if self._has_room(verb, angle, request)]
+            remedies = {f"{verb} at {_degrees(angle)}": partial(self._set_angle, box, angle) for angle in angles}
+            why = _split_text(split, verb, angles, self.replaced["turn"].isEnabled())
+        for part, text in (("turn", "Whole turn"), ("range", self.replaced["range"].text().capitalize())):
+            if part != self._replaced_part and self._is_accepted(part):
+                remedies[text] = partial(self.replaced[part].click)
+        return why, remedies
+
+    @staticmethod
+    def _has_room(verb: str, angle: float, request: Request) -> bool:
+        return has_room(angle, request.end) if verb == "Start" else has_room(request.start, angle)
+
+    def _set_angle(self, box: LiveBox, angle: float) -> None:
+        box.set_number(angle)
+        self.solve_request()
 
     @property
     def _replaced_part(self) -> str:
@@ -431,7 +510,7 @@ class BlendDialog(BlendPutDialog):
     def _show_replaced(self, request: Request) -> None:
         """Name the cam angles; a motion that does not return to its start cannot replace the full turn."""
         self.replaced["range"].setText(f"only {shortest(request.start)}° … {shortest(request.end)}°")
-        self.replaced["turn"].setEnabled(has_both(request.type) and request.return_stroke in (0.0, request.stroke))
+        self.replaced["turn"].setEnabled(_closes(request))
         if not self.replaced["turn"].isEnabled():
             self.replaced["range"].setChecked(True)
 

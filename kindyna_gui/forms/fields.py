@@ -404,7 +404,8 @@ class Field(QObject):
         """Remedies of a refused number or choice."""
         from kindyna_gui.forms.refusal import NO_REMEDIES, nearest_value, value_remedies
 
-        if not self.editor.is_refused or self.is_obsolete:
+        is_typed = isinstance(self.editor, WordBox) or self.editor.pending
+        if not self.editor.is_refused or not is_typed or self.is_obsolete:
             return NO_REMEDIES
         spec, valid = self.spec, self.spec.read(self.session.holder(self.spec.path))
         nearest = nearest_value(self.session, spec.path, spec.info, self._typed_number())

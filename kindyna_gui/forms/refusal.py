@@ -15,7 +15,7 @@ from core.design import Info
 from core.units import Unit
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import value_text
-from kindyna_gui.look import MessageLabel, text_button
+from kindyna_gui.look import MessageLabel, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
 from kindyna_gui.view import View
@@ -50,11 +50,11 @@ def with_value(text: str, typed: str) -> str:
 class RefusalLine(QWidget):
     """A sentence that says why an entry was refused, and a button for each remedy; hidden without a sentence."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, margins: tuple[int, int, int, int] = (6, 3, 4, 3)) -> None:
+        super().__init__()
         self._sentence = MessageLabel(SCREEN.limit)
         self._sentence.setMinimumWidth(1)
-        self._row = fill(QHBoxLayout(self), (self._sentence, 1), margins=(6, 3, 4, 3), spacing=4)
+        self._row = fill(QHBoxLayout(self), (self._sentence, 1), margins=margins, spacing=4)
         self._buttons: list[QToolButton] = []
         self._remedies: Remedies = NO_REMEDIES
         self.hide()
@@ -68,8 +68,9 @@ class RefusalLine(QWidget):
         """Buttons of the remedies that are shown, by their texts."""
         return dict(zip(self._remedies, self._buttons, strict=False))
 
-    def show_refusal(self, text: str, remedies: Remedies = NO_REMEDIES) -> None:
-        """Show this sentence with the remedies, or hide both where it is empty."""
+    def show_refusal(self, text: str, remedies: Remedies = NO_REMEDIES, *, is_wrong: bool = True) -> None:
+        """Show this sentence with the remedies, or hide both where it is empty; quietly where nothing is wrong."""
+        coloured(self._sentence, SCREEN.limit if is_wrong else SCREEN.quiet)
         self._remedies = remedies if text else NO_REMEDIES
         while len(self._buttons) < len(self._remedies):
             button = text_button("")

@@ -36,6 +36,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import Amount, fill_choices
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.refusal import NO_REMEDIES, RefusalLine, Remedies
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.style import SCREEN
@@ -71,7 +72,7 @@ class PutDialog(QDialog):
         give_help(self, self.help_page)
         self.setWindowTitle(title)
         self._session = session
-        self.message = MessageLabel(SCREEN.quiet)
+        self.message = RefusalLine((0, 0, 0, 0))
         self.buttons, self.put_button = accept_buttons(self, "&Put into the design")
 
     def frame(self, questions: QLayout, width: int, shown: QWidget | QLayout, default: QSize, least: QSize) -> None:
@@ -86,10 +87,9 @@ class PutDialog(QDialog):
         self.setMinimumSize(least)
         self.resize(default.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
-    def show_message(self, text: str, wrong: bool = False) -> None:
-        """Show what the typed values lead to, or why they are wrong."""
-        coloured(self.message, SCREEN.limit if wrong else SCREEN.quiet)
-        self.message.show_message(text)
+    def show_message(self, text: str, wrong: bool = False, remedies: Remedies = NO_REMEDIES) -> None:
+        """Show what the typed values lead to, or why they are wrong, with a button for each remedy."""
+        self.message.show_refusal(text, remedies, is_wrong=wrong)
 
     def put(self, design: Design, step: str) -> None:
         """Put a design in place as one undo step and close; where the session refuses it, show why and stay open."""

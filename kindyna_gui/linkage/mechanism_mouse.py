@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # imported when first used
     from kindyna_gui.linkage.drives_mouse import DrivesMouse
     from kindyna_gui.touch_targets import MouseTarget, ReadoutLine
 
-REFUSAL_LENGTH = 60  # of a line of the read-out that says why a value is refused, characters
+REFUSAL_LENGTH = 42  # of a line of the read-out that says why a value is refused, characters
 PROFILE_REACH = 8.0  # distance within which a profile is read, pixels
 RUN_PARTS = 12  # one move of the mouse runs the machine by at most this part of a turn
 

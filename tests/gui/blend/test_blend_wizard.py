@@ -18,7 +18,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.blend import BlendError, Request, SettingRange, best, blend, feasible_ranges
 from core.blend.best import with_blend
-from core.design import Design, Motion, NamedCurve, Segment, edited, faults
+from core.design import Design, Motion, NamedCurve, Segment, edited, faults, require_motion, with_motion
 from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
@@ -442,21 +442,24 @@ def test_the_ranges_follow_what_is_typed(ask: Ask) -> None:
 
 
 def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
-    wizard = ask(PICKER)
+    wizard = ask(PICKER, ranges=True)
     before, row = wizard.table, wizard.rows["h3"]
     wizard.type(row.box, "25")
     wizard.answered()
     assert row.message.isVisible()
     assert row.message.text() == "h3 = 25 mm is not feasible with h1 = 1; feasible: 0 < h3 ≤ 19 mm"
     assert row.box.is_refused
+    wizard.ranged("h3")
+    assert list(row.message.buttons) == ["Use 19 mm", "Leave it open"]
     assert not wizard.rows["h1"].message.isVisible()
     assert not wizard.can_put
     assert wizard.veiled == "The last feasible motion"
     assert wizard.table == before, "the last good answer stays"
     wizard.dialog.accept()
     assert wizard.session.design == PICKER
-    wizard.type(row.box, "19")
+    wizard.click(row.message.buttons["Use 19 mm"])
     wizard.answered()
+    assert row.box.number == 19.0
     assert not row.message.isVisible()
     assert not row.box.is_refused
     assert wizard.veiled == ""
@@ -750,13 +753,54 @@ def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.type(wizard.questions.start, "60")
     wizard.answered()
-    wanted = "Segment 2, 35 ... 76.5°: moves, and would be split; allowed: a join, or an angle in a dwell; not 60°"
+    wanted = "60° lies inside the moving segment 2 (35 … 76.5°). Start at 35° or 76.5°."
     assert wizard.dialog.message.text() == wanted
     assert not wizard.can_put
     assert wizard.table, "the curves are shown all the same"
+    assert [len(curves(plot)) for plot in wizard.dialog.panel.plots] == [2, 2, 2], "and drawn, over those of the design"
+    line = wizard.dialog.message
+    assert list(line.buttons) == ["Start at 35°", "Start at 76.5°"]
+    wizard.click(line.buttons["Start at 76.5°"])
+    wizard.answered()
+    assert wizard.questions.start.number == 76.5
+    assert (wizard.can_put, list(line.buttons)) == (True, [])
     wizard.type(wizard.questions.start, "250")
     wizard.answered()
     assert [s.span_deg for s in wizard.put().segments] == [35.0, 41.5, 173.5, 75.0, 35.0]
+
+
+def test_a_button_replaces_the_whole_turn_where_a_part_is_refused(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    wizard.click(wizard.questions.kind.types["DRRD"])
+    wizard.type(wizard.questions.start, "60")
+    wizard.answered()
+    assert wizard.dialog.replaced["range"].isChecked()
+    assert wizard.dialog.message.text().endswith("Start at 35° or 76.5°, or replace the whole turn.")
+    wizard.click(wizard.dialog.message.buttons["Whole turn"])
+    assert wizard.dialog.replaced["turn"].isChecked()
+    assert wizard.can_put
+
+
+@pytest.mark.parametrize("segment", range(4))
+@pytest.mark.parametrize("rises", [(20.0, -10.0, 0.0, -10.0), (-10.0, 0.0, 20.0, -10.0), (20.0, 0.0, -20.0, 0.0)])
+def test_it_opens_with_a_part_that_the_motion_accepts(ask: Ask, rises: tuple[float, ...], segment: int) -> None:
+    segments = tuple(Segment(90.0, rise, NamedCurve("modified-sine" if rise else "dwell")) for rise in rises)
+    motion = replace(require_motion(PICKER), start=10.0, segments=segments)
+    wizard = ask(with_motion(PICKER, motion), segment)
+    assert wizard.can_put, wizard.dialog.message.text()
+    wizard.click(wizard.questions.kind.types["DRRD"])
+    wizard.answered()
+    assert wizard.can_put, wizard.dialog.message.text()
+
+
+def test_settings_are_named_in_words_with_the_letter_behind(ask: Ask) -> None:
+    rows = ask(PICKER).rows
+    labels = {name: rows[name].check.text() for name in ("h1", "h3", "vcv")}
+    assert labels == {
+        "h1": "Height of the first curve, h1",
+        "h3": "Height of the last curve, h3",
+        "vcv": "Constant velocity, Vcv",
+    }
 
 
 def test_a_motion_with_faults_is_not_put_in(ask: Ask) -> None:
@@ -948,7 +992,11 @@ def test_a_constant_acceleration_of_a_size_over_a_span(ask: Ask) -> None:
     assert not wizard.questions.settings.add_point.isVisible()
     wizard.give(a1="0.003")
     names = [row.check.text() for row in wizard.rows.values() if row.shown]
-    assert {"Const. a1", "Size of a1", "Const. a3"} <= set(names)
+    assert {
+        "Span of the constant acceleration a1",
+        "Constant acceleration, a1",
+        "Span of the constant acceleration a3",
+    } <= set(names)
     assert len(set(names)) == len(names), "no two settings of one name"
     assert wizard.curves == "C1–CV1–C2"
     lines = wizard.dialog.panel.figures.text().splitlines()
