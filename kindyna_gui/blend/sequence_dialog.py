@@ -25,6 +25,7 @@ from core.blend.best import with_blend
 from core.blend.sequences import sequence_error
 from core.design import UNITS, Unit, require_motion
 from core.design.fields import Info
+from core.design.rules import CLOSING
 from core.errors import KindynaError
 from core.find import blend_candidates
 from core.requests import command_words
@@ -33,7 +34,7 @@ from kindyna_gui.blend.kind import curve_icon
 from kindyna_gui.blend.questions import GOAL_TEXTS
 from kindyna_gui.blend.request import Setting, reason
 from kindyna_gui.blend.settings import LiveBox, SettingRow, quiet
-from kindyna_gui.blend.wizard import FORM_WIDTH, LAST, LEAST_SIZE, SEARCHING, TYPICAL_SIZE, BlendPutDialog
+from kindyna_gui.blend.wizard import FORM_WIDTH, LAST, LEAST_SIZE, SEARCHING, TYPICAL_SIZE, BlendPutDialog, place_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
 from kindyna_gui.forms.number_box import NameBox, WordBox
@@ -96,8 +97,8 @@ class SequenceDialog(BlendPutDialog):
         degree = UNITS["deg"]
         self.start = LiveBox(Info("From", "cam angle where the motion starts", 0.0, 360.0), degree)
         self.end = LiveBox(Info("To", "cam angle where the motion ends", 0.0, 360.0), degree)
-        self.start.set_number(0.0)
-        self.end.set_number(360.0)
+        for box, angle in zip((self.start, self.end), place_of(self._session), strict=True):
+            box.set_number(angle)
         for key, text in GOAL_TEXTS.items():
             self.goal.addItem(text, key)
         self.curves.setAccessibleName("Curves")
@@ -293,6 +294,12 @@ class SequenceDialog(BlendPutDialog):
     def _show_range(self, name: str, result: list[SettingRange] | KindynaError) -> None:
         if name in self.rows:
             self.rows[name].show_ranges(result if isinstance(result, list) else ())
+
+    def replaces_range(self, blended: BlendResult) -> bool:
+        return abs(blended.gain - require_motion(self._session.design).gain) > CLOSING
+
+    def angle_boxes(self) -> tuple[LiveBox, LiveBox]:
+        return self.start, self.end
 
     def _as_command(self) -> str:
         from core.commands.motions import BlendArguments

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
@@ -208,12 +208,17 @@ def _closes(request: Request) -> bool:
     return has_both(request.type) and request.return_stroke in (0.0, request.stroke)
 
 
-def _split_text(split: SplitSegment, verb: str, angles: Sequence[float], can_be_turn: bool) -> str:
-    """Sentence about a cam angle inside a moving segment, and the angles to start or end at."""
+def _split_text(split: SplitSegment, remedy: str) -> str:
+    """Sentence about a cam angle inside a moving segment, and its remedy."""
     inside = f"{_degrees(split.angle_deg)} lies inside the moving segment {split.number + 1}"
-    ends = f"{shortest(split.start_deg)} … {_degrees(split.end_deg)}"
-    at = f"{verb} at {' or '.join(map(_degrees, angles)) or 'another angle'}"
-    return f"{inside} ({ends}). {at}{', or replace the whole turn' if can_be_turn else ''}."
+    return f"{inside} ({shortest(split.start_deg)} … {_degrees(split.end_deg)}). {remedy}."
+
+
+def place_of(session: Session) -> tuple[float, float]:
+    """Cam angles [deg] of the stroke at the selected segment, or of the next stroke."""
+    motion = require_motion(session.design)
+    request = first_request(motion, min(session.segment, len(motion.segments) - 1))
+    return request.start, request.end
 
 
 # -- dialogs ---------------------------------------------------------------------------------------------
@@ -259,8 +264,35 @@ class BlendPutDialog(PutDialog):
         return True
 
     def refusal(self, request: Request, why: str) -> tuple[str, Remedies]:
-        """Return why the design does not accept the blend, and the remedies."""
-        return why, NO_REMEDIES
+        """Return why the design does not accept the blend, and the remedies: other cam angles, such as its own."""
+        motion, start, end = require_motion(self._session.design), request.start, request.end
+        if self.blended is None or not self.replaces_range(self.blended):
+            return why, NO_REMEDIES
+        if (split := split_segment(motion, start, end)) is None:
+            own = place_of(self._session)
+            text = f"Use {shortest(own[0])} … {_degrees(own[1])}"
+            return why, NO_REMEDIES if own == (start, end) else {text: partial(self._set_angles, *own)}
+        is_start = split.angle_deg == start
+        ends = [(angle, end) if is_start else (start, angle) for angle in (split.start_deg, split.end_deg)]
+        valid = {_degrees(row[0 if is_start else 1]): row for row in ends if has_room(*row)}
+        verb = "Start" if is_start else "End"
+        remedies = {f"{verb} at {angle}": partial(self._set_angles, *row) for angle, row in valid.items()}
+        return _split_text(split, f"{verb} at {' or '.join(valid) or 'another angle'}"), remedies
+
+    def replaces_range(self, blended: BlendResult) -> bool:
+        """Whether the blend replaces the motion between its cam angles only."""
+        raise NotImplementedError
+
+    def angle_boxes(self) -> tuple[LiveBox, LiveBox]:
+        """Boxes of the first and the last cam angle."""
+        raise NotImplementedError
+
+    def _set_angles(self, start: float, end: float) -> None:
+        """Enter both cam angles, as a remedy."""
+        first, last = self.angle_boxes()
+        first.set_number(start)
+        last.set_number(end)
+        first.changed.emit()
 
     def command_line(self, request: Request, goal: str) -> str:
         """Command ``blend`` for a request."""
@@ -480,28 +512,18 @@ class BlendDialog(BlendPutDialog):
             return False
 
     def refusal(self, request: Request, why: str) -> tuple[str, Remedies]:
-        """Return why the design does not accept the blend, and the remedies: another cam angle, or another part."""
-        motion, remedies = require_motion(self._session.design), {}
-        split = split_segment(motion, request.start, request.end) if self._replaced_part == "range" else None
-        if split is not None:
-            verb, box = (
-                ("Start", self.questions.start) if split.angle_deg == request.start else ("End", self.questions.end)
-            )
-            angles = [angle for angle in (split.start_deg, split.end_deg) if self._has_room(verb, angle, request)]
-            remedies = {f"{verb} at {_degrees(angle)}": partial(self._set_angle, box, angle) for angle in angles}
-            why = _split_text(split, verb, angles, self.replaced["turn"].isEnabled())
-        for part, text in (("turn", "Whole turn"), ("range", self.replaced["range"].text().capitalize())):
-            if part != self._replaced_part and self._is_accepted(part):
-                remedies[text] = partial(self.replaced[part].click)
-        return why, remedies
+        why, remedies = super().refusal(request, why)
+        parts = {"turn": "Whole turn", "range": self.replaced["range"].text().capitalize()}
+        others = [part for part in parts if part != self._replaced_part and self._is_accepted(part)]
+        if "turn" in others:
+            why = f"{why.removesuffix('.')}, or replace the whole turn."
+        return why, {**remedies, **{parts[part]: partial(self.replaced[part].click) for part in others}}
 
-    @staticmethod
-    def _has_room(verb: str, angle: float, request: Request) -> bool:
-        return has_room(angle, request.end) if verb == "Start" else has_room(request.start, angle)
+    def replaces_range(self, blended: BlendResult) -> bool:
+        return self._replaced_part == "range"
 
-    def _set_angle(self, box: LiveBox, angle: float) -> None:
-        box.set_number(angle)
-        self.solve_request()
+    def angle_boxes(self) -> tuple[LiveBox, LiveBox]:
+        return self.questions.start, self.questions.end
 
     @property
     def _replaced_part(self) -> str:

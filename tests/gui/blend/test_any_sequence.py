@@ -88,6 +88,8 @@ def test_what_is_left_open_is_made_least_and_curves_that_do_not_join_are_refused
     assert dialog.message.text().startswith("C1-P2: ")
     assert not dialog.put_button.isEnabled()
     over(dialog, dialog.curves, "C1-H2-P2")
+    over(dialog, dialog.start, "0")
+    over(dialog, dialog.end, "360")
     give(dialog, rise1="10", return1="10")
     dialog.goal.setFocus()
     QTest.keyClick(dialog.goal, Qt.Key.Key_Down)
@@ -96,4 +98,21 @@ def test_what_is_left_open_is_made_least_and_curves_that_do_not_join_are_refused
     request = Request("", 10.0, 0.0, 360.0, return_stroke=10.0, sequence="C1-H2-P2")
     assert dialog.blended is not None
     assert dialog.blended.segments == best(request, "acceleration").segments
+    dialog.reject()
+
+
+def test_one_curve_has_the_place_of_the_motion_and_a_button_brings_it_back(dialog: SequenceDialog) -> None:
+    assert (dialog.start.number, dialog.end.number) == (140.0, 360.0)
+    over(dialog, dialog.curves, "C5")
+    give(dialog, rise1="10")
+    wait_for(lambda: not dialog.is_solving)
+    assert dialog.put_button.isEnabled(), dialog.message.text()
+    over(dialog, dialog.start, "0")
+    over(dialog, dialog.end, "360")
+    wait_for(lambda: not dialog.is_solving)
+    assert not dialog.put_button.isEnabled()
+    assert list(dialog.message.buttons) == ["Use 140 … 360°"]
+    QTest.mouseClick(dialog.message.buttons["Use 140 … 360°"], Qt.MouseButton.LeftButton)
+    wait_for(lambda: not dialog.is_solving and dialog.put_button.isEnabled())
+    assert (dialog.start.number, dialog.end.number) == (140.0, 360.0)
     dialog.reject()

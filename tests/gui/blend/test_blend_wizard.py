@@ -772,11 +772,21 @@ def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
 def test_a_button_replaces_the_whole_turn_where_a_part_is_refused(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.click(wizard.questions.kind.types["DRRD"])
+    wizard.answered()
     wizard.type(wizard.questions.start, "60")
     wizard.answered()
     assert wizard.dialog.replaced["range"].isChecked()
     assert wizard.dialog.message.text().endswith("Start at 35° or 76.5°, or replace the whole turn.")
     wizard.click(wizard.dialog.message.buttons["Whole turn"])
+    assert wizard.dialog.replaced["turn"].isChecked()
+    assert wizard.can_put
+
+
+def test_another_type_takes_the_part_that_the_motion_accepts(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    wizard.click(wizard.questions.kind.types["DRRD"])
+    wizard.type(wizard.questions.start, "60")
+    wizard.answered()
     assert wizard.dialog.replaced["turn"].isChecked()
     assert wizard.can_put
 
