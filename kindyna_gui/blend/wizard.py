@@ -45,7 +45,6 @@ from kindyna_gui.look import bold_label
 from kindyna_gui.motion.laws_plot import RankingPanel
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import CurvePlot
-from kindyna_gui.pictures.plots.quantities import Reference
 from kindyna_gui.pictures.style import SCREEN, TEXT, font
 from kindyna_gui.settings import symbol_of
 
@@ -180,9 +179,7 @@ class BlendPanel(QFrame):
         study = Study(design, SAMPLES)
         rows = {row.name: row for row in channels(design)}
         for quantity, plot in zip(QUANTITIES, self.plots, strict=True):
-            row = rows[quantity]
-            current = None if before is None else Reference("current design", before, {quantity: row})
-            plot.set_curves(study, [row], current)
+            plot.set_curves(study, [rows[quantity]], before, reference_name="current design")
 
     def _keep_height(self) -> None:
         """Make the table as high as its rows, without scrolling."""

@@ -13,13 +13,12 @@ from PySide6.QtCore import QObject, Signal
 from core.design import Design, only
 from core.errors import KindynaError, NoSolution
 from core.frozen import frozen
-from core.output.channels import existing
 from core.study import Camshaft, Quantity, Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
-from kindyna_gui.pictures.plots.quantities import Reference, rows_of, values_of
+from kindyna_gui.pictures.plots.quantities import counterparts, values_of
 from kindyna_gui.pictures.plots.xy import Line, reference_lines
 from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.requirements import Unavailable
@@ -232,23 +231,19 @@ class Pins(QObject):
         self._studies.clear()
         self.changed.emit()
 
-    def reference(self, rows: Sequence[Quantity]) -> tuple[Reference | None, str]:
-        """Return the variant's curves of these quantities; where it has none, None and the reason."""
+    def reference(self, rows: Sequence[Quantity]) -> tuple[Study | None, str]:
+        """Return the variant's study where it has some of these quantities; else None, and the reason."""
         study, front = self.study, self.front
         if study is None or front is None:
             return None, ""
-        units = {row.name: row.unit.symbol for row in rows}
         try:
             with self.named():
-                own = existing(study, rows_of(study, units))
-                curves = {row.name: row for row in own if row.unit.symbol == units[row.name]}
+                curves = counterparts(study, rows)
                 for row in curves.values():
                     values_of(study, row)
         except Unavailable as error:
             return None, str(error)
-        return (
-            (Reference(front.name, study, curves), "") if curves else (None, f"Pinned {front.name} has no such curve")
-        )
+        return (study, "") if curves else (None, f"Pinned {front.name} has no such curve")
 
     def shaft_lines(self, draw: Callable[[Camshaft[Study]], Iterable[Line]]) -> list[Line]:
         """Return the curves that a plot draws of a shaft, for the shaft of the variant; none where that has none."""

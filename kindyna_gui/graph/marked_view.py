@@ -124,7 +124,8 @@ class MarkedView(View):
     def companions(self, rows: Sequence[Quantity]) -> dict[str, Any]:
         """Return what a plot draws next to these quantities: the bands of machines, and the pinned variant."""
         reference, self.pin_note = self.pins.reference(rows)
-        return {"bands": self.bands.read(rows), "reference": reference}
+        name = "" if self.pins.front is None else self.pins.front.name
+        return {"bands": self.bands.read(rows), "reference": reference, "reference_name": name}
 
     def turn_plots(self) -> Sequence[TurnCurves]:
         """Return the plots over one turn, whose cursor has values."""

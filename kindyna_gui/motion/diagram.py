@@ -23,11 +23,11 @@ from core.number_text import MINUS, shortest
 from core.study import Quantity, Study
 from kindyna_gui.labels import sentence, value_text
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
+from kindyna_gui.pictures.plots.curves import NO_BANDS, PINNED, CurvePlot
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import Z_CURVE, Z_REFERENCE
 from kindyna_gui.pictures.plots.plot import Span, peak, shown_range, spans
-from kindyna_gui.pictures.plots.quantities import Curve, Reference, reference_curves
+from kindyna_gui.pictures.plots.quantities import Curve, reference_curves
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 from kindyna_gui.settings import point, sized, symbol_of
@@ -376,7 +376,8 @@ class MotionDiagram(CurvePlot):
         channel: Quantity,
         before: np.ndarray | None,
         bands: Mapping[str, np.ndarray] = NO_BANDS,
-        reference: Reference | None = None,
+        reference: Study | None = None,
+        reference_name: str = PINNED,
     ) -> None:
         """Draw the displacement of a study; if nothing has changed, nothing is painted again.
 
@@ -390,14 +391,16 @@ class MotionDiagram(CurvePlot):
             Displacement before the last edit; None where there is a reference.
         bands : mapping of str to ndarray (k, n) [unit of the channel]
             Percentiles of machines built to the tolerances, by channel.
-        reference : Reference, optional
-            A second design, drawn dashed in place of the displacement before.
+        reference : Study, optional
+            A second study, drawn dashed in place of the displacement before.
+        reference_name : str
+            Name of the reference in the legend.
         """
         values = channel.values(study)
         motion = require_motion(study.design)
         curve = Curve(channel, values, self._theme.family(channel.family), gain=motion.gain)
         dashed = reference_curves(reference, [curve])
-        name = reference.name if reference is not None and dashed else ""
+        name = reference_name if dashed else ""
         drawn = (
             motion,
             self.chosen,
@@ -434,13 +437,14 @@ class MotionDiagram(CurvePlot):
         self._before.setVisible(bool(others))
         for row, gain in others:
             self._before.setPen(self._theme.pen(curve.colour if dashed else self._theme.quiet, THIN, DASHED))
-            self._put(self._before, study if reference is None else reference.study, row, gain)
-        self._name_curves(name)
+            self._put(self._before, study if reference is None else reference, row, gain)
+        self._reference_name = name
         self._spans = spans(motion)
         self.motion, self._marks = motion, [join_marks(join, motion) for join in study.program.joins]
         size = self.display_unit.size
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
         self._shade([] if band is None else [(curve, band)])
+        self._name_curves()
         if QAccessible.isActive():
             self._describe()
         self._view.updateMatrix()  # otherwise painting updates it, and paints all again

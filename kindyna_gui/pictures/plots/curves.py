@@ -20,6 +20,7 @@ from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline
 from kindyna_gui.pictures.plots.lines import (
     DASHED_MARK,
+    LINE_MARK,
     Z_CURVE,
     Z_REFERENCE,
     Cursor,
@@ -48,7 +49,6 @@ from kindyna_gui.pictures.plots.plot import (
 )
 from kindyna_gui.pictures.plots.quantities import (
     Curve,
-    Reference,
     drawn_alike,
     limits_of,
     moving,
@@ -70,6 +70,7 @@ from kindyna_gui.pictures.units import (
 )
 from kindyna_gui.settings import point, sized, symbol_of
 
+PINNED = "pinned variant"
 UNNAMED = 4  # height of the axis at the top without names, pixels
 ALWAYS_DRAWN = ("cam.material", "limits.contact_pressure_mpa")  # fields of limits that the axis always shows
 STEPS = 6  # power of two of the steps, by whose number the range of an axis is divided at least
@@ -184,11 +185,12 @@ class CurvePlot(TurnCurves, FixedPlot):
         self._reference_samples: TurnSamples | None = None
         self._readings: list[Readout] = []
         self._limits: list[LimitLine] = []
+        self._reference_name = ""
         self._drawn: list[CurveLine] = []
         self._bands: list[Outline] = []
         self._drawn_bands: Sequence[tuple[Curve, np.ndarray]] = ()
         self._drawn_marks: tuple[object, ...] = ()
-        self._request: tuple[Study, tuple[Quantity, ...], Reference | None, Mapping[str, np.ndarray]] | None = None
+        self._request: tuple[Study, tuple[Quantity, ...], Study | None, Mapping[str, np.ndarray]] | None = None
         self._core: tuple[float, float] | None = None  # the range that the axis must show at least
         self._shows_spikes = self._has_spikes = False
         self._extremes: list[Extreme] = []
@@ -220,9 +222,10 @@ class CurvePlot(TurnCurves, FixedPlot):
         self,
         study: Study,
         channels: Sequence[Quantity],
-        reference: Reference | None = None,
+        reference: Study | None = None,
         read: bool = True,
         bands: Mapping[str, np.ndarray] = NO_BANDS,
+        reference_name: str = PINNED,
     ) -> None:
         """Draw quantities of a study; nothing is painted again where the plot would not change.
 
@@ -230,12 +233,14 @@ class CurvePlot(TurnCurves, FixedPlot):
         ----------
         study : Study
         channels : sequence of Quantity, of one unit
-        reference : Reference, optional
-            A second design, drawn dashed.
+        reference : Study, optional
+            A second study, drawn dashed.
         read : bool
             Write the values at the cursor; False where ``set_angle`` follows at once.
         bands : mapping of str to ndarray (5, n)
             Column of a channel -> percentiles of the machines at equal steps over the turn, drawn as shaded bands.
+        reference_name : str
+            Name of the reference in the legend.
 
         Raises
         ------
@@ -246,16 +251,10 @@ class CurvePlot(TurnCurves, FixedPlot):
         curves = read_curves(study, channels, self._theme)
         dashed = reference_curves(reference, curves)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (
-            tuple(segments),
-            tuple(limits),
-            symbol_of(channels[0].unit.symbol),
-            point(),
-            reference and reference.name,
-        )
+        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point(), reference_name)
         samples = line_of(study)
         shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
-        reference_samples = line_of(reference.study) if reference is not None and dashed else None
+        reference_samples = line_of(reference) if reference is not None and dashed else None
         if (
             marks == self._drawn_marks
             and [id(band) for _, band in shaded] == [id(band) for _, band in self._drawn_bands]
@@ -272,7 +271,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         values = [curve.values for curve in curves + dashed]
         values += [band[i] for _, band in shaded for i in (0, -1)]
         full_ranges = [typical_range(row) for row in values]
-        moves = [moving(study)] * len(curves) + [moving(reference.study) for _ in dashed if reference is not None]
+        moves = [moving(study)] * len(curves) + [moving(reference) for _ in dashed if reference is not None]
         moves += [np.ones(band.shape[-1], dtype=bool) for _, band in shaded for _ in (0, 1)]
         ranges_without_spikes = [readable_range(row, at) for row, at in zip(values, moves, strict=True)]
         self._has_spikes = ranges_without_spikes != full_ranges
@@ -300,8 +299,11 @@ class CurvePlot(TurnCurves, FixedPlot):
         shown = [(value / size, *words) for value, words in limits if low <= value / size <= high]
         self._limits = self._resized(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
         for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
-            limit.set_value(value, text.format(with_unit(short(value, 4), self.display_unit.symbol)), brief, field)
-        self._name_curves(reference.name if reference is not None and dashed else "", bool(shaded))
+            figure = with_unit(short(value, 4), self.display_unit.symbol)
+            limit.set_value(value, text.format(figure), (brief, brief.rpartition(": ")[2], figure), field)
+        self._reference_name = reference_name if dashed else ""
+        self._listed = {}
+        self._name_curves()
         self._find_extremes()
         self._lay_out()
         if QAccessible.isActive():
@@ -326,7 +328,8 @@ class CurvePlot(TurnCurves, FixedPlot):
         if self._curves and self._request is not None:
             self._drawn_marks = ()
             study, channels, reference, bands = self._request
-            self.set_curves(study, channels, reference, bands=bands)
+            name = self._reference_name or PINNED
+            self.set_curves(study, channels, reference, bands=bands, reference_name=name)
             self.show_extremes(ranges)
 
     # -- extremes -------------------------------------------------------------------------------------------
@@ -405,6 +408,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         self._extremes = []
         self._shade([])
         self._curves, self._reference_curves, self._spans, self._drawn_marks, self._exact_values = [], [], [], (), None
+        self._reference_name, self._listed = "", {}
         self._name_curves()
         self._axes["left"].show_title("", self._theme.ink)
         self._message_text, self._core = text, None
@@ -442,16 +446,14 @@ class CurvePlot(TurnCurves, FixedPlot):
         room = CLIP_RANGES * (high - low)
         return np.clip(values, low - room, high + room)
 
-    def _name_curves(self, reference: str = "", has_bands: bool = False) -> None:
-        """Name the curves above the plot where there is more than one."""
-        rows: list[Entry] = []
-        if len(self._curves) > 1 or reference or has_bands:
-            rows = [
-                Entry(c.colour, c.channel.label, DASHED_MARK if c.channel.approximates else "—") for c in self._curves
-            ]
-            rows += [reference_entry(reference, self._theme)] if reference else []
-            rows += [band_entry(self._theme)] if has_bands else []
-        self._name(rows)
+    def _name_curves(self) -> None:
+        """Name the curves above the plot where there is more than one, and limits whose texts have no room in it."""
+        others = [reference_entry(self._reference_name, self._theme)] if self._reference_name else []
+        others += [band_entry(self._theme)] if self._drawn_bands else []
+        others += self._listed.values()
+        marks = [DASHED_MARK if curve.channel.approximates else "—" for curve in self._curves]
+        rows = [Entry(c.colour, c.channel.label, mark) for c, mark in zip(self._curves, marks, strict=True)]
+        self._name([*rows, *others] if len(rows) > 1 or others else [])
 
     def angle_at(self, pixel: QPointF) -> float:
         """Cam angle [deg] at a pixel of the widget, limited to 0 ... 360."""
@@ -495,8 +497,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         unseen = self.unseen / self.devicePixelRatioF()
         for curve in self._drawn:
             curve.lay(frame, unseen)
-        for number, limit in enumerate(self._limits):
-            limit.lay_clear(frame, self._drawn, [previous.box(frame) for previous in self._limits[:number]])
+        self._lay_limits(frame)
         self._lay_extremes(frame)
         if self._curves:
             self._axes["left"].show_title(self._title(frame.height), self._title_colour())
@@ -508,6 +509,18 @@ class CurvePlot(TurnCurves, FixedPlot):
             self._cursor.span(frame)
             self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
+
+    def _lay_limits(self, frame: Frame) -> None:
+        """Put the texts of limits clear of curves, else in the legend, where they stay at this size."""
+        before = list(self._listed)
+        self._forget_listed(frame)
+        for number, limit in enumerate(self._limits):
+            occupied = [previous.box(frame) for previous in self._limits[:number]]
+            if limit.text in self._listed or not limit.lay_clear(frame, self._drawn, occupied):
+                limit.hide_text()
+                self._listed[limit.text] = Entry(self._theme.limit, limit.name, LINE_MARK)
+        if list(self._listed) != before:
+            self._name_curves()
 
     def _lay_extremes(self, frame: Frame) -> None:
         marks, count = self._extreme_marks + self._spare_marks, len(self._extremes)

@@ -25,10 +25,11 @@ LEGEND_HEIGHT = 18.0  # of the first line, pixels
 MIN_LINES = 2  # lines that a legend may always have
 ELLIPSIS = "…"
 NAME_GAP = "\u00a0\u00a0 "  # between names
-TEXT_POSITIONS = (1.0, 0.0, 0.75, 0.5, 0.25)  # along a limit's line, for its text
+TEXT_POSITIONS = (1.0, 0.0, 0.75, 0.5, 0.25, *(i / 16.0 for i in range(1, 16) if i % 4))  # of a text along its line
+TEXT_LIFT = 2.0  # of that text from a curve, or from its line where a curve runs on it, pixels
 TEXT_SHIFT = 4.0  # of that text inwards from the ends of the line, pixels
 BAND_OPACITY = (0.16, 0.3)  # of the outer band, of the inner one above it
-DASHED_MARK = "– –"
+DASHED_MARK, LINE_MARK = "– –", "─"  # of a dashed curve, of a straight line
 MACHINES = "90 and 99.73 % of machines"
 
 # -- frame -----------------------------------------------------------------------------------------------
@@ -69,14 +70,14 @@ class Frame:
         return segments([(complex(self.first, value), complex(self.last, value))])
 
     def box(self, angle: float, value: float, box: QRectF) -> QRectF:
-        """Box around a point of a full turn, given in pixels from the point, y downwards.
+        """Box around a point, given in pixels from the point, y downwards.
 
         Returns
         -------
         QRectF
             The box in pixels from the frame's lower left corner, y upwards.
         """
-        x, y = angle / 360.0 * self.width, self.pixel(value)
+        x, y = (angle - self.first) / (self.last - self.first) * self.width, self.pixel(value)
         return QRectF(x + box.left(), y - box.bottom(), box.width(), box.height())
 
 
@@ -269,8 +270,31 @@ class CurveLine(Outline):
         super().paint(painter, option, widget)
 
 
+def enters(points: np.ndarray, box: QRectF) -> bool:
+    """Whether a line through points enters a box.
+
+    Parameters
+    ----------
+    points : ndarray (n,) complex
+        Points x + iy of the line, with gaps where they are NaN [pixels].
+    box : QRectF
+        In the same coordinates.
+    """
+    start, end = points[:-1], points[1:]
+    begins, ends = np.zeros(start.size), np.ones(start.size)
+    sides = ((start.real, end.real, box.left(), box.right()), (start.imag, end.imag, box.top(), box.bottom()))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for at, to, low, high in sides:  # parts of each segment between the two sides
+            first, last = (low - at) / (to - at), (high - at) / (to - at)
+            within = (low <= at) & (at <= high)
+            first = np.where(to == at, np.where(within, 0.0, 2.0), first)
+            last = np.where(to == at, np.where(within, 1.0, 2.0), last)
+            begins, ends = np.maximum(begins, np.minimum(first, last)), np.minimum(ends, np.maximum(first, last))
+    return bool((begins <= ends).any())
+
+
 class LimitLine(PlotMark):
-    """A thin red line over the full turn, with its value at the right end."""
+    """A thin red line over the full turn, with its text next to it, or in the legend where that finds no room."""
 
     def __init__(self, view: pg.ViewBox, theme: Theme, value: float = 0.0, text: str = "") -> None:
         path = QPainterPath()
@@ -280,44 +304,58 @@ class LimitLine(PlotMark):
         super().__init__(view, (self._line, Z_LIMIT), (self._tag, Z_CURSOR + 1.0))
         self.set_value(value, text)
 
-    def set_value(self, value: float, text: str, short: str = "", field: str = "") -> None:
-        """Set value and text; the short text is used where the text would cover a curve; field: path of the limit."""
-        self.value, self.text, self._short, self.field = value, text, short, field
+    def set_value(self, value: float, text: str, shorter: Sequence[str] = (), field: str = "") -> None:
+        """Set value and text; shorter ones are used where the text would cover a curve; field: path of the limit."""
+        self.value, self.text, self.field = value, text, field
+        self._texts = tuple(dict.fromkeys((text, *shorter)))
         self._tag.set_text(text)
         self._line.setPos(0.0, value)
         self._tag.setPos(360.0, value)
 
-    def lay_clear(self, frame: Frame, curves: Sequence[CurveLine], occupied: Sequence[QRectF] = ()) -> None:
-        """Put the text where it covers no curve and no occupied box: further left, below the line, or shortened."""
+    def lay_clear(self, frame: Frame, curves: Sequence[CurveLine], occupied: Sequence[QRectF] = ()) -> bool:
+        """Put the text where it covers no curve and no occupied box: further left, below the line, or shortened.
+
+        Returns False where there is no such place.
+        """
         above = (frame.high - self.value) / (frame.high - frame.low) * frame.height > self._tag.size[1] + 2.0
         room = QRectF(-1.0, 0.0, frame.width + 2.0, frame.height)
-        for text in filter(None, (self.text, self._short)):
+        for lift, text in product((0.0, TEXT_LIFT), self._texts):
             self._tag.set_text(text)
             for over, part in product((above, not above), TEXT_POSITIONS):
-                box = self._box_at(frame, part, over).adjusted(0.0, -2.0, 0.0, 2.0)
+                box = self._box_at(frame, part, over, lift).adjusted(0.0, lift - TEXT_LIFT, 0.0, TEXT_LIFT - lift)
                 is_free = room.contains(box) and not any(map(box.intersects, occupied))
                 if is_free and not any(curve.enters(box, frame) for curve in curves):
-                    self._put_text(part, over)
-                    return
-        self._tag.set_text(self.text)
-        if self._short and self._tag.size[0] + 8.0 > frame.width:
-            self._tag.set_text(self._short)
-        self._put_text(1.0, above)
+                    self._put_text(part, over, lift)
+                    self._tag.setVisible(True)
+                    return True
+        return False
 
-    def _put_text(self, part: float, above: bool) -> None:
-        """Put the text at a fraction of the line's length, above or below it."""
+    def hide_text(self) -> None:
+        """Hide the text until there is room for it."""
+        self._tag.set_text(self.name)
+        self._tag.setVisible(False)
+
+    @property
+    def name(self) -> str:
+        """Text in the legend, without the value."""
+        return self._texts[min(1, len(self._texts) - 1)]
+
+    def _put_text(self, part: float, above: bool, lift: float) -> None:
+        """Put the text at a fraction of the line's length, above or below it, so many pixels from it."""
         self._tag.setPos(360.0 * part, self.value)
         self._tag.set_lean(part, 1.0 if above else 0.0)
-        self._tag.shift(TEXT_SHIFT * (1.0 - 2.0 * part), 0.0)
+        self._tag.shift(TEXT_SHIFT * (1.0 - 2.0 * part), -lift if above else lift)
 
-    def _box_at(self, frame: Frame, part: float, above: bool) -> QRectF:
-        """Box that the text would have at a fraction of the line's length, as ``box``."""
+    def _box_at(self, frame: Frame, part: float, above: bool, lift: float) -> QRectF:
+        """Box that the text would have, as ``box``; parameters as for ``_put_text``."""
         width, height = self._tag.size
         left = TEXT_SHIFT * (1.0 - 2.0 * part) - part * width
-        return frame.box(360.0 * part, self.value, QRectF(left, -height if above else 0.0, width, height))
+        return frame.box(360.0 * part, self.value, QRectF(left, -height - lift if above else lift, width, height))
 
     def box(self, frame: Frame) -> QRectF:
-        """Box of the text in the frame [pixels from its lower left corner, y upwards]."""
+        """Box of the text in the frame [pixels from its lower left corner, y upwards]; empty where it is hidden."""
+        if not self._tag.isVisible():
+            return QRectF()
         return frame.box(self._tag.pos().x(), self.value, self._tag.pixel_box())
 
 

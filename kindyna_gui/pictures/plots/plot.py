@@ -367,6 +367,8 @@ class FixedPlot(pg.GraphicsView):
         self._size_axes()
         self._background = Background(self._view, theme)
         self.legend = Legend(canvas, theme.ink, centred)
+        self._listed: dict[str, Entry] = {}  # texts of lines that have no room at this size, and are in the legend
+        self._listed_size: tuple[object, ...] = ()
         self._message = Tag("", theme.quiet, theme, TEXT)
         self._include(self._message)
         self._message_text = ""
@@ -453,6 +455,15 @@ class FixedPlot(pg.GraphicsView):
         """Set the legend; it takes no room where nothing has a name."""
         self.legend.set_entries(entries, note)
         self._fit_legend()
+
+    def _forget_listed(self, frame: Frame) -> None:
+        """Take the texts of lines from the legend where the plot has another size, at which there may be room for them.
+
+        The height of the frame is no such size: it follows from the legend.
+        """
+        size = self.size(), frame.width
+        if size != self._listed_size:
+            self._listed_size, self._listed = size, {}
 
     def _fit_legend(self) -> None:
         """Fit the legend between the left axis and the reserved corner."""

@@ -24,11 +24,11 @@ from core.design import motion_of
 from core.motion.extremes import Extremes
 from core.study import Quantity, Study
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plots.curves import NO_BANDS, TurnCurves
+from kindyna_gui.pictures.plots.curves import NO_BANDS, PINNED, TurnCurves
 from kindyna_gui.pictures.plots.lines import DASHED_MARK, band_entry, band_outlines, closed_band
 from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, box_near, lay_polar_marks, paint_title
 from kindyna_gui.pictures.plots.plot import Span, peak, spans, typical_range
-from kindyna_gui.pictures.plots.quantities import Reference, read_curves, reference_curves
+from kindyna_gui.pictures.plots.quantities import read_curves, reference_curves
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import decimals_of, needed, nice_step, number, readable
@@ -80,8 +80,9 @@ class PolarPlot(TurnCurves, QWidget):
         study: Study,
         channels: Sequence[Quantity],
         *,
-        reference: Reference | None = None,
+        reference: Study | None = None,
         bands: Mapping[str, np.ndarray] = NO_BANDS,
+        reference_name: str = PINNED,
     ) -> None:
         """Draw quantities of a study.
 
@@ -89,10 +90,12 @@ class PolarPlot(TurnCurves, QWidget):
         ----------
         study : Study
         channels : sequence of Quantity, of one unit
-        reference : Reference, optional
-            A second design, drawn dashed.
+        reference : Study, optional
+            A second study, drawn dashed.
         bands : mapping of str to ndarray (5, n)
             Column of a channel -> percentiles of the machines at equal steps over the turn, drawn as shaded bands.
+        reference_name : str
+            Name of the reference.
 
         Raises
         ------
@@ -119,9 +122,9 @@ class PolarPlot(TurnCurves, QWidget):
             for curve, band in shaded
         ]
         shown_reference = [row.values / self.display_unit.size for row in dashed]
-        theta = self._theta if reference is None else reference.study.theta
+        theta = self._theta if reference is None else reference.theta
         self._dashed = [(row, theta, curve.colour) for row, curve in zip(shown_reference, dashed, strict=True)]
-        self._reference_name = reference.name if reference is not None and dashed else ""
+        self._reference_name = reference_name if dashed else ""
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
         self._ranges = self._marks = self._pixmap = self._exact_values = None
         self.update()

@@ -55,11 +55,18 @@ class Limit:
     value : in SI
     text : of its line, with {} for the value
     field : path of the design field that states the limit, or could state it
+    name : what it limits, where the text says what happens there
     """
 
     value: float
     text: str
     field: str
+    name: str = ""
+
+    @property
+    def short(self) -> str:
+        """Text without the value."""
+        return self.name or self.text.partition("{")[0].strip()
 
 
 def _pressure_angle(study: Study) -> float:
@@ -83,25 +90,23 @@ def _allowable_pressure(study: Study) -> float:
 
 REPLACED = ("limits.", "cam.material")
 """Beginnings of the fields of typical limits that stated limits replace."""
-_TYPICAL: Mapping[str, tuple[tuple[str, str, Callable[[Study], float]], ...]] = MappingProxyType(
+_TYPICAL: Mapping[str, tuple[str, str, str, Callable[[Study], float]]] = MappingProxyType(
     {
-        "pressure_angle": (("typical limit {}", "limits.pressure_angle_rise_deg", _pressure_angle),),
-        "pitch_curvature": (("undercut from {}", "cam.base_radius_mm", _undercut),),
+        "pressure_angle": ("typical limit {}", "", "limits.pressure_angle_rise_deg", _pressure_angle),
+        "pitch_curvature": ("undercut from {}", "limit of undercut", "cam.base_radius_mm", _undercut),
         "contact_force": (
-            (
-                "lifts off below {}",
-                "loads.least_contact_force_n",
-                lambda study: np.inf if study.is_form_closed else 0.0,
-            ),
+            "lifts off below {}",
+            "limit of lift-off",
+            "loads.least_contact_force_n",
+            lambda study: np.inf if study.is_form_closed else 0.0,
         ),
         **dict.fromkeys(
-            ("contact_pressure", "second_contact_pressure"),
-            (("allowable {}", "cam.material", _allowable_pressure),),
+            ("contact_pressure", "second_contact_pressure"), ("allowable {}", "", "cam.material", _allowable_pressure)
         ),
-        "jam_factor": (("jams from {}", "loads.friction", lambda study: 1.0),),
+        "jam_factor": ("jams from {}", "limit of jamming", "loads.friction", lambda study: 1.0),
     }
 )
-"""Quantity -> text, field and value [SI] of each typical limit."""
+"""Quantity -> text, name, field and value [SI] of its typical limit."""
 
 
 def limits_on(study: Study, quantity: str) -> list[Limit]:
@@ -123,15 +128,13 @@ def limits_on(study: Study, quantity: str) -> list[Limit]:
         else:
             user_limits[value] = Limit(value, bounds.line, f"limits.{key}")
     are_stated = keys and all(getattr(study.design.drive.limits, key) is not None for key in keys)
-    typical = (
-        Limit(value_of(study), text, field)
-        for text, field, value_of in _TYPICAL.get(quantity, ())
-        if not (are_stated and field.startswith(REPLACED))
-    )
-    return [
-        *(limit for limit in typical if np.isfinite(limit.value) and limit.value not in user_limits),
-        *user_limits.values(),
-    ]
+    rows = list(user_limits.values())
+    if quantity in _TYPICAL:
+        text, name, field, value_of = _TYPICAL[quantity]
+        typical = Limit(value_of(study), text, field, name)
+        is_replaced = (are_stated and field.startswith(REPLACED)) or typical.value in user_limits
+        rows = rows if is_replaced or not np.isfinite(typical.value) else [typical, *rows]
+    return rows
 
 
 @frozen(eq=False)
@@ -165,22 +168,6 @@ class Curve:
         ]
 
 
-@frozen(eq=False)
-class Reference:
-    """Another design whose curves are drawn dashed.
-
-    Attributes
-    ----------
-    name : in the legend
-    study : Study
-    rows : its quantities by name, in the units of the plot
-    """
-
-    name: str
-    study: Study
-    rows: Mapping[str, Quantity]
-
-
 _VALUES: WeakKeyDictionary[Study, dict[str, np.ndarray]] = WeakKeyDictionary()
 
 
@@ -210,12 +197,19 @@ def read_curves(study: Study, channels: Sequence[Quantity], theme: Theme) -> lis
     return curves
 
 
-def reference_curves(reference: Reference | None, curves: Sequence[Curve]) -> list[Curve]:
-    """Curves of a reference in the colours of these curves; those that it lacks are omitted."""
-    if reference is None:
+def counterparts(study: Study, rows: Iterable[Quantity]) -> dict[str, Quantity]:
+    """Quantities of another study with the names and units of these, by name."""
+    units = {row.name: row.unit.symbol for row in rows}
+    return {row.name: row for row in existing(study, rows_of(study, units)) if row.unit.symbol == units[row.name]}
+
+
+def reference_curves(study: Study | None, curves: Sequence[Curve]) -> list[Curve]:
+    """Curves of another study in the colours of these curves; those that it lacks are omitted."""
+    if study is None:
         return []
-    pairs = ((reference.rows.get(curve.channel.name), curve.colour) for curve in curves)
-    return [_read_curve(reference.study, row, colour) for row, colour in pairs if row is not None]
+    rows = counterparts(study, [curve.channel for curve in curves])
+    pairs = ((rows.get(curve.channel.name), curve.colour) for curve in curves)
+    return [_read_curve(study, row, colour) for row, colour in pairs if row is not None]
 
 
 def _read_curve(study: Study, row: Quantity, colour: str) -> Curve:
@@ -250,15 +244,14 @@ def limits_of(study: Study, channels: Sequence[Quantity]) -> list[tuple[float, t
     list of (value, (text, short_text, field))
         The value is in the channels' unit. The texts name the channel where only one of several has the limit.
     """
-    labels_by_limit: dict[tuple[float, str, str], list[str]] = {}
+    labels_by_limit: dict[tuple[float, Limit], list[str]] = {}
     for row in channels:
         for limit in limits_on(study, row.name):
-            labels_by_limit.setdefault((limit.value / row.unit.factor, limit.text, limit.field), []).append(row.label)
+            labels_by_limit.setdefault((limit.value / row.unit.factor, limit), []).append(row.label)
     result = []
-    for (value, text, field), labels in labels_by_limit.items():
+    for (value, limit), labels in labels_by_limit.items():
         name = f"{labels[0]}: " if len(labels) == 1 and len(channels) > 1 else ""
-        short = text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
-        result.append((value, (name + text, name + short, field)))
+        result.append((value, (name + limit.text, name + limit.short, limit.field)))
     return result
 
 

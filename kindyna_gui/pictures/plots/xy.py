@@ -6,8 +6,9 @@ It also draws the map of the contact force over cam angle and speed.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,9 @@ from core.frozen import frozen
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import (
+    DASHED_MARK,
     MACHINES,
+    TEXT_POSITIONS,
     Z_CURSOR,
     Z_CURVE,
     Z_LIMIT,
@@ -29,6 +32,7 @@ from kindyna_gui.pictures.plots.lines import (
     Frame,
     band_entry,
     band_items,
+    enters,
     reference_entry,
 )
 from kindyna_gui.pictures.plots.marks import Readout, place_readouts
@@ -168,6 +172,7 @@ class XYPlot(FixedPlot):
         self._ticks: tuple[Ticks, Ticks] | None = None
         self._extra: list[QGraphicsItem] = []
         self._ruled: list[tuple[Rule, Outline, Tag]] = []
+        self._names: tuple[list[Entry], str] = ([], "")
         self.dots: tuple[Dots, ...] = ()
         self.display_unit = NO_UNIT
         self._valued: list[Line] = []
@@ -256,7 +261,8 @@ class XYPlot(FixedPlot):
         names += [
             reference_entry(name, self._theme) for name in dict.fromkeys(line.reference for line in lines) if name
         ]
-        self._name([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
+        self._names = ([*names, *([band_entry(self._theme, shaded)] if banded and shaded else [])], note)
+        self._name_lines()
         self._read_lines([line for line in lines if line.read], display_unit)
         x, y = (np.concatenate([getattr(row, axis) for row in (*lines, *dots)]) for axis in "xy")
         y = np.concatenate([y, *(percentiles[i] for *_, percentiles in banded for i in (0, -1))])
@@ -414,7 +420,7 @@ class XYPlot(FixedPlot):
     def _clear(self) -> None:
         for item in (*self._drawn, *self._extra, *(item for _, *items in self._ruled for item in items)):
             self._view.removeItem(item)
-        self._drawn, self._extra, self._ruled, self.dots = [], [], [], ()
+        self._drawn, self._extra, self._ruled, self.dots, self._listed = [], [], [], (), {}
         self._ticks = None
         self._filled = False
 
@@ -436,24 +442,68 @@ class XYPlot(FixedPlot):
         self._axes["left"].show_title(fitting_title((title,), unit, frame.height) if self._filled else "", colour)
         if self._cursor is not None:
             self._cursor.span(frame)
-        for ruled in self._ruled:
-            _draw_rule(*ruled, frame)
+        self._lay_rules(frame)
         self._read_out()
 
+    def _lay_rules(self, frame: Frame) -> None:
+        """Put the texts of rules clear of curves and of each other, else in the legend, where they stay at this size."""
+        size = complex(frame.width / (frame.last - frame.first), frame.height / (frame.high - frame.low))
+        curves = [(x - frame.first) * size.real + 1j * (y - frame.low) * size.imag for x, y in self.lines]
+        boxes: list[QRectF] = []
+        before = list(self._listed)
+        self._forget_listed(frame)
+        for rule, line, tag in self._ruled:
+            is_clear = _draw_rule(rule, line, tag, frame, curves, boxes)
+            if rule.text in self._listed or not is_clear:
+                tag.setVisible(False)
+                self._listed[rule.text] = Entry(rule.colour, rule.text, DASHED_MARK)
+            else:
+                boxes.append(frame.box(tag.pos().x(), tag.pos().y(), tag.pixel_box()))
+        if list(self._listed) != before:
+            self._name_lines()
 
-def _draw_rule(rule: Rule, line: Outline, tag: Tag, frame: Frame) -> None:
-    """Draw a rule over the full plot, with its text on the side where there is room."""
+    def _name_lines(self) -> None:
+        """Name the curves above the plot, and rules whose texts have no room in it."""
+        names, note = self._names
+        self._name([*names, *(entry for text, entry in self._listed.items() if text)], note)
+
+
+def _draw_rule(
+    rule: Rule, line: Outline, tag: Tag, frame: Frame, curves: Sequence[np.ndarray], occupied: Sequence[QRectF]
+) -> bool:
+    """Draw a rule over the full plot, with its text on it where that covers no curve and no occupied box.
+
+    Returns False where there is no such place; then the text is hidden.
+    """
     line.redraw(frame.horizontal(rule.at) if rule.level else frame.vertical(rule.at))
+    room = QRectF(-1.0, -1.0, frame.width + 2.0, frame.height + 2.0)
+    for _ in _text_places(rule, tag, frame):
+        box = frame.box(tag.pos().x(), tag.pos().y(), tag.pixel_box())
+        is_free = room.contains(box) and not any(map(box.intersects, occupied))
+        if is_free and not any(enters(curve, box) for curve in curves):
+            tag.setVisible(True)
+            return True
+    tag.setVisible(False)
+    return False
+
+
+def _text_places(rule: Rule, tag: Tag, frame: Frame) -> Iterator[None]:
+    """Put the text at one place on its line after the other: at the end of the line first, on its roomier side."""
     if rule.level:
         above = frame.height - frame.pixel(rule.at) > tag.size[1] + RULE_GAP
-        tag.set_lean(1.0, 1.0 if above else 0.0)
-        tag.shift(-RULE_GAP, -RULE_GAP if above else RULE_GAP)
-        tag.setPos(frame.last, rule.at)
-    else:
-        right = (frame.last - rule.at) / (frame.last - frame.first) * frame.width > tag.size[0] + RULE_ROOM
-        tag.set_lean(0.0 if right else 1.0, 1.0 if rule.low else 0.0)
-        tag.shift(4.0 if right else -4.0, -RULE_GAP if rule.low else 2.0)
-        tag.setPos(rule.at, frame.low if rule.low else frame.high)
+        for over, part in product((above, not above), TEXT_POSITIONS):
+            tag.set_lean(part, 1.0 if over else 0.0)
+            tag.shift(RULE_GAP * (1.0 - 2.0 * part), -RULE_GAP if over else RULE_GAP)
+            tag.setPos(frame.first + part * (frame.last - frame.first), rule.at)
+            yield
+        return
+    right = (frame.last - rule.at) / (frame.last - frame.first) * frame.width > tag.size[0] + RULE_ROOM
+    for part, on_right in product(TEXT_POSITIONS, (right, not right)):
+        part = 1.0 - part if rule.low else part
+        tag.set_lean(0.0 if on_right else 1.0, 1.0 - part)
+        tag.shift(4.0 if on_right else -4.0, RULE_GAP * (2.0 * part - 1.0))
+        tag.setPos(rule.at, frame.low + part * (frame.high - frame.low))
+        yield
 
 
 # -- map of the contact force ----------------------------------------------------------------------------

@@ -375,7 +375,7 @@ def test_the_limits_text_covers_no_curve_where_it_can_be_helped() -> None:
     plot = plot_of(LIFT, "pitch_curvature_per_mm", "profile_curvature_per_mm", size=(384, 182))
     plot.grab()
     (limit,) = limits(plot)
-    assert limit.text == "Pitch curvature: undercut", "the axis tells the value"
+    assert limit.text == "Pitch curvature: limit of undercut", "the axis tells the value"
     assert not any(enters(curve, limit, plot) for curve in curves(plot))
 
 
