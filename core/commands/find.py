@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from core.commands.common import (
     rounding_step,
     studied,
 )
-from core.design import only, with_only
+from core.design import Design, only, with_only
 from core.design.fields import choice
 from core.errors import KindynaError
 from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
@@ -77,20 +77,8 @@ class FindArguments(DriveArguments):
 def run_find(arguments: FindArguments, painter: Painter | None) -> int:
     """Print the solution, or the best value and the limits that it violates."""
     machine, what = load(arguments.design), arguments.what
-    if what in SHAFT_SEARCHES and arguments.drive:
-        raise KindynaError(f"--drive {arguments.drive}: {what} belongs to the whole shaft; omit --drive")
-    number = 0 if what in SHAFT_SEARCHES else number_of(machine, arguments.drive)
-    design = machine if what in SHAFT_SEARCHES else only(machine, number)
     progress = Progress()
-    solution = find(
-        design,
-        what,
-        _limits(arguments.limit),
-        aim=arguments.aim,
-        rounding=arguments.round,
-        notify=lambda count: progress.report(f"{count} designs tried ..."),
-        machine=same_design if what in SHAFT_SEARCHES else partial(with_only, machine, number),
-    )
+    solution = search(machine, arguments, lambda count: progress.report(f"{count} designs tried ..."))
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.is_valid:
         print(
@@ -100,9 +88,27 @@ def run_find(arguments: FindArguments, painter: Painter | None) -> int:
     if arguments.into is not None:
         save(solution.machine, arguments.into)
     is_contact_search = what in CAM_SEARCHES and CAM_SEARCHES[what].seeks_contact
+    number = 0 if what in SHAFT_SEARCHES else number_of(machine, arguments.drive)
     study, stages = studied(solution.design), ("dynamics",) if what in SHAFT_SEARCHES or is_contact_search else ("cam",)
     errors = [finding for finding in findings_of(study, stages) if finding.severity == ERROR]
     return print_errors(study, errors if what in SHAFT_SEARCHES else in_file(errors, machine, number))
+
+
+def search(machine: Design, arguments: FindArguments, notify: Callable[[int], None] = lambda count: None) -> Solution:
+    """Search as requested in a design; ``notify`` gets the number of designs tried. Raises KindynaError for a wrong request."""
+    what = arguments.what
+    if what in SHAFT_SEARCHES and arguments.drive:
+        raise KindynaError(f"--drive {arguments.drive}: {what} belongs to the whole shaft; omit --drive")
+    number = 0 if what in SHAFT_SEARCHES else number_of(machine, arguments.drive)
+    return find(
+        machine if what in SHAFT_SEARCHES else only(machine, number),
+        what,
+        _limits(arguments.limit),
+        aim=arguments.aim,
+        rounding=arguments.round,
+        notify=notify,
+        machine=same_design if what in SHAFT_SEARCHES else partial(with_only, machine, number),
+    )
 
 
 def _limits(given: Sequence[tuple[str, float | None]]) -> StatedLimits:

@@ -18,16 +18,17 @@ from core import __version__ as __version__
 from core.errors import KindynaError
 
 if TYPE_CHECKING:
-    from kindyna._design import Design, Study, design, example, examples, open
-    from kindyna._results import Channel, Extreme, Finding
+    from kindyna._design import Design, FindResult, Study, design, example, examples, open
+    from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult
 
 __all__ = [
-    "Channel", "Design", "Extreme", "Finding", "KindynaError", "Study", "design", "example", "examples", "open",
+    "Channel", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Study", "design",
+    "example", "examples", "open",
 ]  # fmt: skip
 
 _MODULES = {
-    "_design": ("Design", "Study", "design", "example", "examples", "open"),
-    "_results": ("Channel", "Extreme", "Finding"),
+    "_design": ("Design", "FindResult", "Study", "design", "example", "examples", "open"),
+    "_results": ("Channel", "Explanation", "Extreme", "Finding", "ManyResult"),
 }
 
 

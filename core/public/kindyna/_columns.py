@@ -74,17 +74,23 @@ class Columns:
 
     def extreme(self, name: str, of: str) -> Extreme:
         """Return an extreme over the full turn. Raises KeyError, ValueError, and KindynaError for an angle that wraps."""
-        channel, quantity = self.channel(name), self._quantities.get(name)
+        channel = self.channel(name)
         if of not in _OF:
             raise ValueError(f"of = {of!r}: extreme of {name}; allowed: {', '.join(_OF)}")
-        key = quantity.slug if isinstance(quantity, Quantity) else name
         listed = self.full.design.listed
-        row = (shaft_extremes(self.full.camshaft) if listed else extremes(self.full, (channel.stage,))).get(key)
+        row = (shaft_extremes(self.full.camshaft) if listed else extremes(self.full, (channel.stage,))).get(
+            self.quantity_of(name)
+        )
         if row is None:
             raise KindynaError(f"{name}: an angle that wraps, or that counts the rows, has no extremes")
         end = max(row["max"], row["min"], key=lambda end: abs(end["value"])) if of == "abs" else row[of]
         value = abs(end["value"]) if of == "abs" else end["value"]
         return Extreme(float(value), float(end["cam_angle_deg"]), channel.unit)
+
+    def quantity_of(self, name: str) -> str:
+        """Return the name under which ``explain`` knows a channel, or the name itself."""
+        row = self._quantities.get(name)
+        return row.slug if isinstance(row, Quantity) else name
 
     @cached_property
     def _quantities(self) -> dict[str, Quantity | ShaftColumn]:

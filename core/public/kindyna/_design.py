@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -20,17 +21,19 @@ from core.design.rules import faults
 from core.errors import DesignError, KindynaError
 from core.mechanism.mechanism import body_name
 from core.output.export import export
+from core.output.summary import to_json
 from core.project import from_table, load, loads, one_of, save
 from core.project.reading_faults import subjects
 from core.project.writing import dumps
 from core.study.certificate import certificate_of
 from core.study.findings import findings_of
+from core.study.many import many
 from core.study.study import Study as CoreStudy
-from kindyna._checks import Array, brief, number, path_of, points, text, unknown, vector, whole
+from kindyna._checks import Array, brief, number, path_of, points, read_only, text, unknown, vector, whole
 from kindyna._columns import Columns
-from kindyna._results import Channel, Extreme, Finding, finding
+from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult, explanation, finding, frame
 
-__all__ = ["Design", "Study", "design", "example", "examples", "open"]
+__all__ = ["Design", "FindResult", "Study", "design", "example", "examples", "open"]
 
 _NAME, _LAW = "name", ".law"
 
@@ -140,6 +143,99 @@ class Design:
     def findings(self) -> tuple[Finding, ...]:
         """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
         return self.study().findings
+
+    def find(self, goal: str, limits: Mapping[str, float | None] | None = None, drive: str = "") -> FindResult:
+        """Return the dimension that its limits allow, as the command ``find``.
+
+        Parameters
+        ----------
+        goal : str
+            ``base-radius``, ``offset``, ``spring``, ``flywheel`` and others, as the command lists them.
+        limits : mapping of str -> float or None
+            Limit, or a varied field's path with ``_min`` or ``_max`` -> value; None removes a typical limit.
+        drive : str
+            Name of a drive, of a design that lists them.
+
+        Raises
+        ------
+        KindynaError
+            No value satisfies every limit; the text has the best one.
+        """
+        from core.commands.find import FindArguments, search  # a design is edited and studied without it
+        from core.find import SEARCHES
+
+        if text("goal", goal) not in SEARCHES:
+            raise unknown("goal of find", goal, SEARCHES)
+        given = tuple(
+            (text("limit", key), None if value is None else number(key, value)) for key, value in (limits or {}).items()
+        )
+        solution = search(
+            self._design, FindArguments(design=Path(), what=goal, drive=text("drive", drive), limit=given)
+        )
+        answer = {path: float(value) for path, value in solution.answer.items()}
+        if not solution.is_valid:
+            best = ", ".join(f"{path} = {value:.9g}" for path, value in answer.items())
+            raise KindynaError(
+                f"find {goal}: no value satisfies every limit; the best, {best}, violates: {'; '.join(solution.violations)}"
+            )
+        curve = read_only(np.array(solution.curve, dtype=float).reshape(-1, 2))
+        reached = {key: float(value) for key, value in solution.reached.items()}
+        return FindResult(answer, reached, curve, Design(solution.machine))
+
+    def many(
+        self,
+        values: Mapping[str, ArrayLike],
+        quantities: Sequence[str],
+        polish: bool = True,
+        executor: Executor | None = None,
+    ) -> ManyResult:
+        """Return figures of m designs that differ in some numbers.
+
+        Parameters
+        ----------
+        values : mapping of str -> ndarray (m,) [unit at the end of the path]
+            Path -> its numbers.
+        quantities : sequence of str
+            Channel and statistic, as ``pressure_angle_deg:max``: max, min, abs, rms, mean, range; or a total.
+        polish : bool
+            Refine the extremes; without it they are those of the nodes, to about 1e-3.
+        executor : concurrent.futures.Executor, optional
+            Evaluates blocks of designs; the values do not depend on it.
+
+        Raises
+        ------
+        KeyError
+            The design lacks a path.
+        TypeError, ValueError
+            The numbers have no common shape (m,), or there is no such quantity.
+        """
+        if not isinstance(values, Mapping):
+            raise TypeError(f"values = {values!r}: a mapping of paths is needed, not {type(values).__name__}")
+        if isinstance(quantities, str) or not all(isinstance(key, str) for key in quantities):
+            raise TypeError(f"quantities = {quantities!r}: a list of texts is needed")
+        known = self._values()
+        for path in values:
+            if text("path", path) not in known:
+                raise unknown("field of this design", path, known)
+        inputs = {path: vector(path, numbers) for path, numbers in values.items()}
+        result = many(self._design, inputs, list(quantities), polish=polish, executor=executor)
+        value = {key: read_only(column) for key, column in result.value.items()}
+        angle_deg = {key: read_only(column) for key, column in result.angle_deg.items()}
+        reason = np.array(result.reason, dtype=np.str_)
+        reason.flags.writeable = False
+        return ManyResult(inputs, value, angle_deg, reason)
+
+    def compare(self, other: Design) -> dict[str, Any]:
+        """Return inputs that differ, results of both and their findings, as ``compare --json``."""
+        from json import loads as parsed
+
+        from core.output.compare import compare_designs, compared_design, comparison_data
+
+        if not isinstance(other, Design):
+            raise TypeError(f"other = {other!r}: a Design is needed, not {type(other).__name__}")
+        sides = (compared_design(studied(design)) for design in (self._design, other._design))
+        data: dict[str, Any] = parsed(to_json(comparison_data(compare_designs(*sides))))
+        return data
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.Design {self.kind}: {self.name!r}>")
@@ -254,12 +350,8 @@ class Study:
 
     def to_frame(self, *names: str) -> Any:
         """Return a pandas DataFrame of channels, of all where none is named; its index is the angle, named as its column."""
-        try:
-            from pandas import DataFrame, Index
-        except ImportError as error:
-            raise ImportError("to_frame needs pandas: install kindyna with its extra, kindyna[frames]") from error
-        index = Index(self.angle_deg, name=self._columns.angle)
-        return DataFrame({name: self[name] for name in names or self.channels if name != index.name}, index=index)
+        index, columns = self._columns.angle, self.to_dict(*names)
+        return frame({name: columns[name] for name in columns if name != index}, self.angle_deg, index)
 
     def profile(self, flank: str = "inner") -> Array:
         """Return the profile of the cam in its own frame.
@@ -328,6 +420,26 @@ class Study:
         """Name -> study of the drive by its own angle, over the full turn."""
         return {name: Study(self._design, Columns(study, None)) for name, study in self._columns.full.drives.items()}
 
+    def explain(self, name: str, at_deg: float | None = None) -> Explanation:
+        """Return where a number comes from: its equation, and the value and origin of every symbol.
+
+        Parameters
+        ----------
+        name : str
+            A channel, or a figure of ``summary.json`` such as ``needed_inertia_kg_m2``.
+        at_deg : float, optional
+            Angle; by default that of the largest absolute value.
+
+        Raises
+        ------
+        KindynaError
+            The design lacks the quantity, or it has no value at this angle.
+        """
+        from core.output.explain import explained
+
+        at = None if at_deg is None else number("at_deg", at_deg)
+        return explanation(explained(self._columns.full, self._columns.quantity_of(text("name", name)), at))
+
     def export(self, target: str | os.PathLike[str], *, only: tuple[str, ...] = ()) -> list[Path]:
         """Write tables and summary into a folder, as the command ``export``, and return their paths.
 
@@ -348,6 +460,29 @@ class Study:
         if full.design.listed:
             raise KindynaError(f"{what}: of one drive; choose it with drives[NAME]: {', '.join(full.drives)}")
         return self._columns.core
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FindResult:
+    """A dimension that satisfies every limit.
+
+    Attributes
+    ----------
+    answer : path -> value
+    reached : limit -> value reached with the answer
+    curve : ndarray (n, 2), the varied value and what it reaches
+    design : the design with the answer
+    """
+
+    answer: Mapping[str, float]
+    reached: Mapping[str, float]
+    curve: Array
+    design: Design
+
+    def __repr__(self) -> str:
+        return brief(
+            f"<kindyna.FindResult {', '.join(f'{path} = {value:.9g}' for path, value in self.answer.items())}>"
+        )
 
 
 # -- where designs come from ------------------------------------------------------------------------------------

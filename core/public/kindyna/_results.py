@@ -1,11 +1,19 @@
-"""Small results: columns of tables, extremes, findings."""
+"""Results of designs and studies: channels, extremes, findings, explanations, searches, many designs."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.findings import Finding as CoreFinding
-from kindyna._checks import brief
+from kindyna._checks import Array, brief
+
+if TYPE_CHECKING:
+    from core.output.explain import Explanation as CoreExplanation
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,3 +87,83 @@ class Finding:
 def finding(row: CoreFinding) -> Finding:
     """Return a finding of the core."""
     return Finding(row.code, row.severity, row.field, row.cam_angle_deg, row.message)
+
+
+@dataclass(frozen=True, repr=False)
+class Explanation:
+    """A number with its equation and the values of its symbols; ``str()`` is the text of the command ``explain``.
+
+    Attributes
+    ----------
+    quantity : channel, or a figure of ``summary.json``
+    value : in the unit
+    unit : symbol of the unit
+    equation : lines that are evaluated with the symbols; the first gives the value
+    source : author, year and number, or the principle
+    symbols : each with ``symbol``, ``meaning``, ``value``, ``unit``, and ``from``: a field's path or a stage
+    residual, bound : of the certificate in its stage; None where there is none
+    """
+
+    quantity: str
+    value: float
+    unit: str
+    equation: tuple[str, ...]
+    source: str
+    symbols: tuple[Mapping[str, Any], ...]
+    residual: float | None
+    bound: float | None
+    _text: str
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return brief(f"<kindyna.Explanation {self.quantity} = {self.value:.6g} {self.unit}: {self.equation[0]}>")
+
+
+def explanation(core: CoreExplanation) -> Explanation:
+    """Return an explanation of the core."""
+    from core.output.explain import as_row, as_text
+
+    row = as_row(core)
+    return Explanation(
+        row["quantity"], float(row["value"]), row["unit"], tuple(row["equation"]), row["source"],
+        tuple(row["symbols"]), row["residual"], row["bound"], as_text(core),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ManyResult:
+    """Figures of m designs.
+
+    Attributes
+    ----------
+    inputs : path -> its numbers (m,)
+    value : figure -> its values (m,), NaN where a design has no solution
+    angle_deg : figure -> cam angles of extremes (m,), NaN for other figures
+    reason : code (m,) of the error because of which a design has no values; else empty
+    """
+
+    inputs: Mapping[str, Array]
+    value: Mapping[str, Array]
+    angle_deg: Mapping[str, Array]
+    reason: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return int(self.reason.size)
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame: a row for each design, its columns the inputs, the figures and the reason."""
+        return frame({**self.inputs, **self.value, "reason": self.reason})
+
+    def __repr__(self) -> str:
+        return brief(f"<kindyna.ManyResult {len(self)} designs, {', '.join(self.value)}>")
+
+
+def frame(columns: Mapping[str, Any], index: Array | None = None, name: str = "") -> Any:
+    """Return a pandas DataFrame, with an index where it is given. Raises ImportError, which names the extra."""
+    try:
+        from pandas import DataFrame, Index
+    except ImportError as error:
+        raise ImportError("to_frame needs pandas: install kindyna with its extra, kindyna[frames]") from error
+    return DataFrame(dict(columns), index=None if index is None else Index(index, name=name))

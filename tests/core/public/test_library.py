@@ -175,6 +175,57 @@ def test_export_writes_what_the_command_writes(tmp_path: Path) -> None:
     assert {path.name: path.read_text("utf-8") for path in paths} == texts
 
 
+def test_an_explanation_is_that_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    LIFT.save(tmp_path / "lift.toml")
+    for name, at in (("pressure_angle_deg", None), ("drive_torque_nm", 90.0), ("needed_inertia_kg_m2", None)):
+        words = ["explain", str(tmp_path / "lift.toml"), name, *([] if at is None else ["--at", str(at)])]
+        explanation = LIFT.study(3600).explain(name, at)
+        assert main(words) == 0
+        assert str(explanation) == capsys.readouterr().out
+        assert main([*words, "--json"]) == 0
+        row = json.loads(capsys.readouterr().out)
+        for key in ("quantity", "value", "unit", "source", "residual", "bound"):
+            assert getattr(explanation, key) == row[key], key
+        assert [list(explanation.equation), list(explanation.symbols)] == [row["equation"], row["symbols"]]
+
+
+def test_many_designs_are_those_edited_one_by_one() -> None:
+    radii, quantities = [380.0, 400.0, 430.0], ["pressure_angle_deg:max", "drive_torque_nm:abs"]
+    result = LIFT.many({"cam.base_radius_mm": radii}, quantities)
+    assert (len(result), result.inputs["cam.base_radius_mm"].tolist(), result.reason.tolist()) == (3, radii, [""] * 3)
+    for i, radius in enumerate(radii):
+        study = LIFT.edit({"cam.base_radius_mm": radius}).study()
+        for quantity in quantities:
+            name, of = quantity.split(":")
+            assert result.value[quantity][i] == pytest.approx(study.extreme(name, of).value, rel=1e-9)
+            assert result.angle_deg[quantity][i] == pytest.approx(
+                study.extreme(name, of).angle_deg, abs=1e-3
+            )  # of a flat peak
+    with pytest.raises(ValueError, match="read-only"):
+        result.value[quantities[0]][0] = 0.0
+
+
+def test_find_and_compare_are_the_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    LIFT.save(tmp_path / "a.toml")
+    result = LIFT.find("base-radius", {"pressure_angle_return_deg": 20.0})
+    words = ["find", str(tmp_path / "a.toml"), "base-radius", "--limit", "pressure_angle_return_deg=20"]
+    assert main([*words, "--into", str(tmp_path / "b.toml"), "--json"]) == 0
+    row = json.loads(capsys.readouterr().out)
+    assert (dict(result.answer), dict(result.reached), result.curve.tolist()) == (
+        row["answer"],
+        row["reached"],
+        row["curve"],
+    )
+    assert result.design == kd.open(tmp_path / "b.toml")
+    assert main(["compare", str(tmp_path / "a.toml"), str(tmp_path / "b.toml"), "--json"]) == 0
+    assert LIFT.compare(result.design) == json.loads(capsys.readouterr().out)
+
+
+def test_find_raises_with_the_best_where_no_value_satisfies_the_limits() -> None:
+    with pytest.raises(kd.KindynaError, match=r"no value satisfies every limit.*cam.base_radius_mm = \d+.*violates"):
+        LIFT.find("base-radius", {"pressure_angle_return_deg": 0.5})
+
+
 def test_a_frame_needs_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"kindyna\[frames\]"):
@@ -204,6 +255,9 @@ STUDY = LIFT.study(36)
         (lambda: STUDY.point("arms", "pivot"), ("arms", "arm")),
         (lambda: STUDY.point("arm", "pivott"), ("pivott", "pivot")),
         (lambda: UNIT.study(drive="Lft"), ("Lft", "Lift")),
+        (lambda: LIFT.find("base-radus"), ("base-radus", "base-radius")),
+        (lambda: LIFT.many({"cam.base_radus_mm": [1.0]}, ["x_mm:max"]), ("cam.base_radus_mm", "cam.base_radius_mm")),
+        (lambda: STUDY.explain("drive_torqe_nm"), ("drive_torqe_nm", "drive_torque_nm")),
     ],
 )
 def test_an_unknown_name_is_named_with_the_nearest(wrong: Callable[[], object], named: tuple[str, str]) -> None:
@@ -229,6 +283,15 @@ def test_an_unknown_name_is_named_with_the_nearest(wrong: Callable[[], object], 
         (lambda: STUDY.extreme("x_mm", of="mean"), "mean"),
         (lambda: LIFT.study(3), "samples"),
         (lambda: LIFT.study(36.5), "samples"),  # type: ignore[arg-type]
+        (lambda: LIFT.many({"cam.base_radius_mm": [[1.0]]}, ["x_mm:max"]), "cam.base_radius_mm"),
+        (lambda: LIFT.many({"cam.base_radius_mm": [400.0, math.nan]}, ["x_mm:max"]), "cam.base_radius_mm"),
+        (lambda: LIFT.many({"cam.base_radius_mm": [400.0]}, "x_mm:max"), "quantities"),
+        (lambda: LIFT.many({"cam.base_radius_mm": [400.0]}, ["x_mm:most"]), "most"),
+        (lambda: LIFT.many({}, ["x_mm:max"]), "values"),
+        (lambda: LIFT.find("base-radius", {"pressure_angle_return_deg": math.nan}), "pressure_angle_return_deg"),
+        (lambda: LIFT.find("base-radius", {"pressure_angle": 3.0}), "pressure_angle"),
+        (lambda: LIFT.compare("lift"), "Design"),  # type: ignore[arg-type]
+        (lambda: STUDY.explain("x_mm", math.nan), "at_deg"),
         (lambda: kd.design(3), "table"),  # type: ignore[arg-type]
         (lambda: kd.open(3), "path"),  # type: ignore[arg-type]
         (lambda: kd.open("nowhere.toml"), "nowhere.toml"),
