@@ -390,7 +390,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "after it: change the phase or the motion of one of the two drives", _compared("after_deg", "least_deg"), _PHASES,
         ),
         "timing-contradicts": FindingRow(
-            "in the present order of their events no phases satisfy {rows} together: they require {excess_deg} deg more than "
+            "in the current order of their events no phases satisfy {rows} together: they require {excess_deg} deg more than "
             "a turn has; reduce one of their distances, lengthen a dwell between their events, or turn one drive past the other"
         ),
         "no-load": FindingRow("no masses and no forces are given: all forces and the torque are zero", remedy=_MASSES),

@@ -134,12 +134,19 @@ def add_options(parser: argparse.ArgumentParser, kind: Any) -> None:
             _add_option(groups[group], part, how)
 
 
+_CONTINUES = frozenset({"at", "between", "from", "if", "in", "of", "per", "where"})
+"""First words of a help that continues the label of its field."""
+
+
 def _add_option(parser: Any, part: Field[Any], how: OptionInfo) -> None:
     info = info_of(part) or Info("")
     has_default = part.default is not NOTHING
     words: dict[str, Any] = {"default": part.default if has_default else None}
     default = how.default_text or (_default_text(part.default) if has_default else "")
     text = how.help or info.help
+    first = text.partition(" ")[0]
+    if info.label and first in _CONTINUES and not info.flag:  # a form shows the label next to the help
+        text = f"{info.in_sentence}{'' if first in ('of', 'per') else ','} {text}"
     if info.flag:
         words["action"] = "store_false" if part.default else "store_true"
     elif info.choices:

@@ -391,7 +391,7 @@ def ask_incomplete(parent: QWidget, lines: Sequence[str], closing: str, as_typed
     last = "Save the last valid version: what you typed since then is not saved, but remains in this window."
     box.setInformativeText("\n".join((*lines, "", *close, *(typed if as_typed else []), last)))
     role = QMessageBox.ButtonRole
-    buttons = {box.addButton("Close it and save", role.AcceptRole): IncompleteChoice.CLOSE} if closing else {}
+    buttons = {box.addButton("Close the motion and save", role.AcceptRole): IncompleteChoice.CLOSE} if closing else {}
     buttons |= {box.addButton("Save unfinished", role.AcceptRole): IncompleteChoice.AS_TYPED} if as_typed else {}
     buttons |= {
         box.addButton("Save the last valid version", role.AcceptRole): IncompleteChoice.LAST_VALID,

@@ -219,7 +219,7 @@ class VibrationArguments(DriveArguments):
     """Arguments of ``vibration``: a design and the speeds of the spectrum."""
 
     speeds: tuple[float, float] | None = text_option(
-        "of the spectrum, in rpm",
+        "range of speeds of the spectrum, in rpm",
         default=None,
         default_text="up to twice the design's speed",
         type=_speeds,

@@ -123,15 +123,15 @@ def span(text: str) -> Ends:
 
 
 def _axis_title(axis: str) -> Any:
-    return text_option(f"of the {axis}", default=None, metavar="TEXT")
+    return text_option(f"title of the {axis}", default=None, metavar="TEXT")
 
 
 def _axis_range(axis: str) -> Any:
-    return text_option(f"of the {axis}", default=None, type=span, metavar="LOW:HIGH")
+    return text_option(f"range of the {axis}", default=None, type=span, metavar="LOW:HIGH")
 
 
 def _axis_log(axis: str) -> Any:
-    return flag("Logarithmic", help=f"{axis} logarithmic")
+    return flag("Logarithmic", help=f"logarithmic scale of the {axis}")
 
 
 @frozen(kw_only=True)
@@ -157,7 +157,7 @@ class GraphArguments:
         type=ending_with("a graph", *FILES),
         metavar="NAME",
     )
-    title: str | None = text_option("of the graph", default=None, metavar="TEXT")
+    title: str | None = text_option("title of the graph", default=None, metavar="TEXT")
     x_title: str | None = _axis_title("axis along the bottom")
     x_range: Ends | None = _axis_range("axis along the bottom")
     x_log: bool = _axis_log("axis along the bottom")
@@ -168,7 +168,7 @@ class GraphArguments:
     right_range: Ends | None = _axis_range("right axis")
     right_log: bool = _axis_log("right axis")
     size: tuple[int, int] = text_option(
-        "of the picture",
+        "size of the picture",
         default=DEFAULT_SIZE,
         default_text=f"{DEFAULT_SIZE[0]}x{DEFAULT_SIZE[1]}",
         type=picture_size(LEAST_SIDE, MOST_SIDE),

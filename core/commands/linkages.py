@@ -55,7 +55,9 @@ from core.study import Study
 class CentresArguments(DriveArguments):
     """Arguments of the command: a design, an angle and a file or folder."""
 
-    angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
+    angle_deg: float = option(
+        number("Angle of the driver or the cam in degrees"), help="angle of the driver, or of the cam"
+    )
     out: Path | None = out_folder("also write them to this folder, with pictures")
 
 
@@ -83,7 +85,7 @@ class CircuitsArguments:
     """Arguments of ``circuits``: a design, a circuit and a file."""
 
     design: Path = design_file()
-    take: int = option(whole("Circuit", 1, 999, default=1, help="its number in the list; 1 is the present one"))
+    take: int = option(whole("Circuit", 1, 999, default=1, help="its number in the list; 1 is the current one"))
     method: str = option(
         choice("Stated by", (DRAWN_CIRCUIT, SIGNS), default=DRAWN_CIRCUIT, help="how the file states its circuit"),
         "--as",
@@ -131,7 +133,7 @@ def _row(design: Design, number: int, circuit: Circuit) -> dict[str, object]:
 def _line(row: dict[str, object]) -> str:
     key = next(key for key in row if key.startswith("driver"))
     low, high = row[key]  # type: ignore[misc]
-    present = ", the present one" if row["here"] else ""
+    present = ", the current one" if row["here"] else ""
     return (
         f"{row['number']}: driver {result_text(low)} ... {result_text(high)} {key.removeprefix('driver_')}{present}\n"  # type: ignore[has-type]
     )
@@ -182,11 +184,16 @@ def _write_path(study: Study, out: Path) -> int:
 class PoseArguments(DriveArguments):
     """Arguments of the command: a design, an angle and a file or folder."""
 
-    angle_deg: float = option(number("Angle of the driver or the cam in degrees"), help="of the driver, or of the cam")
-    every_deg: float = option(
-        number("Repeat the pose every", 0.0, 360.0, default=0.0, help="degrees of the turn; 0: none"), "--every"
+    angle_deg: float = option(
+        number("Angle of the driver or the cam in degrees"), help="angle of the driver, or of the cam"
     )
-    underlay: bool = option(flag("Underlay", help="with the lines of the DXF underlay of the design"))
+    every_deg: float = option(
+        number(
+            "Repeat the pose every", 0.0, 360.0, default=0.0, help="repeat the pose in steps of this angle; 0: one pose"
+        ),
+        "--every",
+    )
+    underlay: bool = option(flag("Underlay", help="draw the lines of the DXF underlay of the design too"))
     out: Path = text_option("file to write", type=ending_with("a drawing", *WRITERS), metavar="FILE.dxf|.svg")
 
 

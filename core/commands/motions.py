@@ -135,7 +135,9 @@ class BlendArguments:
         number("Cam angle in degrees", 0.0, 360.0, default=None), help="cam angle where it ends", metavar="DEG"
     )
     constant_velocity: str = option(
-        choice("Constant velocity", CONSTANT_VELOCITY[1:], default="none", help="plain = rise"), nargs="?", const="rise"
+        choice("Constant velocity", CONSTANT_VELOCITY[1:], default="none", help="without a word: of the rise"),
+        nargs="?",
+        const="rise",
     )
     set: tuple[tuple[str, float], ...] = text_option(
         f"{' | '.join(SETTINGS)}; flat1: span of a constant acceleration inside the curve of h1, a1: its size; "
@@ -371,7 +373,11 @@ class MotionFromArguments(DriveArguments):
         choice("Units", tuple(UNITS), default="", help="of the drawing"), default_text="as its header states"
     )
     centre: complex | None = text_option(
-        "of the cam, in the drawing's units", default=None, default_text="its origin", type=_centre, metavar="X,Y"
+        "position of the cam centre, in the drawing's units",
+        default=None,
+        default_text="its origin",
+        type=_centre,
+        metavar="X,Y",
     )
     gap_mm: float = number(
         "Gap", 0.0, MOST_GAP_MM, default=GAP_MM, help="largest distance of two free ends of lines and arcs that join"

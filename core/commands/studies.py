@@ -115,7 +115,7 @@ def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
 
 
 def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
-    heading = "the best design:" if optimum.is_better else "no better design; the present one:"
+    heading = "the best design:" if optimum.is_better else "no better design; the current one:"
     lines = [heading if optimum.is_feasible else "the design that violates the limits least:"]
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()

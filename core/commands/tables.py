@@ -141,8 +141,8 @@ class MeasuredArguments:
         type=errors,
         metavar="E|s=E,v=E,a=E",
     )
-    sheet: str = text_option("of a workbook", default="", default_text="its first", metavar="NAME")
-    range: str = text_option("of a workbook's sheet", default="", default_text="all of it", metavar="A1:C400")
+    sheet: str = text_option("sheet of a workbook", default="", default_text="its first", metavar="NAME")
+    range: str = text_option("cells of a workbook's sheet", default="", default_text="all of it", metavar="A1:C400")
     leave_out: tuple[int, ...] = text_option(
         "lines of the file that are left out", default=(), type=line_numbers, metavar="LINES"
     )

@@ -253,7 +253,7 @@ CAM_SEARCHES: Mapping[str, SearchRow] = MappingProxyType(
         ),
         "span": SearchRow(
             "Shortest span of a rise", _rise, SMALLEST, _spans,
-            help="the shortest span of a rise, the first or the one that is bounded",
+            help="the shortest span of a rise: of the first, or of the one whose span has a bound",
             choices=_rises, put=with_stretch, also_changed=_others_of_stretch,
         ),
         "face-width": SearchRow(
@@ -262,12 +262,12 @@ CAM_SEARCHES: Mapping[str, SearchRow] = MappingProxyType(
         ),
         "pivot": SearchRow(
             "Pivot of least pressure angle", _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE,
-            _near_pivot, help="the pivot of least pressure angle in a box",
+            _near_pivot, help="the pivot of least pressure angle within its bounds",
         ),
         "arm": SearchRow(
             "Arm of least pressure angle", _first(("follower.arm_mm", "follower.roller_arm_mm")), LEAST_PRESSURE,
             lambda design, path: get(design, path) * np.linspace(0.5, 2.0, 49),
-            help="the arm length of least pressure angle in a box",
+            help="the arm length of least pressure angle within its bounds",
         ),
         "preload": SearchRow(
             "Least preload", _first(PRELOADS), LEAST_PRELOAD, _no_trials, (),
@@ -277,7 +277,7 @@ CAM_SEARCHES: Mapping[str, SearchRow] = MappingProxyType(
         ),
         "spring": SearchRow(
             "Least spring rate", _first(SPRING_RATES), LEAST_RATE, _no_trials, (),
-            "the least rate of the closing spring that keeps this force, with the present preload",
+            "the least rate of the closing spring that keeps this force, with the current preload",
             seeks_contact=True,
         ),
         "lift-off-speed": SearchRow(

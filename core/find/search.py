@@ -133,7 +133,7 @@ def _require_cam(design: Design, what: str, cause: KindynaError) -> None:
     try:
         _ = Study(design).cam
     except NoSolution as error:
-        problem = f"find {what} has no solution: the present design cannot be assembled: {error.problem}"
+        problem = f"find {what} has no solution: the current design cannot be assembled: {error.problem}"
         raise type(error)(problem, error.field, error.hint, error.cam_angles) from cause
 
 

@@ -294,14 +294,14 @@ _ROWS = (
     Law("cv1", "CV1 constant velocity", BLENDING_RISE, LINE, ("s = u",), "Yang Table 1: s = u", rises=1),
     Law("cv2", "CV2 constant velocity, return", BLENDING_RETURN, LINE, ("s = u",), "Yang Table 1: 1 - CV1", rises=-1),
     # laws with further keys, which ``core.design.CURVES`` reads
-    Law("scca", "SCCA", CONSTANT_VELOCITY, (), _SCCA, "Norton ch. 3", where=_SCCA_WHERE, own="own widths",
+    Law("scca", "SCCA", CONSTANT_VELOCITY, (), _SCCA, "Norton ch. 3", where=_SCCA_WHERE, own="widths to set",
         help="sine, constant and cosine acceleration with widths to choose, and constant velocity in the middle"),
     Law("polynomial", "Polynomial", POLYNOMIALS, (), ("s = Σ c_k u^k",), "conditions at both ends", "P", "Polynom.",
-        where="c_k from the values, slopes and curvatures at the ends", own="own ends",
+        where="c_k from the values, slopes and curvatures at the ends", own="ends to set",
         help="velocity, acceleration and jerk at both ends to choose"),
-    Law("spline", "Spline", THROUGH_POINTS, (), _POINTS, "least jerk", "SP", where=_POINTS_WHERE, own="own points",
+    Law("spline", "Spline", THROUGH_POINTS, (), _POINTS, "least jerk", "SP", where=_POINTS_WHERE, own="points to set",
         help="least jerk through points to choose; periodic where it takes the whole turn"),
-    Law("table", "Table", THROUGH_POINTS, (), _POINTS, "least jerk", "TAB", where=_POINTS_WHERE, own="own rows",
+    Law("table", "Table", THROUGH_POINTS, (), _POINTS, "least jerk", "TAB", where=_POINTS_WHERE, own="rows of a table",
         help="least jerk through rows of a table: measured, or rolled off a drawing"),
 )  # fmt: skip
 

@@ -39,7 +39,7 @@ class FlyingShear:
         "Length", 0.0, 1e6, open_low=True, default=500.0, step=10.0, help="of a cut; one cut per turn"
     )
     window_deg: float = number("Synchronous window", 1.0, 357.0, default=60.0, step=5.0, help="at the material's speed")
-    return_deg: float = number("Return", 1.0, 357.0, default=160.0, step=5.0, help="of the shaft, for the return")
+    return_deg: float = number("Return angle", 1.0, 357.0, default=160.0, step=5.0, help="of the shaft")
     law: str = choice("Law of the return", REST_TO_REST, default="modified-sine")
     speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, default=MOTION_SPEED, step=5.0, help="cuts per minute")
 

@@ -176,12 +176,12 @@ def shaft_tables(
 def stiffness_text(needed: Stiffness) -> str:
     """Stiffness that a speed requires of the shaft, in one line."""
     if needed.allowed:
-        return f"At {result_text(needed.rpm)} rpm the present {result_text(needed.current)} N·m/rad is outside every forbidden band."
+        return f"At {result_text(needed.rpm)} rpm the current {result_text(needed.current)} N·m/rad is outside every forbidden band."
     softer = "" if needed.softer is None else f" or at most {result_text(needed.softer, 5)}"
     position = "in" if needed.inside else "too near"
     return (
         f"At {result_text(needed.rpm, 5)} rpm the shaft needs at least {result_text(needed.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {result_text(needed.current)} is {position} a forbidden band."
+        f"the current {result_text(needed.current)} is {position} a forbidden band."
     )
 
 

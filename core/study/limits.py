@@ -432,7 +432,7 @@ def _typical_rate(study: Study, rate: str) -> LimitValue | None:
         return None
     softest, strokes = RATE_PART * getattr(loads, preload) / stroke, 1.0 / RATE_PART
     if 0.0 < present < softest:
-        return _reasoned(present, f"the present spring is already preloaded by more than {strokes:g} strokes")
+        return _reasoned(present, f"the current spring is already preloaded by more than {strokes:g} strokes")
     return _reasoned(softest, f"a softer spring must be preloaded by more than {strokes:g} strokes")
 
 

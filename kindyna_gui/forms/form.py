@@ -52,7 +52,7 @@ class IncompleteBar(QWidget):
         self.trouble, self.remedy = QLabel(wordWrap=True), QLabel(wordWrap=True)
         coloured(self.trouble, SCREEN.limit)
         coloured(self.remedy, SCREEN.quiet)
-        self.close_button, self.drop_button = text_button("Close it"), text_button(BACK)
+        self.close_button, self.drop_button = text_button("Close the motion"), text_button(BACK)
         self.drop_button.setToolTip("Restore the last valid values; Undo returns to what you typed")
         for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -76,9 +76,9 @@ class IncompleteBar(QWidget):
         self.trouble.setText("\n".join(reasons[:MOST_REASONS]) + more)
         self.trouble.setToolTip("\n".join((*reasons, LAST_VALID)))
         self.drop_button.setText(back)
-        self.remedy.setText(f"Would close it: {closing}" if closing else LAST_VALID)
+        self.remedy.setText(f"Would close the motion: {closing}" if closing else LAST_VALID)
         self.close_button.setVisible(bool(closing))
-        self.close_button.setToolTip(f"Put in {closing}" if closing else "")
+        self.close_button.setToolTip(f"Apply: {closing}" if closing else "")
         self.setVisible(bool(reasons))
 
 

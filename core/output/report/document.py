@@ -56,9 +56,9 @@ PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (210.0, 297.
 class Cover(Letterhead):
     """Texts on the first page: customer, author, company, revision and date; and the paper of a PDF."""
 
-    customer: str = text_option("for whom, on the first page", default="", metavar="TEXT")
-    revision: str = text_option("of the design, on the first page", default="", metavar="TEXT")
-    date: str = text_option("on the first page, as text; without it the page has none", default="", metavar="TEXT")
+    customer: str = text_option("customer, on the first page", default="", metavar="TEXT")
+    revision: str = text_option("revision of the design, on the first page", default="", metavar="TEXT")
+    date: str = text_option("date on the first page, as text; without it the page has none", default="", metavar="TEXT")
     paper: str = choice("Paper", tuple(PAPERS), default="A4", help="of a PDF")
 
     @property

@@ -236,7 +236,7 @@ def _needed(study: Study, values: Mapping[str, Any]) -> Sentences:
     if needed is None:
         return Sentences(("The shaft vibrates so often in a turn that tongues are not computed near this speed.",))
     if elastic is None or needed["allowed"]:
-        return Sentences(("The present stiffness keeps clear of the forbidden bands.",))
+        return Sentences(("The current stiffness keeps clear of the forbidden bands.",))
     softer = needed["greatest_softer_nm_per_rad"]
     stiffer = f"a stiffness from {digits(needed['least_stiffer_nm_per_rad'])} N·m/rad on"
     up_to = f", or up to {digits(softer)} N·m/rad" if softer else ""

@@ -1,5 +1,6 @@
 """python -m core: what it prints, writes and returns, from outside."""
 
+import argparse
 import contextlib
 import io
 import json
@@ -18,8 +19,10 @@ from sampled import spread
 
 from core import project
 from core.__main__ import main
+from core.commands import COMMANDS
 from core.design import Design
 from core.errors import DesignError
+from core.requests import add_options
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = [
@@ -491,6 +494,17 @@ def test_help_is_given(tmp_path: Path, words: list[str]) -> None:
     done = core(tmp_path, *words)
     assert (done.returncode, done.stderr) == (0, "")
     assert "usage: python -m core" in done.stdout
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_an_option_names_what_it_is_of(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stroke of the rise, not of the rise: there is no label of a form beside it."""
+    monkeypatch.setenv("COLUMNS", "100000")
+    parser = argparse.ArgumentParser()
+    add_options(parser, COMMANDS[name].arguments())
+    texts = re.findall(r"^  -\S.*?\s{2,}(\S.*)$", parser.format_help(), re.MULTILINE)
+    assert texts
+    assert not [text for text in texts if re.match(r"(at|between|from|if|in|of|on|per) ", text)]
 
 
 # -- what it refuses: folders -----------------------------------------------------------------------------

@@ -107,10 +107,10 @@ def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]
         line for line in capsys.readouterr().out.splitlines() if line.startswith("At ") and " rpm the " in line
     ]
     needed = found.stiffness_for(speeds[0])
-    assert f"needs at least {needed.stiffer:.6g} N·m/rad or at most {needed.softer:.6g}; the present 85" in inside
+    assert f"needs at least {needed.stiffer:.6g} N·m/rad or at most {needed.softer:.6g}; the current 85" in inside
     assert inside.endswith("is in a forbidden band.")
     assert near.endswith("is too near a forbidden band.")
-    assert clear == "At 6000 rpm the present 85 N·m/rad is outside every forbidden band."
+    assert clear == "At 6000 rpm the current 85 N·m/rad is outside every forbidden band."
 
 
 @pytest.mark.stress

@@ -548,7 +548,7 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
         assert main([command[0], str(stiff), *command[1:], "--drive", "Lift"]) == 2
         said = capsys.readouterr().err
         assert said.startswith("drives[2].follower.rod_mm: "), said
-        assert ("the present design cannot be assembled" in said) == (command[0] == "find")
+        assert ("the current design cannot be assembled" in said) == (command[0] == "find")
     into = tmp_path / "smaller.toml"
     assert main(["find", file, "base-radius", "--drive", "Clamp", "--into", str(into)]) in (0, 1)
     smaller = load(into)

@@ -364,7 +364,7 @@ def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) ->
 
 @pytest.mark.parametrize(
     ("button", "height", "left"),
-    spread([("Close it and save", 40.0, False), ("Save the last valid version", 0.0, True)], 1),
+    spread([("Close the motion and save", 40.0, False), ("Save the last valid version", 0.0, True)], 1),
 )
 def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
     user: User, tmp_path: Path, button: str, height: float, left: bool

@@ -55,7 +55,7 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
     assert main(["inspection", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "--pace MM/MIN along the profile (60)" in told
-    assert "--side {near,far} of the cam (near)" in told
+    assert "--side {near,far} side of the cam (near)" in told
     assert "--dry wipe the cam first" in told
     words = ["inspection", str(example("tappet_flat")), "--out", str(tmp_path / "cam.csv")]
     assert main([*words, "--pace", "501"]) == 2
