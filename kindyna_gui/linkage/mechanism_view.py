@@ -479,6 +479,7 @@ class MechanismView(MechanismMouseView):
         scene = MechanismScene(None, theme, ENLARGED if vector else 1.0)
         for name, shown in self._layer_states.items():
             scene.set_layer(name, shown)
+        scene.show_paths(self.scene.paths)
         with postponing(self.session.pending.later):
             scene.update_study(self.session.study)
         scene.set_angle(self.player.theta)

@@ -192,7 +192,7 @@ class MechanismScene(QGraphicsScene):
         self._ribbons: list[ColouredLoop] = []
         self._extent = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
-        self._paths: frozenset[str] = frozenset()  # points whose path is shown without its layer
+        self.paths: frozenset[str] = frozenset()  # points whose path is shown without its layer
         self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
         self._fields: dict[str, overlay.Field] = {}
@@ -335,7 +335,7 @@ class MechanismScene(QGraphicsScene):
 
     def _draw_construction(self, layer: str) -> None:
         """Draw a layer of a general linkage when it is first shown."""
-        if self.linkage_layers is not None and (self.layer_shown(layer) or (layer == COUPLER and self._paths)):
+        if self.linkage_layers is not None and (self.layer_shown(layer) or (layer == COUPLER and self.paths)):
             for part in self.linkage_layers.parts(layer):
                 self._add_part(part)
 
@@ -370,7 +370,7 @@ class MechanismScene(QGraphicsScene):
         shown = [field for layer, field in self._fields.items() if self._shown[layer]]
         values = dimension_strokes(self.geometry) if self._shown[DIMENSIONS] else []
         values += load_parts.load_strokes(self.geometry, self._shown.__getitem__)
-        names = None if self._shown[COUPLER] else self._paths
+        names = None if self._shown[COUPLER] else self.paths
         curves = () if self.linkage_layers is None or not self._shows_paths else self.linkage_layers.paths(names)
         drawn = (stroke for field in shown for stroke in overlay.arrow_strokes(field, self.geometry))
         return [*drawn, *values], curves
@@ -431,19 +431,19 @@ class MechanismScene(QGraphicsScene):
     @property
     def _shows_paths(self) -> bool:
         """Whether the path of a point is shown."""
-        return self._shown[COUPLER] or bool(self._paths)
+        return self._shown[COUPLER] or bool(self.paths)
 
     def show_paths(self, names: Collection[str]) -> None:
         """Show the paths of these points, whether their layer is shown or not."""
-        if self._paths != (paths := frozenset(names)):
-            self._paths = paths
+        if self.paths != (paths := frozenset(names)):
+            self.paths = paths
             self._draw_construction(COUPLER)
             self._show()
             self._make_room()
 
     def _show(self) -> None:
         for part in self.parts.values():
-            is_path = part.layers == (COUPLER,) and part.key.partition(".")[2] in self._paths
+            is_path = part.layers == (COUPLER,) and part.key.partition(".")[2] in self.paths
             part.item.setVisible(is_path or all(self.layer_shown(layer) for layer in part.layers))
         if self.overlay is not None:
             self.overlay.show_layers(self._shown)

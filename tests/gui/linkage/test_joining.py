@@ -100,11 +100,12 @@ def _ends(pen: Pen, dice: random.Random, scale: float) -> Iterator[tuple[complex
     for _ in range(2):
         off = cmath.rect(dice.uniform(0.0, 16.0), dice.uniform(0.0, 2 * math.pi)) / scale
         places = list(pen.places.values())
+        bars = [link for link in pen.design.drive.linkage.links if link.number != 1 and len(link.points) > 1]
         kind = dice.random()
         if places and kind < 0.5:
             at = dice.choice(places) + off
-        elif len(places) > 1 and kind < 0.8:
-            link = dice.choice(pen.design.drive.linkage.links[1:])
+        elif bars and kind < 0.8:
+            link = dice.choice(bars)
             first, second = (pen.places[name] for name in list(link.places)[:2])
             at = first + dice.random() * (second - first) + off
         else:
@@ -125,6 +126,42 @@ def _check_bar(pen: Pen, marks: list[Snap | None]) -> None:
             assert mark.link in others
         else:
             assert others == set(), (name, mark)
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("seed", range(3))
+def test_no_tool_puts_a_pin_on_another(open_user: Open, seed: int) -> None:
+    """Bars, plates, pins, pivots, points, sliders, forces, drags and numbers near pins, at several scales."""
+    pen, dice = start(open_user), random.Random(seed)
+    clicks = {
+        Key.Key_B: 2,
+        Key.Key_L: 3,
+        Key.Key_S: 2,
+        Key.Key_G: 1,
+        Key.Key_P: 1,
+        Key.Key_T: 1,
+        Key.Key_F: 1,
+        Key.Key_V: 0,
+    }
+    for scale in (0.7, 2.3, 5.0):
+        zoom(pen, scale)
+        for _ in range(22):
+            key = dice.choice([*[Key.Key_B] * 3, *clicks])
+            pen.key(key)
+            for _ in range(clicks[key]):
+                pen.click(next(_ends(pen, dice, scale))[0])
+            if key == Key.Key_V and len(pen.places) > 1:
+                first, second = dice.sample(list(pen.places.values()), 2)
+                pen.drag(first, second + cmath.rect(dice.uniform(0.0, 14.0), dice.uniform(0.0, 6.3)) / scale)
+            if dice.random() < 0.1:
+                pen.type(str(5 * dice.randint(-9, 9)), str(5 * dice.randint(-9, 9)))
+            assert coincident(pen) == [], (scale, key, pen.user.steps[-1])
+            if pen.user.drawing().drawing.typed.boxes.open:
+                pen.key(Key.Key_Escape)
+            while pen.user.drawing().drawing.tool_input.snaps:
+                pen.key(Key.Key_Escape)
+        while pen.user.session.stack.canUndo():
+            pen.user.session.stack.undo()
 
 
 def test_typed_numbers_join_the_pin_or_the_bar_on_which_they_are(open_user: Open) -> None:

@@ -61,6 +61,9 @@ def test_a_traced_point_shows_its_path_while_drawing_and_after(open_user: Open) 
     assert view.scene.item(f"coupler.{name}").isVisible()
     assert not view.scene.layer_selected("coupler")
     assert not view.scene.item("coupler.A").isVisible()
+    with_path = view.picture(".svg")
+    view.paths.toggle(name)
+    assert len(view.picture(".svg")) < len(with_path), "the copied picture shows what is seen"
 
 
 def test_before_anything_drives_the_path_is_dotted(open_user: Open) -> None:
