@@ -34,6 +34,7 @@ from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, RESULT_DIGITS, digits_apart
 from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.refusal import NO_REMEDIES, RefusalLine, box_remedies
 from kindyna_gui.labels import allowed_text, name_of, no_number, sentence
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
@@ -357,8 +358,7 @@ class LimitRows(QWidget):
         self.add, self.menu = QPushButton("Add a limit …"), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.clicked.connect(self._offer)
-        self.message = coloured(QLabel(wordWrap=True), SCREEN.limit)
-        self.message.hide()
+        self.message = RefusalLine((0, 0, 0, 0))
         fill(
             QVBoxLayout(self), self._rows, self.message, (self.add, 0, Qt.AlignmentFlag.AlignLeft), margins=0, spacing=2
         )
@@ -449,7 +449,8 @@ class LimitRows(QWidget):
     def _enter(self, key: str, text: LimitText, value: float | None) -> None:
         if not text.info.admits(value):
             self.boxes[key].set_refused(True)
-            self._show_message(f"{text.label}: outside its range; allowed: {allowed_text(text.info, text.unit)}")
+            allowed = allowed_text(text.info, text.unit)
+            self._show_message(f"{text.label}: outside its range; allowed: {allowed}", self.boxes[key])
             return
         self._show_message("")
         if value is not None:
@@ -458,7 +459,7 @@ class LimitRows(QWidget):
 
     def _unreadable(self, key: str, text: LimitText) -> None:
         self.boxes[key].set_refused(True)
-        self._show_message(f"{text.label}: {no_number(self.boxes[key].text())}")
+        self._show_message(f"{text.label}: {no_number(self.boxes[key].text())}", self.boxes[key])
 
     def _remove(self, key: str, _: bool = False) -> None:
         self.changed.emit(key, None)
@@ -469,6 +470,5 @@ class LimitRows(QWidget):
     def _add(self, key: str, _: bool = False) -> None:
         self.added.emit(key)
 
-    def _show_message(self, text: str) -> None:
-        self.message.setText(text)
-        self.message.setVisible(bool(text))
+    def _show_message(self, text: str, box: NumberBox | None = None) -> None:
+        self.message.show_refusal(text, NO_REMEDIES if box is None else box_remedies(box))

@@ -381,6 +381,11 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         """The number last shown or entered."""
         return self._value
 
+    @property
+    def valid_text(self) -> str:
+        """The number last shown or entered as a text, whatever is being typed."""
+        return self._text(self._value)
+
     def show_value(self, value: float | None) -> None:
         """Show a number, or an empty text for None."""
         self._value = value

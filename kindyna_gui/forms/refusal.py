@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QApplication, QHBoxLayout, QScrollArea, QToolButto
 from core.design import Info
 from core.units import Unit
 from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import value_text
 from kindyna_gui.look import MessageLabel, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
@@ -45,6 +46,11 @@ def nearest_value(session: Session, path: str, info: Info, typed: float | None) 
 def with_value(text: str, typed: str) -> str:
     """Return the sentence about a value outside its range with that value, if given: ``allowed: 0 ... 90°, not 120°``."""
     return f"{text}, not {typed}" if typed and "utside its range; allowed: " in text and "\n" not in text else text
+
+
+def box_remedies(box: NumberBox) -> Remedies:
+    """Return the remedy of a refused number box: the number that it showed before."""
+    return {f"Back to {box.valid_text}" if box.valid_text else "Leave it empty": box.withdraw}
 
 
 class RefusalLine(QWidget):

@@ -47,6 +47,7 @@ from core.output.graph import (
 from core.units import KINDS
 from kindyna_gui.forms.load_rows import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.refusal import RefusalLine, box_remedies
 from kindyna_gui.graph.graph_choice import swatch
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured
@@ -90,7 +91,7 @@ class AxesForm(QWidget):
         self.logs: dict[str, QCheckBox] = {}
         self.ends: dict[tuple[str, str], NumberBox] = {}
         self._units: dict[str, QLabel] = {}
-        self.message = MessageLabel(SCREEN.limit)
+        self.message = RefusalLine((0, 0, 0, 0))
         grid = QGridLayout(self)
         grid.setContentsMargins(6, 4, 6, 4)
         grid.setVerticalSpacing(3)
@@ -123,7 +124,7 @@ class AxesForm(QWidget):
             box.setToolTip("Empty: to the ends of the curves")
             box.entered.connect(lambda value, axis=axis, end=end: self._limit(axis, end, value))
             box.unreadable.connect(lambda axis=axis, end=end: self._refuse(axis, end))
-            box.withdrawn.connect(lambda: self.message.show_message(""))
+            box.withdrawn.connect(lambda: self.message.show_refusal(""))
             line.addWidget(box, 1)
             if between:
                 line.addWidget(QLabel(between))
@@ -172,7 +173,7 @@ class AxesForm(QWidget):
         elif changed.log and value is not None and value <= 0.0:
             self._show_allowed(axis, end, "above 0 on a logarithmic axis")
         else:
-            self.message.show_message("")
+            self.message.show_refusal("")
             self.ends[axis, end].show_value(value)  # input is complete: the box follows undo again
             self._scale(axis, end, **{end: getattr(changed, end)})
 
@@ -181,18 +182,20 @@ class AxesForm(QWidget):
         scale = getattr(self._graph, axis)
         has_invalid_end = on and any(end is not None and end <= 0.0 for end in (scale.low, scale.high))
         text = f"{AXES[axis]}: a logarithmic axis has no values of 0 and less; this end of the range is ignored"
-        self.message.show_message(text if has_invalid_end else "")
+        self.message.show_refusal(text if has_invalid_end else "")
         self._scale(axis, "log", log=on)
 
     def _show_allowed(self, axis: str, end: str, allowed: str) -> None:
         self.ends[axis, end].set_refused(True)
-        self.message.show_message(
-            f"{AXES[axis]}, {'from' if end == 'low' else 'to'}: outside its range; allowed: {allowed}"
+        side = "from" if end == "low" else "to"
+        self.message.show_refusal(
+            f"{AXES[axis]}, {side}: outside its range; allowed: {allowed}", box_remedies(self.ends[axis, end])
         )
 
     def _refuse(self, axis: str, end: str) -> None:
         self.ends[axis, end].set_refused(True)
-        self.message.show_message(f"{AXES[axis]}: {no_number(self.ends[axis, end].text())}")
+        box = self.ends[axis, end]
+        self.message.show_refusal(f"{AXES[axis]}: {no_number(box.text())}", box_remedies(box))
 
     def _scale(self, axis: str, what: str, **changes: object) -> None:
         self.changed.emit(

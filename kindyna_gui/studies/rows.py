@@ -17,8 +17,9 @@ from core.study import TOTALS
 from core.varying import Limits, Span
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.refusal import RefusalLine, box_remedies
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import MessageLabel, bold_label, coloured, described, icon
+from kindyna_gui.look import bold_label, coloured, described, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill, widget_with
 from kindyna_gui.studies.texts import (
@@ -56,7 +57,7 @@ class _Rows(QWidget):
         self.boxes: dict[tuple[str, str], NumberBox] = {}
         self.removers: dict[str, QToolButton] = {}
         self._area, self._keys = ContentArea(), ()
-        self.message = MessageLabel(SCREEN.limit)
+        self.message = RefusalLine((0, 0, 0, 0))
         self.add, self.menu = QPushButton(add), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.setMenu(self.menu)
@@ -85,7 +86,7 @@ class _Rows(QWidget):
             return None
         self._keys = tuple(rows)
         self.boxes, self.removers = {}, {}
-        self.message.show_message("")
+        self.message.show_refusal("")
         grid = fill(QGridLayout(), margins=0, spacing=(4, 2))
         return grid
 
@@ -107,17 +108,17 @@ class _Rows(QWidget):
         box.setFixedWidth(BOX_WIDTH)
         box.entered.connect(enter)
         box.unreadable.connect(lambda: self._refuse(box, f"{name}: {no_number(box.text())}"))
-        box.withdrawn.connect(lambda: self.message.show_message(""))
+        box.withdrawn.connect(lambda: self.message.show_refusal(""))
         self.boxes[key, end] = box
         return box
 
     def _accept(self, box: NumberBox, value: float | None) -> None:
-        self.message.show_message("")
+        self.message.show_refusal("")
         box.show_value(value)
 
     def _refuse(self, box: NumberBox, text: str) -> None:
         box.set_refused(True)
-        self.message.show_message(text)
+        self.message.show_refusal(text, box_remedies(box))
 
 
 class SpanRows(_Rows):

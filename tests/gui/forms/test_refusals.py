@@ -10,6 +10,7 @@ from window_user import Open, User, settle
 from core.design import Info
 from kindyna_gui.forms.refusal import RefusalLine
 from kindyna_gui.motion.segments_table import RISE, SPAN, TO
+from kindyna_gui.studies.study_view import StudyView
 
 ROD, FRICTION = "follower.rod_mm", "loads.friction"
 ANGLE = "limits.pressure_angle_rise_deg"
@@ -154,3 +155,23 @@ def test_what_is_no_number_in_a_cell_goes_back_by_a_button(user: User) -> None:
     user.enter_cell(1, RISE, "much")
     view = user.motion()
     assert list(view.message.buttons) == ["Back to −150 mm"]
+
+
+# -- other forms -------------------------------------------------------------------------------------------
+
+
+def test_a_refused_bound_of_a_study_goes_back_by_a_button(user: User) -> None:
+    user.session.vary(ROD)
+    settle()
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    box = view.rows.boxes[ROD, "low"]
+    before = box.text()
+    box.setFocus()
+    box.selectAll()
+    user.type("-3")
+    user.press(Qt.Key.Key_Return)
+    assert "outside its range; allowed" in view.rows.message.text()
+    assert (box.text(), box.is_refused) == ("-3", True)
+    click(view.rows.message, f"Back to {before}")
+    assert (box.text(), box.is_refused, view.rows.message.isVisible()) == (before, False, False)
