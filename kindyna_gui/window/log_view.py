@@ -38,6 +38,7 @@ class LogView(View):
 
     def refresh(self, study: Study) -> None:
         self.file.setText(str(log_file()))
+        self.file.setToolTip(self.file.text())  # of a long path the end is cut
         try:
             text = log_text()
         except OSError as error:
