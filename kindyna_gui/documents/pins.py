@@ -192,6 +192,7 @@ class Pins(QObject):
         self.rows: tuple[Pin, ...] = ()
         self._number = 0
         self._studies: dict[tuple[int, int], Study] = {}
+        self._lacking: dict[tuple[object, ...], str] = {}  # study and quantities -> why it has no curve of them
         self._note_file()
         session.file_changed.connect(self._note_file)
         session.started.connect(self._leave)
@@ -229,6 +230,7 @@ class Pins(QObject):
     def _set_rows(self, rows: tuple[Pin, ...]) -> None:
         self.rows = rows
         self._studies.clear()
+        self._lacking.clear()
         self.changed.emit()
 
     def reference(self, rows: Sequence[Quantity]) -> tuple[Study | None, str]:
@@ -236,14 +238,18 @@ class Pins(QObject):
         study, front = self.study, self.front
         if study is None or front is None:
             return None, ""
-        try:
-            with self.named():
-                curves = counterparts(study, rows)
-                for row in curves.values():
-                    values_of(study, row)
-        except Unavailable as error:
-            return None, str(error)
-        return (study, "") if curves else (None, f"Pinned {front.name} has no such curve")
+        key = id(study), *((row.name, row.unit.symbol) for row in rows)
+        if key not in self._lacking:
+            try:
+                with self.named():
+                    curves = counterparts(study, rows)
+                    for row in curves.values():
+                        values_of(study, row)
+                self._lacking[key] = "" if curves else f"Pinned {front.name} has no such curve"
+            except Unavailable as error:
+                self._lacking[key] = str(error)
+        lacking = self._lacking[key]
+        return None if lacking else study, lacking
 
     def shaft_lines(self, draw: Callable[[Camshaft[Study]], Iterable[Line]]) -> list[Line]:
         """Return the curves that a plot draws of a shaft, for the shaft of the variant; none where that has none."""
