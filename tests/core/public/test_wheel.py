@@ -260,5 +260,11 @@ def test_its_window_paints_beside_another_core(python: Path, libraries: tuple[Pa
 
 def test_a_type_checker_sees_its_types(python: Path, libraries: tuple[Path, Path], tmp_path: Path) -> None:
     (tmp_path / "use.py").write_text(USE, "utf-8")
-    done = run(tmp_path, [], sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "use.py")
+    purelib = run(tmp_path, [], python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))")
+    links = Path(purelib.stdout.strip(), "libraries.pth")
+    links.write_text(str(libraries[0]), "utf-8")
+    try:
+        done = run(tmp_path, [], sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "use.py")
+    finally:
+        links.unlink()
     assert done.returncode == 0, done.stdout
