@@ -42,6 +42,7 @@ START_DISTANCE = 0.1  # of the bounds, in the mean: least distance of starts
 SAME = 1e-5  # of their size: goals of starts that reached the same solution
 EQUAL = 1e-10  # of the best goal: of equally good solutions that of the first start is chosen, not that of the last bit
 BINDING = 1e-6  # of a limit
+HOLDS = 1e-3  # of its greatest slope by a varied field: a limit with a smaller slope does not hold the field
 MAX_COMBINATIONS = 512  # of words and whole numbers
 FRONT = 24  # points of a front
 BETTER = 1e-6  # of the goal: a smaller improvement is no change
@@ -55,10 +56,21 @@ class NoDesignBuilt(KindynaError):
 
 @frozen
 class Binding:
-    """A limit, or the bound of a field, that is active at the solution, and the change of the goal for 1 % more of it."""
+    """A limit, or the bound of a field, that is active at the solution.
+
+    Attributes
+    ----------
+    limit : str
+        Column of the limit, or path of the field.
+    per_percent : float
+        Change of the goal for 1 % more of it.
+    fields : tuple of str
+        Varied fields that it holds.
+    """
 
     limit: str
     per_percent: float
+    fields: tuple[str, ...] = ()
 
 
 @frozen(eq=False)
@@ -383,11 +395,16 @@ class _Search(Descent):
                     weights_of_limits.append(abs(end) / (self.high[i] - self.low[i]))
         multipliers, _ = nnls(np.array(columns).T, np.append(np.zeros(k), 1.0))
         by_name: dict[str, float] = {}
-        for name, multiplier, weight in zip(names, multipliers, weights_of_limits, strict=True):
+        held: dict[str, set[str]] = {}
+        for name, multiplier, weight, column in zip(names, multipliers, weights_of_limits, columns, strict=True):
             if name and multiplier > 1e-9:
                 by_name[name] = by_name.get(name, 0.0) - 0.01 * multiplier * weight * size * goal.side
+                slopes = np.abs(column[:k])
+                fields = np.flatnonzero(slopes > HOLDS * slopes.max())
+                held.setdefault(name, set()).update(self.paths[i] for i in fields.tolist())
         return [
-            Binding(name, float(change)) for name, change in sorted(by_name.items(), key=lambda item: -abs(item[1]))
+            Binding(name, float(change), tuple(path for path in self.paths if path in held[name]))
+            for name, change in sorted(by_name.items(), key=lambda item: -abs(item[1]))
         ]
 
     # -- two goals ----------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
 from queue import Empty, SimpleQueue
-from typing import Any
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
@@ -14,19 +14,28 @@ from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QPush
 from core.design import Design
 from core.errors import KindynaError
 from core.numerics.lazy import Cancelled
-from core.varying import Optimum, StudyOfMany, ToleranceResult, optimise, remarks
+from core.varying import Optimum, StudyOfMany, ToleranceResult, optimise, remarks, rounded_optimum
 from core.varying.tolerances import SHARE
 from kindyna_gui.background import Background
 from kindyna_gui.documents.pins import scatters
+from kindyna_gui.forms.exact_switch import EXACT, ExactSwitch, takes_exact
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.labels import reason
+from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import bold_label, coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.studies.rows import ToleranceRows, WaveRow
-from kindyna_gui.studies.texts import figure_label, label_of, optimum_html, parts_html, tighter_html, value_text
+from kindyna_gui.studies.texts import (
+    figure_label,
+    label_of,
+    numbers_html,
+    optimum_html,
+    parts_html,
+    tighter_html,
+    value_text,
+)
 
 GOALS = ("Goal", "And")
 NONE = ""
@@ -58,7 +67,7 @@ class BestPage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.optimum: Optimum | None = None
+        self._result: BestDesign | None = None
         self.study: StudyOfMany | None = None  # of the search or its result
         self.path: list[Step] = []
         self._steps: SimpleQueue[Step] = SimpleQueue()
@@ -73,6 +82,7 @@ class BestPage(QWidget):
         self.robust = QCheckBox(f"Robust: {number(100.0 * SHARE, 2)} % of machines within the limits")
         self.robust.toggled.connect(lambda on: self.robust_changed.emit(SHARE if on else None))
         self.start, self.stop, self.take = QPushButton("Find the best"), QPushButton("Stop"), QPushButton("Take over")
+        self.exact = ExactSwitch()
         for button in (self.start, self.stop, self.take):
             button.setAutoDefault(False)
         self.start.setToolTip("Search from several starts in the background; the path of the search is drawn")
@@ -97,11 +107,12 @@ class BestPage(QWidget):
             buttons,
             self.progress,
             self.result_text,
-            (self.take, 0, Qt.AlignmentFlag.AlignLeft),
+            fill(QHBoxLayout(), self.take, self.exact, STRETCH),
             STRETCH,
             margins=(8, 6, 6, 6),
             spacing=8,
         )
+        EXACT.changed.connect(self._show_result)
         self._show_state()
 
     def _word(self, name: str, act: Callable[[int], None]) -> WordBox:
@@ -153,7 +164,7 @@ class BestPage(QWidget):
         """Stop the search and remove its result."""
         self._work.stop()
         self._poll.stop()
-        self.optimum, self.study, self.path = None, None, []
+        self._result, self.study, self.path = None, None, []
         self.progress.setText("")
         self.result_text.setText("")
         self._show_state()
@@ -184,7 +195,13 @@ class BestPage(QWidget):
             self.progress.setText(f"Start {start}, step {len(self.path)}: {name} {value_text(first.key, goal)}")
             self.stepped.emit()
 
-    def _end(self, study: StudyOfMany, result: tuple[Optimum, Sequence[str]] | KindynaError | Cancelled) -> None:
+    @property
+    def optimum(self) -> Optimum | None:
+        """The best design, with rounded numbers unless *Exact* is on; None where there is none."""
+        result = self._result
+        return None if result is None else result.optimum if takes_exact() else result.rounded
+
+    def _end(self, study: StudyOfMany, result: BestDesign | KindynaError | Cancelled) -> None:
         self._fetch()
         self._poll.stop()
         if isinstance(result, Cancelled):
@@ -192,12 +209,18 @@ class BestPage(QWidget):
         elif isinstance(result, KindynaError):
             self.progress.setText(reason(study.base, result))
         else:
-            self.optimum, notes = result
+            self._result = result
             self.progress.setText("")
-            lines = [optimum_html(study.base, study, self.optimum), *map(escape, notes)]
-            self.result_text.setText("<br>".join(lines))
+            self._show_result()
         self._show_state()
         self.finished.emit()
+
+    def _show_result(self) -> None:
+        if self._result is not None and self.study is not None and self.optimum is not None:
+            design, optimum = self.study.base, self.optimum
+            notes = [*self._result.notes, *([sentence(optimum.note)] if optimum.note else [])]
+            lines = [optimum_html(design, self.study, optimum), *map(escape, notes)]
+            self.result_text.setText("<br>".join(lines) + numbers_html(design, optimum))
 
     def _take_over(self) -> None:
         if self.optimum is not None:
@@ -206,13 +229,21 @@ class BestPage(QWidget):
     def _show_state(self) -> None:
         self.start.setEnabled(not self.busy)
         self.stop.setVisible(self.busy)
-        self.take.setVisible(self.optimum is not None and self.optimum.is_better)
+        for part in (self.take, self.exact):
+            part.setVisible(self.optimum is not None and self.optimum.is_better)
 
 
-def _optimise(study: StudyOfMany, report_step: Callable[..., None]) -> tuple[Optimum, Sequence[str]]:
-    """Return the best design of a study, and remarks."""
+class BestDesign(NamedTuple):
+    """Result of a search: the best design, the same with rounded numbers, and remarks."""
+
+    optimum: Optimum
+    rounded: Optimum
+    notes: Sequence[str]
+
+
+def _optimise(study: StudyOfMany, report_step: Callable[..., None]) -> BestDesign:
     optimum = optimise(study, report_step)
-    return optimum, remarks(study, optimum)
+    return BestDesign(optimum, rounded_optimum(study, optimum), remarks(study, optimum))
 
 
 # -- tolerances ------------------------------------------------------------------------------------------

@@ -37,6 +37,7 @@ from core.varying import (
     default_tolerance,
     file_of_question,
     request_keys,
+    rounded_optimum,
     study_of,
     whole_numbers,
     with_values,
@@ -45,6 +46,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Bands, scatters
 from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.exact_switch import takes_exact
 from kindyna_gui.labels import reason
 from kindyna_gui.look import described, scrolled
 from kindyna_gui.player import Player
@@ -481,8 +483,13 @@ class StudyView(BackgroundView):
     def _apply_front_point(self, number: int) -> None:
         optimum, study = self.best.optimum, self.best.study
         if optimum is not None and study is not None:
+            point = optimum.front[number]
             try:
-                design = design_of_front(self._design, study, optimum.front[number])
+                design = design_of_front(self._design, study, point)
+                if not takes_exact():
+                    answer = {row.field: point[row.field] for row in study.file.vary}
+                    rounded = rounded_optimum(study, replace(optimum, answer=answer, design=design))
+                    design = design_of_front(self._design, study, rounded.answer)
             except KindynaError as error:
                 self.status_message.emit(reason(self._design, error))
             else:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from html import escape
 from types import MappingProxyType
 
-from core.design import Design, Info, Unit, drive_at, entry_at, row_at, split_unit
+from core.design import Design, Info, Unit, drive_at, entry_at, get, row_at, split_unit
 from core.design.fields import in_sentence
 from core.laws import LAWS
-from core.number_text import count_text
+from core.number_text import COMPARED_DIGITS, MOST_DIGITS, count_text
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying import Optimum, StudyOfMany, ToleranceResult
@@ -17,7 +17,7 @@ from core.varying.tolerances import SHARE
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, sentence
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import number, short, signed, with_unit
+from kindyna_gui.pictures.units import brief, number, short, signed, with_unit
 from kindyna_gui.studies.plots import SurveyQuantity
 
 STATISTICS: Mapping[str, str] = MappingProxyType(
@@ -129,12 +129,12 @@ def survey_quantity(design: Design, key: str, least: float | None, most: float |
 
 def value_text(key: str, value: float) -> str:
     """Return a value with its unit, or "none"."""
-    return with_unit(short(value, 5), unit_of(key).symbol) if value == value else "none"
+    return brief(value, unit_of(key).symbol, COMPARED_DIGITS) if value == value else "none"
 
 
 def number_text(path: str, value: float) -> str:
     """Return a number of the design with its unit."""
-    return with_unit(short(value, 6), split_unit(path)[1].symbol)
+    return brief(value, split_unit(path)[1].symbol, MOST_DIGITS)
 
 
 def word_text(word: str) -> str:
@@ -191,6 +191,26 @@ def parts_html(design: Design, result: ToleranceResult) -> str:
                 f"<td align=right>{escape(slope_text)}</td></tr>"
             )
     return f"<table width='100%' cellspacing=1>{''.join(rows)}</table>"
+
+
+def numbers_html(design: Design, optimum: Optimum) -> str:
+    """Return a table of the varied numbers: before, found, taken over, and the limits that hold each of them."""
+    numbers = {path: value for path, value in optimum.answer.items() if not isinstance(value, str)}
+    if not numbers:
+        return ""
+    titles = ("", "before", "found", "taken", "held by")
+    rows = ["".join(f"<th align={'left' if title in ('', titles[-1]) else 'right'}>{title}</th>" for title in titles)]
+    for path, value in numbers.items():
+        texts = (number_text(path, float(x)) for x in (get(design, path), optimum.exact.get(path, value), value))
+        cells = "".join(f"<td align=right>{escape(text)}</td>" for text in texts)
+        limits = [
+            "its bound" if row.limit == path else in_sentence(column_text(design, row.limit))
+            for row in optimum.binding
+            if path in row.fields
+        ]
+        held = escape(", ".join(limits) or "no limit")
+        rows.append(f"<td>{escape(name_of(design, path))}</td>{cells}<td>{held}</td>")
+    return f"<table cellspacing=6>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
 
 
 def optimum_html(design: Design, study: StudyOfMany, optimum: Optimum) -> str:

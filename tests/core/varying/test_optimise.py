@@ -224,9 +224,11 @@ def test_of_the_least_peak_torque_is_said_what_the_force_fixes_and_which_law_giv
     }
     assert at_bounds < set(per_percent)
     fixed, law = remarks(study, found)
-    angle = float(re.search(r"at ([0-9.]+)°", fixed)[1])
-    slope = quantity("velocity").value(there := Study(found.design).at_theta(np.deg2rad([angle])))[0] / there.omega
-    assert f"{20000.0 * slope:,.0f} of {found.goals[key]:,.0f} N·m are force times y'" in fixed
+    torque = extremes_of(Study(found.design), "dynamics", ("drive_torque",))["drive_torque"]
+    peak = max(torque.low, torque.high, key=lambda end: abs(end.value))
+    slope = quantity("velocity").value(there := Study(found.design).at_theta(np.array([peak.theta])))[0] / there.omega
+    assert f"{20000.0 * slope:.4g} of {found.goals[key]:.4g} N·m are force times y'" in fixed
+    assert f"at {np.rad2deg(peak.theta):.4g}°" in fixed
     name, value = re.search(r"\((\S+)\), with the same numbers brings the first goal to ([0-9.]+) N·m", law).groups()
     design = with_words(found.design, {f"motion.segments[{i}].law": name for i in (1, 3)})
     asked = many(design, {"cam.base_radius_mm": [found.answer["cam.base_radius_mm"]]}, [key, "pressure_angle_deg:max"])

@@ -1,5 +1,6 @@
 """Study: numbers chosen in the forms by the mouse, the design drawn over their map, taken over, kept; nothing computed unseen."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -584,6 +585,12 @@ def study_entry(view: StudyView, text: str) -> QAction:
     return next(each for each in menu.actions() if text in each.text())
 
 
+def numbers_of(view: StudyView) -> list[list[str]]:
+    """Rows of the list of numbers below the result."""
+    table = view.best.result_text.text().partition("<table")[2]
+    return [re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row) for row in re.findall(r"<tr>(.*?)</tr>", table)]
+
+
 @pytest.mark.stress
 def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(user: User) -> None:
     user.window.show_task("study")
@@ -603,14 +610,26 @@ def test_a_ready_study_finds_the_smallest_cam_with_its_path_and_is_taken_over(us
     assert paths[0] == 0
     assert len(set(paths)) > 2, "the path grows while it runs"
     assert user.design == before, "nothing is taken over by itself"
-    assert "Cam radius 398.93 mm</b>, before 475 mm (−16.0 %)" in view.best.result_text.text()
+    assert "Cam radius 399.01 mm</b>, before 475 mm (−16 %)" in view.best.result_text.text()
     assert "Limited by profile curvature" in view.best.result_text.text()
+    assert numbers_of(view) == [
+        ["", "before", "found", "taken", "held by"],
+        ["Base radius Br", "400 mm", "323.724 mm", "323.8 mm", "profile curvature, greatest"],
+        ["Pivot x", "873.746 mm", "847.593 mm", "847.6 mm", "profile curvature, greatest"],
+    ]
     QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
     settle()
-    assert get(user.design, BASE) == pytest.approx(323.7236, abs=1e-3)
+    assert (get(user.design, BASE), get(user.design, X)) == (323.8, 847.6)
     assert user.steps == ["Take over the best design"]
     user.choose("Edit", "Undo Take over the best design")
     assert user.design == before
+    QTest.mouseClick(view.best.exact, Qt.MouseButton.LeftButton)
+    assert "Cam radius 398.93 mm</b>, before 475 mm (−16 %)" in view.best.result_text.text()
+    assert [row[3] for row in numbers_of(view)[1:]] == ["323.724 mm", "847.593 mm"]
+    QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
+    settle()
+    assert get(user.design, BASE) == pytest.approx(323.7236, abs=1e-3)
+    QTest.mouseClick(view.best.exact, Qt.MouseButton.LeftButton)
 
 
 @pytest.mark.stress
@@ -694,5 +713,6 @@ def test_two_goals_give_a_front_of_which_a_click_takes_one_over(user: User) -> N
     number = len(front) // 2
     QTest.mouseClick(view.front.viewport(), Qt.MouseButton.LeftButton, pos=view.front.pixel(number).toPoint())
     settle()
-    assert get(user.design, BASE) == pytest.approx(front[number][BASE], rel=1e-12)
+    assert get(user.design, BASE) == pytest.approx(front[number][BASE], abs=0.1)
+    assert get(user.design, BASE) == round(get(user.design, BASE), 1)
     assert user.steps == ["Take over a design of the front"]
