@@ -306,10 +306,12 @@ class Layouts(QObject):
         """Lay out the docks anew for the size of the window and of their content; False in a layout by hand."""
         if self._is_by_hand:
             return False
-        front = self._centre.open_pages[1]
-        called = "" if front in self._row.pages else front
-        plan, in_front = self._plans[self.current], set(self._in_front)
-        fronts = [next((name for name in g.names if name in in_front), g.front) for g in plan.groups]
+        plan, in_front, page = self._plans[self.current], set(self._in_front), self._centre.open_pages[1]
+        called = plan.called if plan.called in in_front else "" if page in self._row.pages else page
+        fronts = [
+            g.front if g.front in in_front else next((n for n in g.names if n in in_front), g.front)
+            for g in plan.groups
+        ]
         self._apply(self._names_now(plan), fronts, called)
         return True
 

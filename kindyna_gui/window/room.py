@@ -56,6 +56,8 @@ class Plan:
         Width of the columns, height of the rows.
     fits : bool
         Whether nothing is below its least size.
+    called : str
+        Dock or page that was called.
     """
 
     task: Task
@@ -63,6 +65,7 @@ class Plan:
     groups: tuple[PlacedGroup, ...]
     extents: Mapping[Area, int]
     fits: bool
+    called: str = ""
 
     @property
     def fronts(self) -> tuple[str, ...]:
@@ -143,7 +146,7 @@ class _Room:
                 names = placed[index]
                 front = called if called in names else next((n for n in names if n in in_front), names[0])
                 groups.append(PlacedGroup(index, area, names, front, length))
-        return Plan(self._task, tuple(opened), tuple(groups), extents, self._fits(placed, False))
+        return Plan(self._task, tuple(opened), tuple(groups), extents, self._fits(placed, False), called)
 
     @staticmethod
     def _with(placed: list[Names], index: int, name: str) -> list[Names]:
