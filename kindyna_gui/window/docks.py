@@ -320,7 +320,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             help="camshaft#Shaft figures"),
         "against_speed": ViewRow("Torque against speed", lazily("shaft", "AgainstSpeedView"), RIGHT,
             "Torque agai&nst speed", "Plot torque and speed fluctuation of the shaft against the machine's speed",
-            least=(250, 360), picture=True,
+            least=(250, 310), picture=True,
             help="camshaft#Torque against speed"),
         "servo": ViewRow("Cam or servo", lazily("shaft", "ServoView"), CENTRE,
             "Ca&m or servo", "Compare a cam with flywheel and a servo: torque, operating points of the motor, energy",
