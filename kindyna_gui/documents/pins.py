@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -19,9 +19,11 @@ from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.quantities import counterparts, values_of
-from kindyna_gui.pictures.plots.xy import Line, reference_lines
 from kindyna_gui.rebuilt import single_shot
 from kindyna_gui.requirements import Unavailable
+
+if TYPE_CHECKING:
+    from kindyna_gui.pictures.plots.xy import Line
 
 REST_MS = 300  # from the last change of the design to the computation of its bands
 MOST = 3  # pinned variants
@@ -256,6 +258,8 @@ class Pins(QObject):
         study, front = self.full_study, self.front
         if study is None or front is None or not study.design.listed:
             return []
+        from kindyna_gui.pictures.plots.xy import reference_lines  # loads pyqtgraph, as the plots that ask have
+
         try:
             return reference_lines(draw(study.camshaft), front.name)
         except KindynaError:

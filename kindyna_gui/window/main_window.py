@@ -43,7 +43,6 @@ from kindyna_gui.window.base import CentralPages, Titles, Window
 from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, DockShares
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
-from kindyna_gui.window.result_plots import show_result
 from kindyna_gui.window.status_line import StatusLine
 from kindyna_gui.window.tasks import TASKS, TaskLayers
 
@@ -212,6 +211,8 @@ class MainWindow(Window):
 
     def show_result(self, result: str) -> None:
         """Bring the curve of a result to the front."""
+        from kindyna_gui.window.result_plots import show_result  # only where two variants are compared
+
         show_result(self, result)
 
     def explain_here(self) -> None:
