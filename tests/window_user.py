@@ -202,6 +202,7 @@ class User:
 
     def motion(self) -> SegmentsView:
         view = self.window.show_view("motion")
+        settle()  # a view called is laid out once it has said what room it needs
         assert isinstance(view, SegmentsView)
         view.pull()
         return view

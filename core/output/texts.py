@@ -28,6 +28,7 @@ from core.frozen import frozen
 from core.laws import LAWS, PieceTable
 from core.motion.curves import segment_shape
 from core.motion.extremes import true_stroke
+from core.number_text import result_text
 from core.output.lines import columns, digits
 from core.plot import Figure, Plot, PlotCurve
 
@@ -143,7 +144,7 @@ def changed_segment_text(before: Design, after: Design, blended: BlendResult) ->
     if changed is None:
         return ""
     n, segment = changed
-    moves = f"{digits(segment.rise, 9)} {blended.request.unit} over {digits(segment.span_deg, 9)} deg"
+    moves = f"{result_text(segment.rise, 9)} {blended.request.unit} over {result_text(segment.span_deg, 9)} deg"
     return f"in the design segment {n}, {segment.curve.law}, changes to close the turn: {moves}\n"
 
 

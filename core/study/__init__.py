@@ -13,14 +13,14 @@ from core.study.findings import findings_of
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
 from core.study.quantity_requests import TOTALS
-from core.study.sensitivity import sensitivity
 from core.study.stages import clear_caches, evaluations
 from core.study.study import Study
 
 if TYPE_CHECKING:
+    from core.study.sensitivities import sensitivity
     from core.study.speeds import at_speeds
 else:
-    __getattr__ = lazy_attributes(__name__, "speeds")
+    __getattr__ = lazy_attributes(__name__, "sensitivities", "speeds")
 
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",

@@ -35,7 +35,7 @@ from kindyna_gui.labels import reason, step_text
 from kindyna_gui.look import answer_label, row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
 from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
-from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, readable, short, typed, with_unit
+from kindyna_gui.pictures.units import DisplayUnit, brief, digits, measure, number, readable, short, typed, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
 from kindyna_gui.settings import size_of, symbol_of
@@ -105,7 +105,7 @@ def flywheel_text(wheel: Flywheel, needed: float, allowed: str) -> str:
 
 
 def _inertia(value: float, most: int = RESULT_DIGITS) -> str:
-    return measure(value, "kg·m²", most)
+    return brief(value, "kg·m²", most)
 
 
 def _shaft_peaks(shaft: Camshaft[Study], floor: float) -> list[TableRow]:

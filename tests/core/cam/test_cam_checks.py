@@ -130,7 +130,7 @@ def test_the_report_shows_figures_and_limits_side_by_side() -> None:
     rows = {line.split("  ")[0]: line for line in text.split("Limits of the cam")[1].splitlines()}
     assert rows["Pressure angle, rise"].split()[-2:] == ["12.500", "own"]
     assert rows["Pressure angle, return"].endswith("VDI 2142; Norton ch. 7")
-    assert "1420.17" in rows["Smallest concave radius of the profile"]
+    assert "1420.2" in rows["Smallest concave radius of the profile"]
 
 
 # -- the user's own limits ---------------------------------------------------------------------------------

@@ -417,7 +417,7 @@ def test_the_pressure_angle_is_measured_against_the_limit_of_its_follower(
                 "enlarge the base radius, or lengthen the rise"
             )
             assert f.cam_angle_deg == pytest.approx(math.degrees(worst.theta), rel=4 * EPS)
-            assert f"{math.degrees(worst.value):.4g} deg" in f.message
+            assert f"{math.degrees(worst.value):.5g} deg" in f.message
         told.append(bool(found))
     assert told == sorted(told)
     assert (told[0], told[-1]) == (False, True)

@@ -158,7 +158,7 @@ def test_circuits_are_listed_and_taken_as_drawn_or_by_signs(tmp_path: Path, core
     assert drawn.branch == ()
     low, high = rows[2]["driver_deg"]
     assert low < drawn.drawn.driver_deg < high
-    assert f"within {low:.6g}...{high:.6g} deg" in core("check", tmp_path / "c.toml").stdout
+    assert f"within {low:.4g}...{high:.4g} deg" in core("check", tmp_path / "c.toml").stdout
     done = core("circuits", watt, "--take", "5")
     assert (done.returncode, done.stderr) == (2, "circuit = 5: no such circuit; allowed: 1 ... 4\n")
 

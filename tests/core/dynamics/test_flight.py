@@ -205,7 +205,7 @@ def test_the_command_names_the_speed_the_flights_and_writes_the_map(
     found = Study(load(file)).lift_off
     assert found is not None
     assert f"at {found.omega * 30.0 / math.pi:.4g} rpm" in text
-    assert "58.3305" in text
+    assert "58.33" in text
     assert "repeat every turn" in text
     rows = np.loadtxt(tmp_path / "map.csv", delimiter=",", skiprows=1)
     assert rows.shape == (4 * 36, 3)

@@ -166,6 +166,7 @@ def test_links_have_one_colour_in_both_modes(open_user: Open) -> None:
         bars = {n: [pen.places[name] for name in pen.shape(n)] for n in (3, 4, 5)}
         return {n: image.pixelColor(pen.at(0.35 * a + 0.65 * b) * ratio).name() for n, (a, b) in bars.items()}
 
+    pen.user.choose("View", "Fit drawing")
     drawn = colours()
     pen.key(Key.Key_Escape)
     assert not pen.user.drawing().draws

@@ -59,14 +59,14 @@ def test_names_never_push_the_plot_out_of_sight(design: Design, slugs: tuple[str
 
 def test_two_names_that_do_not_fit_beside_each_other_stand_on_two_lines() -> None:
     plot = plot_of(LIFT, CURVATURE)
-    _, wide = lay(plot, 420, 170)
+    _, wide = lay(plot, 420, 210)
     assert plot.legend.text.split() == ["—", "Pitch", "curvature", "—", "Profile", "curvature"]
     assert "\n" not in plot.legend.text
-    _, narrow = lay(plot, 260, 170)
+    _, narrow = lay(plot, 260, 210)
     assert plot.legend.text == "— Pitch curvature\n— Profile curvature"
     assert narrow.top() > wide.top() + 8.0
     assert narrow.bottom() == wide.bottom()
-    _, again = lay(plot, 420, 170)
+    _, again = lay(plot, 420, 210)
     assert again == wide
     study = Study(LIFT, samples=90)
     plot.set_curves(study, [channel(study.design, CURVATURE[0])])
