@@ -10,6 +10,7 @@ from typing import Any
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QColor, QCursor, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QScrollArea, QToolButton, QWidget
+from shiboken6 import isValid
 
 from core.design import Info
 from core.units import Unit
@@ -116,7 +117,12 @@ class FloatingRefusal(RefusalLine):
         self._is_above = False
         self.setAutoFillBackground(True)
         self.setBackgroundRole(QPalette.ColorRole.ToolTipBase)
-        editor.destroyed.connect(self.deleteLater)
+        editor.destroyed.connect(self._end)
+
+    def _end(self) -> None:
+        """Watch nothing more: the editor has been deleted."""
+        self._watch(())
+        self.deleteLater()
 
     def _update_visible(self) -> None:
         if not self.text():
@@ -136,7 +142,7 @@ class FloatingRefusal(RefusalLine):
         self._place()
 
     def _watch(self, widgets: Any) -> None:
-        for widget in self._watched:
+        for widget in filter(isValid, self._watched):
             widget.removeEventFilter(self)
         app = QApplication.instance()
         assert isinstance(app, QApplication)
@@ -156,7 +162,7 @@ class FloatingRefusal(RefusalLine):
     def _place(self, *_: object) -> None:
         """Put it below the editor, or above where it would cover what is under the mouse or has the focus."""
         host, editor = self.parentWidget(), self._editor
-        if host is None or not editor.isVisible() or editor.visibleRegion().isEmpty():
+        if host is None or not isValid(editor) or not editor.isVisible() or editor.visibleRegion().isEmpty():
             self.hide()
             return
         box = QRect(editor.mapTo(host, QPoint()), editor.size())

@@ -4,11 +4,12 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QCursor
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QWidget
-from window_user import Open, User, settle
+from PySide6.QtWidgets import QApplication, QLineEdit, QWidget
+from shiboken6 import delete, isValid
+from window_user import Alone, Open, User, settle
 
 from core.design import Info
-from kindyna_gui.forms.refusal import RefusalLine
+from kindyna_gui.forms.refusal import FloatingRefusal, RefusalLine
 from kindyna_gui.motion.segments_table import RISE, SPAN, TO
 from kindyna_gui.studies.study_view import StudyView
 
@@ -175,3 +176,20 @@ def test_a_refused_bound_of_a_study_goes_back_by_a_button(user: User) -> None:
     assert (box.text(), box.is_refused) == ("-3", True)
     click(view.rows.message, f"Back to {before}")
     assert (box.text(), box.is_refused, view.rows.message.isVisible()) == (before, False, False)
+
+
+def test_a_refusal_ends_with_its_editor(alone: Alone) -> None:
+    """A cell of a table is deleted while its refusal is shown, and the focus goes on."""
+    page = QWidget()
+    editor, other = QLineEdit(page), QLineEdit(page)
+    other.move(0, 120)
+    alone(page, 400, 200)
+    editor.setFocus()
+    refusal = FloatingRefusal(editor)
+    refusal.show_refusal("outside its range")
+    settle()
+    assert refusal.isVisible()
+    delete(editor)
+    other.setFocus()
+    settle()
+    assert not isValid(refusal) or not refusal.isVisible()
