@@ -25,6 +25,7 @@ from core.design import Design, only, with_only
 from core.design.fields import choice
 from core.errors import KindynaError
 from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
+from core.find.rounding import NO_ROUNDING
 from core.findings import ERROR
 from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, distinct_texts
@@ -152,6 +153,6 @@ def _text(solution: Solution) -> str:
     if solution.end:
         lines.append(f"limited by the search range only: {solution.end}")
     lines += [f"beyond it: {text}" for text in solution.next_findings]
-    lines += [f"also changes: {text}" for text in solution.notes]
+    lines += [text if text == NO_ROUNDING else f"also changes: {text}" for text in solution.notes]
     lines += [f"set in the design: {path} = {value:.12g}" for path, value in solution.applied.items()]
     return "\n".join(lines) + "\n"

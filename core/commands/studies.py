@@ -121,6 +121,7 @@ def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
     lines += rounding_lines(optimum.answer, optimum.exact, optimum.cost)
+    lines += [optimum.note] if optimum.note else []
     lines.extend(
         f"{key} = {result_text(value)}, before {result_text(optimum.before[key])}"
         for key, value in optimum.goals.items()

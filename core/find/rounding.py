@@ -60,6 +60,8 @@ def rounded_values(
     for tenths in range(FINER + 1):
         steps = {path: Decimal(repr(step or step_of(path, x))).scaleb(-tenths) for path, x in exact.items()}
         for values in islice(_multiples(exact, steps), MOST_TRIALS):
+            if any(_vanishes(path, exact[path], value) for path, value in values.items()):
+                continue
             try:
                 result = judged(values)
             except KindynaError:
@@ -67,6 +69,11 @@ def rounded_values(
             if result is not None:
                 return RoundedValues(values, {path: float(size) for path, size in steps.items()}, result)
     return None
+
+
+def _vanishes(path: str, exact: float, value: float) -> bool:
+    """Whether rounding makes a size 0, which no part can have; an angle of 0 is a place."""
+    return value == 0.0 != exact and split_unit(path)[1].symbol != "°"
 
 
 def _multiples(exact: Mapping[str, float], steps: Mapping[str, Decimal]) -> Iterator[Mapping[str, float]]:

@@ -302,12 +302,16 @@ class Layouts(QObject):
         laid = ((noted[name], plan.sizes[name]) for name in noted)
         return any(abs(now.width() - w) > NEAR or abs(now.height() - h) > NEAR for now, (w, h) in laid)
 
-    def refit(self) -> bool:
-        """Lay out the docks anew for the size of the window and of their content; False in a layout by hand."""
+    def refit(self, *, page_called: bool = False) -> bool:
+        """Lay out the docks anew for the size of the window and of their content; False in a layout by hand.
+
+        ``page_called``: the page in front has just been called, which no dock called before sends to the back.
+        """
         if self._is_by_hand:
             return False
         plan, in_front, page = self._plans[self.current], set(self._in_front), self._centre.open_pages[1]
-        called = plan.called if plan.called in in_front else "" if page in self._row.pages else page
+        is_dock_called = plan.called in in_front and not page_called
+        called = plan.called if is_dock_called else "" if page in self._row.pages else page
         fronts = [
             g.front if g.front in in_front else next((n for n in g.names if n in in_front), g.front)
             for g in plan.groups
@@ -343,7 +347,7 @@ class Layouts(QObject):
 
     def _make_room(self) -> None:
         """Give the middle the size that the page needs which has come to the front."""
-        if self._is_laying or not self._window.isVisible() or self.refit():
+        if self._is_laying or not self._window.isVisible() or self.refit(page_called=True):
             return
         least, now = self._centre.least, self._centre.size()
         if least[0] > now.width() or least[1] > now.height():

@@ -159,3 +159,9 @@ def test_the_flywheel_that_a_result_needs_is_rounded_up(tmp_path: Path, capsys: 
     exact = result(capsys, "find", tmp_path / "lift.toml", "base-radius")["taken"]["shaft.flywheel_inertia_kg_m2"]
     taken = result(capsys, "find", tmp_path / "lift.toml", "base-radius", "--round")["taken"]
     assert exact < taken["shaft.flywheel_inertia_kg_m2"] < 1.005 * exact
+
+
+def test_a_step_above_a_size_does_not_round_it_to_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    for name, step in (("kim_1990", "2000"), ("transfer_lift", "1000000")):
+        found = result(capsys, "find", EXAMPLES / f"{name}.toml", "lift-off-speed", "--round", step)
+        assert found["answer"]["shaft.speed_rpm"] > 0.0

@@ -153,3 +153,14 @@ def test_all_tasks_can_be_read_with_a_view_called_after_any_order_of_tasks(
 def test_explain_is_read_in_make_and_the_parameters_keep_their_width(open_user: Open) -> None:
     user = open_user(size=SIZES[0], whole=True)
     assert walk(user, SIZES[0], ("make", "kine"), ("explain", "timing")) == {}
+
+
+def test_a_page_called_comes_to_the_front_over_a_dock_called_before(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"), size=(1440, 900), whole=True)
+    user.choose("Stability", "Chart")
+    user.choose("Edit", "What changed")
+    user.choose("Stability", "Chart")
+    assert user.window.centre.open_pages[1] == "stability"
+    view = user.window.view("stability")
+    assert view is not None
+    assert view.on_screen()
