@@ -108,18 +108,18 @@ def rounded(solution: Solution, step: float = 0.0) -> Solution:
         design, answer, reached, violations = at(values)
         return None if violations else (design, answer, reached)
 
-    found = rounded_values(exact, judged, step)
-    if found is None:
+    taken = rounded_values(exact, judged, step)
+    if taken is None:
         return replace(solution, exact=exact, notes=(*solution.notes, NO_ROUNDING))
-    design, answer, reached = found.result
+    design, answer, reached = taken.result
     return replace(
         solution,
         design=design,
         answer=answer,
         reached={**solution.reached, **reached},
-        applied={path: value for path, value in found.values.items() if path in solution.applied},
+        applied={path: value for path, value in taken.values.items() if path in solution.applied},
         exact=exact,
-        rounding=found.steps,
+        rounding=taken.steps,
         cost=_cost(solution, design, reached),
     )
 

@@ -207,16 +207,16 @@ def _gear_ratio(design: Design, request: ShaftRequest) -> Solution:
         changed = _with_ratio(changed, i, ratio)
 
     def at(values: Mapping[str, float]) -> Judgement:
-        made = design
+        candidate = design
         for i, ratio in zip(geared, values.values(), strict=True):
-            made = _with_ratio(made, i, ratio)
+            candidate = _with_ratio(candidate, i, ratio)
         fast = tuple(
             f"{path} = {ratio:.9g}: beyond the rated speed"
             for path, ratio in values.items()
             if ratio > most_ratios[path]
         )
         readings = {name: rms(values[path]) for path, (name, rms) in torques.items()}
-        return Judgement(made, values, readings, (*out_of_bounds(values, request.bounds), *fast))
+        return Judgement(candidate, values, readings, (*out_of_bounds(values, request.bounds), *fast))
 
     solution = shaft_solution(
         "gear ratio of least rms torque",
@@ -391,8 +391,8 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
             if not distance.kept
         )
         texts = (*out_of_bounds(values, request.bounds), *late)
-        made = replace(shifted_design, balancer=design.balancer)
-        return Judgement(made, values, _phase_readings(made), texts or checked.new(shifted_design))
+        candidate = replace(shifted_design, balancer=design.balancer)
+        return Judgement(candidate, values, _phase_readings(candidate), texts or checked.new(shifted_design))
 
     return replace(solution, next_findings=next_findings, judge=Judge(tuple(answer), at))
 

@@ -365,13 +365,13 @@ def _moved_ranges(plan: SolutionPlan, branch: Branch, near: Sequence[DriverRange
         solution = solve(plan, at_driver(q), branch, locking[-1] + 1)
         return np.min([_solution_gap(solution, index, branch, q) for index in locking], axis=0)
 
-    found = nonnegative_ranges(gap, at, gap(at))
-    if len(found) != len(near):
+    ranges = nonnegative_ranges(gap, at, gap(at))
+    if len(ranges) != len(near):
         return ()
-    offsets, reach = np.ravel(found) - [end for end, _ in ends], [around[-1] if joint else 0.0 for _, joint in ends]
+    offsets, reach = np.ravel(ranges) - [end for end, _ in ends], [around[-1] if joint else 0.0 for _, joint in ends]
     if not ((np.abs(offsets) < reach) | (offsets == 0.0)).all():
         return ()
-    return tuple(replace(r, low=low, high=high) for r, (low, high) in zip(near, found, strict=True))
+    return tuple(replace(r, low=low, high=high) for r, (low, high) in zip(near, ranges, strict=True))
 
 
 def _moved_changes(plan: SolutionPlan, index: int, branch: Branch, near: np.ndarray) -> np.ndarray:

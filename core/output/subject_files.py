@@ -226,12 +226,12 @@ def lift_off_lines(study: Study) -> list[str]:
     rpm, angle = digits(lift_off.omega / RPM), digits(math.degrees(lift_off.theta))
     if not lift_off.omega:
         return [f"No force presses the follower on the cam at {angle}°, even at standstill"]
-    own = digits(abs(study.omega) / RPM)
+    speed = digits(abs(study.omega) / RPM)
     if abs(study.omega) < lift_off.omega:
         return [
-            f"At {own} rpm the follower stays on the cam; it leaves the cam at {rpm} rpm and above, at cam angle {angle}°"
+            f"At {speed} rpm the follower stays on the cam; it leaves the cam at {rpm} rpm and above, at cam angle {angle}°"
         ]
-    return [f"At {own} rpm the follower leaves the cam: it does at {rpm} rpm and above, first at cam angle {angle}°"]
+    return [f"At {speed} rpm the follower leaves the cam: it does at {rpm} rpm and above, first at cam angle {angle}°"]
 
 
 def flight_lines(study: Study, result: Flights) -> list[str]:

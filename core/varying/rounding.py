@@ -54,9 +54,9 @@ def rounded_optimum(study: StudyOfMany, optimum: Optimum, step: float = 0.0) -> 
         machine, also_set = with_flywheel(design, study.base, rounded_flywheel)
         if check.new(machine):
             return None
-        made = replace(optimum, design=machine, answer={**optimum.answer, **values}, also_set=also_set)
-        made = replace(made, goals={goal.key: reached[goal.key] for goal in study.file.goals}, exact=exact)
-        return _with_share(study, made)
+        taken = replace(optimum, design=machine, answer={**optimum.answer, **values}, also_set=also_set)
+        taken = replace(taken, goals={goal.key: reached[goal.key] for goal in study.file.goals}, exact=exact)
+        return _with_share(study, taken)
 
     found = rounded_values(exact, judged, step)
     if found is None:
