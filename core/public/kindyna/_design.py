@@ -1,4 +1,4 @@
-"""Designs, edited by the paths of their files, and their studies: tables as arrays, extremes, findings, profile and points."""
+"""Designs, edited by the paths of their files; the results that hold one: studies, searches."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -19,19 +18,15 @@ from core.design.edits import edited
 from core.design.paths import Entry, all_paths, entries, get, put, row_at
 from core.design.rules import faults
 from core.errors import DesignError, KindynaError
-from core.mechanism.mechanism import body_name
-from core.output.export import export
 from core.output.summary import to_json
 from core.project import from_table, load, loads, one_of, save
 from core.project.reading_faults import subjects
 from core.project.writing import dumps
-from core.study.certificate import certificate_of
-from core.study.findings import findings_of
 from core.study.many import many
-from core.study.study import Study as CoreStudy
-from kindyna._checks import Array, brief, number, path_of, points, read_only, text, unknown, vector, whole
+from kindyna._checks import Array, brief, number, path_of, read_only, text, unknown, vector, whole
 from kindyna._columns import Columns
-from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult, explanation, finding, frame
+from kindyna._results import Finding, ManyResult
+from kindyna._study import StudyResults
 
 __all__ = ["Design", "FindResult", "Study", "design", "example", "examples", "open"]
 
@@ -281,185 +276,14 @@ def _typed(path: str, entry: Entry | None, present: Any, value: Any) -> Any:
     return whole(path, value) if info.whole else number(path, value)
 
 
-# -- studies ----------------------------------------------------------------------------------------------------
+# -- results that hold a design ----------------------------------------------------------------------------------
 
 
-class Study:
+class Study(StudyResults["Design"]):
     """A design and what follows from it; each result is computed when it is first read.
 
     ``s[name]`` is a channel's values at the angles of the study, ndarray (n,) in the unit of its name; ``channels`` lists them.
     """
-
-    def __init__(self, design: Design, columns: Columns) -> None:
-        self._design, self._columns = design, columns
-
-    @property
-    def design(self) -> Design:
-        """The design."""
-        return self._design
-
-    @property
-    def angle_deg(self) -> Array:
-        """Angles (n,) [deg], the first column of its tables: of cam, driver or machine; of a swing, of its cycle."""
-        return self._columns.angle_deg
-
-    @property
-    def channels(self) -> Mapping[str, Channel]:
-        """Name -> channel: every column over the turn that ``export`` writes. Raises KindynaError where there is no solution."""
-        return MappingProxyType(self._columns.channels)
-
-    def __getitem__(self, name: str) -> Array:
-        return self._columns.values(name)
-
-    def at(self, angles_deg: ArrayLike) -> Study:
-        """Return the study of the same design at other angles.
-
-        Parameters
-        ----------
-        angles_deg : ndarray (n,) [deg]
-            Angles of cam, driver or machine; where a quantity jumps, its right-hand limit is taken.
-
-        Returns
-        -------
-        Study
-        """
-        return Study(self._design, Columns(self._columns.full, vector("angles_deg", angles_deg)))
-
-    def extreme(self, name: str, of: str = "max") -> Extreme:
-        """Return an extreme over the full turn, refined beyond the samples, as in ``summary.json``.
-
-        Parameters
-        ----------
-        name : str
-            A channel.
-        of : str
-            ``max``, ``min``, or ``abs``: the largest absolute value.
-
-        Raises
-        ------
-        KeyError
-            The design lacks the channel.
-        KindynaError
-            The channel is an angle that wraps, which has no extremes.
-        """
-        return self._columns.extreme(name, of)
-
-    def to_dict(self, *names: str) -> dict[str, Array]:
-        """Return channel -> values (n,), of all channels where none is named."""
-        return {name: self[name] for name in names or self.channels}
-
-    def to_frame(self, *names: str) -> Any:
-        """Return a pandas DataFrame of channels, of all where none is named; its index is the angle, named as its column."""
-        index, columns = self._columns.angle, self.to_dict(*names)
-        return frame({name: columns[name] for name in columns if name != index}, self.angle_deg, index)
-
-    def profile(self, flank: str = "inner") -> Array:
-        """Return the profile of the cam in its own frame.
-
-        Parameters
-        ----------
-        flank : str
-            ``inner``, ``outer`` of a groove, ``second`` of a conjugate pair.
-
-        Returns
-        -------
-        ndarray (n, 2) [mm]
-
-        Raises
-        ------
-        KeyError
-            The cam has no such flank.
-        KindynaError
-            The design has no cam.
-        """
-        flanks = {row.name: row for row in self._one_drive("profile").cam.flanks}
-        if text("flank", flank) not in flanks:
-            raise unknown("flank of this cam", flank, flanks)
-        return points(flanks[flank].profile)
-
-    def point(self, link: int | str, name: str) -> Array:
-        """Return a point of a link in the global frame.
-
-        Parameters
-        ----------
-        link : int or str
-            Number of a link of a linkage, or the name of a body: ``arm``, ``rod``, ``slider``, ``follower``.
-        name : str
-            Name of the point.
-
-        Returns
-        -------
-        ndarray (n, 2) [mm]
-
-        Raises
-        ------
-        KeyError
-            There is no such link, or it has no such point.
-        """
-        bodies = self._one_drive("point").linkage.bodies
-        body = link if isinstance(link, str) else body_name(whole("link", link))
-        if body not in bodies:
-            raise unknown("link of this design", link, bodies)
-        pose = bodies[body]
-        if text("name", name) not in pose.points:
-            raise unknown(f"point of {body}", name, pose.points)
-        return points(np.broadcast_to(pose.position(name), self.angle_deg.shape))
-
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
-        return tuple(map(finding, findings_of(self._columns.full)))
-
-    @property
-    def certificate(self) -> dict[str, tuple[float, float]]:
-        """Name -> residual that is zero in exact arithmetic, and its bound."""
-        return {name: (float(row.value), float(row.bound)) for name, row in certificate_of(self._columns.full).items()}
-
-    @property
-    def drives(self) -> dict[str, Study]:
-        """Name -> study of the drive by its own angle, over the full turn."""
-        return {name: Study(self._design, Columns(study, None)) for name, study in self._columns.full.drives.items()}
-
-    def explain(self, name: str, at_deg: float | None = None) -> Explanation:
-        """Return where a number comes from: its equation, and the value and origin of every symbol.
-
-        Parameters
-        ----------
-        name : str
-            A channel, or a figure of ``summary.json`` such as ``needed_inertia_kg_m2``.
-        at_deg : float, optional
-            Angle; by default that of the largest absolute value.
-
-        Raises
-        ------
-        KindynaError
-            The design lacks the quantity, or it has no value at this angle.
-        """
-        from core.output.explain import explained
-
-        at = None if at_deg is None else number("at_deg", at_deg)
-        return explanation(explained(self._columns.full, self._columns.quantity_of(text("name", name)), at))
-
-    def export(self, target: str | os.PathLike[str], *, only: tuple[str, ...] = ()) -> list[Path]:
-        """Write tables and summary into a folder, as the command ``export``, and return their paths.
-
-        Parameters
-        ----------
-        target : str or path
-            The folder.
-        only : tuple of str
-            Stages to compute and write; all where empty.
-        """
-        return export(self._columns.full, Path(path_of(target)), only)
-
-    def __repr__(self) -> str:
-        return brief(f"<kindyna.Study {self.angle_deg.size} angles of {self._columns.full.design.name!r}>")
-
-    def _one_drive(self, what: str) -> CoreStudy:
-        full = self._columns.full
-        if full.design.listed:
-            raise KindynaError(f"{what}: of one drive; choose it with drives[NAME]: {', '.join(full.drives)}")
-        return self._columns.core
 
 
 @dataclass(frozen=True, eq=False, repr=False)
