@@ -23,6 +23,7 @@ from core.numerics.lazy import checkpoint
 from core.project.files import write_all, write_into
 from core.study import SAMPLES, Study
 from kindyna_gui import background, dialogs
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.labels import reason
@@ -378,12 +379,10 @@ class Exports(QObject):
 
         view = self.view("timing")
         path = dialogs.timing_to_save(self._window, self._settings.folder / f"{self._name}_timing.pdf")
-        shown = {} if view is None else {"unit": view.canvas.unit, "pair": view.canvas.pair}
-        design = self._session.full_design
+        design, reference = self._session.full_design, Pins.of(self._session).named_design
         if path is not None:
-            self._report(
-                written(self._window, path, lambda: timing_file(design, path.suffix.lower(), **shown), paints=True)
-            )
+            make = view.picture if view is not None else partial(timing_file, design, reference=reference)
+            self._report(written(self._window, path, lambda: make(path.suffix.lower()), paints=True))
 
     def animation(self) -> None:
         """Write one turn of the mechanism as GIF or WebP, with the visible layers."""

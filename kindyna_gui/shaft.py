@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -16,6 +17,7 @@ from core.design import UNITS
 from core.errors import KindynaError, NoSolution
 from core.numerics.lazy import Cancelled
 from core.output.subject_files import SERVO, DriveEffort, drive_efforts, field_plot, torque_figure
+from core.plot import Plot
 from core.shaft import AgainstSpeed, LoadCurve, peaks, rms
 from core.study import Camshaft, Study
 from core.study.drive_forces import ServoTurn, has_servo, servo_part, servo_turn
@@ -27,7 +29,7 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason
 from kindyna_gui.look import Note, answer_label, described
 from kindyna_gui.pictures.plots.lines import closed_band
-from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot
+from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot, reference_lines
 from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
 from kindyna_gui.pictures.units import digits, measure, readable, short, with_unit
 from kindyna_gui.player import Player, obey
@@ -56,6 +58,8 @@ class ServoView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
+        self.pins = Pins.of(session)
+        self.pins.changed.connect(self.invalidate)
         self.torque, self.force, self.field = CursorPlot(""), CursorPlot(""), XYPlot("", "")
         self.table = RowsTable(SERVO_HEADINGS)
         plots, splitter = QSplitter(Qt.Orientation.Horizontal), QSplitter(Qt.Orientation.Vertical)
@@ -79,12 +83,22 @@ class ServoView(View):
             raise Unavailable(NO_SERVO)
         study.require_load()
         efforts, turn = drive_efforts(study), servo_turn(study)
-        plots = torque_figure(study, efforts).plots
-        self.force.setVisible(len(plots) > 1)
-        for widget, plot in zip((self.torque, self.force), plots, strict=False):
-            widget.show_plot(plot)
-        self.field.show_plot(field_plot(study, turn.rms))
+        over_turn, front = torque_figure(study, efforts).plots, self.pins.front
+        self.force.setVisible(len(over_turn) > 1)
+        pinned, name = self._pinned_plots(), "" if front is None else front.name
+        plots = [*zip((self.torque, self.force), over_turn, strict=False), (self.field, field_plot(study, turn.rms))]
+        for widget, plot in plots:
+            widget.show_plot(plot, pinned.get((plot.across, plot.upwards)), name)
         self.table.show_rows(_rows(study, efforts, turn))
+
+    def _pinned_plots(self) -> dict[tuple[str, str], Plot]:
+        """The same plots of the pinned variant, by the titles of their axes; none where it has no servo."""
+        study = self.pins.study
+        with suppress(KindynaError):
+            if study is not None and has_servo(study.design):
+                field = field_plot(study, servo_turn(study).rms)
+                return {(p.across, p.upwards): p for p in (*torque_figure(study, drive_efforts(study)).plots, field)}
+        return {}
 
     def follow(self, theta: float) -> None:
         for plot in (self.torque, self.force):
@@ -156,6 +170,9 @@ class AgainstSpeedView(BackgroundView):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player, POLL_MS)
         self.curves: AgainstSpeed | None = None
+        self.pinned: AgainstSpeed | None = None  # curves of the pinned variant
+        self.pins = Pins.of(session)
+        self.pins.changed.connect(self.invalidate)
         self.answer = answer_label()
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
         for plot in (self.torque, self.fluctuation):
@@ -173,39 +190,48 @@ class AgainstSpeedView(BackgroundView):
     def refresh(self, study: Study) -> None:
         design = self.session.full_design
         rpm = turned_shaft(self.session.full_study, NO_WHEEL).speed_rpm * np.linspace(LEAST, MOST, COUNT)
-        self.curves = None
+        self.curves = self.pinned = None
         self.bar.show()
-        self._work.start([(design, partial(at_speeds, design, rpm))])
+        jobs = [("", partial(at_speeds, design, rpm))]
+        pinned, front = self.pins.full_study, self.pins.front
+        with suppress(KindynaError):  # the variant has no shaft that turns
+            if pinned is not None and front is not None and turned_shaft(pinned, NO_WHEEL):
+                jobs.append((front.name, partial(at_speeds, front.design, rpm)))
+        self._work.start(jobs)
 
-    def _show_result(self, design: object, result: AgainstSpeed | KindynaError | Cancelled) -> None:
+    def _show_result(self, variant: str, result: AgainstSpeed | KindynaError | Cancelled) -> None:
+        """Show the result of the current design, or of the pinned variant with this name."""
         self.bar.hide()
         if isinstance(result, AgainstSpeed):
-            self.curves = result
-            self._draw(result)
-        elif isinstance(result, KindynaError):
+            if variant:
+                self.pinned = result
+            else:
+                self.curves = result
+            if self.curves is not None:
+                self._draw(self.curves, self.pinned, variant)
+        elif isinstance(result, KindynaError) and not variant:
             for plot in (self.torque, self.fluctuation):
                 plot.show_message("")
             self.torque.show_message(reason(self.session.full_design, result))
 
-    def _draw(self, curves: AgainstSpeed) -> None:
+    def _draw(self, curves: AgainstSpeed, pinned: AgainstSpeed | None, variant: str) -> None:
         shaft = self.session.full_design.camshaft
         self.answer.setText(speed_text(curves, shaft.speed_rpm, shaft.speed_fluctuation))
         present = ((shaft.speed_rpm, "now"),)
-        display_unit = readable("N·m", float(np.abs(curves.peak).max()))
+        lines = _torque_lines(curves)
+        lines += reference_lines(_torque_lines(pinned), variant) if pinned is not None else []
+        display_unit = readable("N·m", max(float(np.nanmax(np.abs(line.y), initial=0.0)) for line in lines))
         self.torque.name_axes(SPEED, f"Torque, {display_unit.symbol}")
-        has_motor_curve = bool(np.any(curves.motor_peak != curves.peak))
-        rows = [("Peak", curves.peak, VERMILION), ("RMS", curves.rms, BLUE), ("Mean", curves.mean, GREEN)]
-        rows += [("Motor peak", curves.motor_peak, SCREEN.ink)] if has_motor_curve else []
-        self.torque.show_lines(
-            [Line(curves.rpm, y / display_unit.size, colour, name) for name, y, colour in rows], present
-        )
+        self.torque.show_lines([replace(line, y=line.y / display_unit.size) for line in lines], present)
         if np.isfinite(curves.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
             allowed = 100.0 * shaft.speed_fluctuation
             ends = Line(curves.rpm[[0, -1]], np.full(2, allowed), SCREEN.limit, "allowed")
-            reached = Line(curves.rpm, 100.0 * curves.fluctuation, SCREEN.family("speed"), "reached")
+            others = reference_lines(_fluctuation_lines(pinned), variant) if pinned is not None else []
             self.fluctuation.show_lines(
-                [reached, ends], present, note="the motor stalls" if np.isnan(curves.fluctuation).any() else ""
+                [*_fluctuation_lines(curves), ends, *others],
+                present,
+                note="the motor stalls" if np.isnan(curves.fluctuation).any() else "",
             )
         else:
             self.fluctuation.show_message("The motor stalls at all these speeds.")
@@ -213,6 +239,21 @@ class AgainstSpeedView(BackgroundView):
     def _stop_work(self) -> None:
         super()._stop_work()
         self.bar.hide()
+
+
+def _torque_lines(curves: AgainstSpeed) -> list[Line]:
+    """Curves of the torque over the speed [N m]; that of the motor where it differs."""
+    rows = [("Peak", curves.peak, VERMILION), ("RMS", curves.rms, BLUE), ("Mean", curves.mean, GREEN)]
+    has_motor_curve = bool(np.any(curves.motor_peak != curves.peak))
+    rows += [("Motor peak", curves.motor_peak, SCREEN.ink)] if has_motor_curve else []
+    return [Line(curves.rpm, y, colour, name) for name, y, colour in rows]
+
+
+def _fluctuation_lines(curves: AgainstSpeed) -> list[Line]:
+    """Curve of the speed fluctuation [%]; none where the motor stalls at all speeds."""
+    if not np.isfinite(curves.fluctuation).any():
+        return []
+    return [Line(curves.rpm, 100.0 * curves.fluctuation, SCREEN.family("speed"), "reached")]
 
 
 # -- torque view -----------------------------------------------------------------------------------------

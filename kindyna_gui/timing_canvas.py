@@ -40,6 +40,7 @@ from kindyna_gui.pictures.paper.timing_chart import (
     AXES,
     DEGREES,
     ChartHighlights,
+    Reference,
     TimingChart,
     accessible_text,
     event_text,
@@ -186,6 +187,7 @@ class TimingCanvas(QWidget):
         self._put = put
         self.setAccessibleName("Timing chart")
         self._design: Design | None = None
+        self._reference: Reference | None = None
         self._chart: TimingChart | None = None
         self.unit = DEGREES
         self.chosen, self.row = -1, -1
@@ -210,8 +212,10 @@ class TimingCanvas(QWidget):
 
     # -- drawing --------------------------------------------------------------------------------------------
 
-    def show_design(self, design: Design | None) -> None:
-        """Show a design; None: none. The chart is kept if the design differs only in parts that are not drawn here."""
+    def show_design(self, design: Design | None, reference: Reference | None = None) -> None:
+        """Show a design, None: none, and another one dashed. The chart is kept where only parts differ that it does not show."""
+        if reference != self._reference:
+            self._reference, self._chart = reference, None
         if design is not self._design:
             if _chart_content(design) != _chart_content(self._design):
                 self._chart = None
@@ -241,7 +245,9 @@ class TimingCanvas(QWidget):
         assert self._design is not None
         chart = self._chart
         if chart is None or (chart.width, chart.height) != (self.width(), self.height()):
-            chart = self._chart = TimingChart(self._design, self.width(), self.height(), self.unit, SCREEN)
+            chart = self._chart = TimingChart(
+                self._design, self.width(), self.height(), self.unit, SCREEN, self._reference
+            )
         return chart
 
     @property

@@ -33,6 +33,7 @@ from core.design import (
     with_timing,
 )
 from core.study import Study
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import UnitLabel
 from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_list
@@ -276,6 +277,8 @@ class TimingView(View):
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
+        self.pins = Pins.of(session)
+        self.pins.changed.connect(self.invalidate)
         self.canvas = TimingCanvas(self._put)
         self._content_key: tuple[TimingChart, int, bool] | None = None
         self.rows = TimingRows()
@@ -343,7 +346,7 @@ class TimingView(View):
         design, canvas = self._design, self.canvas
         canvas.chosen = self.session.chosen if self.session.has_several_drives else -1
         canvas.row = min(canvas.row, len(design.timing) - 1)
-        canvas.show_design(design)
+        canvas.show_design(design, self.pins.named_design)
         content = canvas.chart, canvas.row, canvas.chosen < 0
         if content == self._content_key:
             return
@@ -487,4 +490,4 @@ class TimingView(View):
     def picture(self, ending: str) -> bytes:
         from kindyna_gui.pictures.paper.timing_chart import timing_file
 
-        return timing_file(self._design, ending, self.canvas.unit, self.canvas.pair)
+        return timing_file(self._design, ending, self.canvas.unit, self.canvas.pair, self.pins.named_design)

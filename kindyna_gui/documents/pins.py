@@ -204,6 +204,11 @@ class Pins(QObject):
         """The variant that the design is compared with."""
         return self.rows[-1] if self.rows else None
 
+    @property
+    def named_design(self) -> tuple[Design, str] | None:
+        """The full design and the name of the variant that the design is compared with."""
+        return None if self.front is None else (self.front.design, self.front.name)
+
     def pin(self, design: Design, name: str = "") -> Pin:
         """Pin a design; the oldest variant is removed where there are three."""
         self._number += 1

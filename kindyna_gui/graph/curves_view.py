@@ -616,9 +616,8 @@ class CurvesView(View):
 
         width, height = max(self.plot.width(), 480), max(self.plot.height(), 320)
         name = self.graph.title or self.session.full_design.name
-        return graph_file(
-            GraphImage(self.graph, self.data, ending, width, height, name), self.plot.shown, self.plot.bands
-        )
+        image = GraphImage(self.graph, self.data, ending, width, height, name)
+        return graph_file(image, self.plot.shown, self.plot.bands, self.plot.reference)
 
     def export_picture(self) -> None:
         """Ask for a file, and write the graph to it as an image."""

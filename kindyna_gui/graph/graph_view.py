@@ -346,8 +346,7 @@ class GraphView(PlotsView):
         shown = [row for row in rows if row]
         if not shown:
             return super().picture(ending)
-        bands = self.bands.read([channel for row in shown for channel in row])
-        return FORMS[self.form].file(self.session.study, shown, ending, self.marks.isChecked(), bands)
+        return FORMS[self.form].file(self.session.study, shown, ending, self.marks.isChecked(), self.companions)
 
     def export_picture(self) -> None:
         """Ask for a file, and write the plots to it as an image."""

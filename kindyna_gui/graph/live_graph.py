@@ -11,8 +11,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
-from core.output.graph import Graph, GraphData, GraphPoint, point_at
-from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, Dashed, GraphPlot
+from core.output.graph import GraphPoint, point_at
+from kindyna_gui.pictures.plots.graph import GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import GraphRange, narrowed, shifted, zoomed
 from kindyna_gui.pictures.plots.mouse import PlotMouse
 
@@ -43,22 +43,11 @@ class LiveGraph(PlotMouse, GraphPlot):
         self.setToolTip(TIP)
         self._wheel = QTimer(self, singleShot=True, interval=WHEEL_MS)
 
-    def show_graph(
-        self,
-        graph: Graph,
-        data: GraphData,
-        keep: bool = False,
-        message: str = "",
-        bands: Bands = NO_CHANNEL_BANDS,
-        reference: Dashed | None = None,
-    ) -> None:
-        before = self.shown
-        super().show_graph(graph, data, keep and bool(self._past), message, bands, reference)
-        if self.shown != before:
-            self._past.clear()
-            self.let_go()  # the graph under the mouse has changed
-            self.show_rubber(None)
-            self.part_changed.emit()
+    def range_replaced(self) -> None:
+        self._past.clear()
+        self.let_go()  # the graph under the mouse has changed
+        self.show_rubber(None)
+        self.part_changed.emit()
 
     # -- visible part ---------------------------------------------------------------------------------------
 

@@ -278,8 +278,7 @@ class PlotView(PlotsView):
         self.pull()
         if self.shows_all_drives:
             return super().picture(ending)
-        bands = self.bands.read(self.rows)
-        return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked(), bands)
+        return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked(), self.companions)
 
 
 # -- stack of plots --------------------------------------------------------------------------------------
@@ -346,5 +345,4 @@ class StackView(PlotsView):
 
         self.pull()
         drawn = [rows for rows in self._drawn.values() if rows]
-        bands = self.bands.read([row for rows in drawn for row in rows])
-        return curves_file(self.session.study, drawn, ending, self.marks.isChecked(), bands)
+        return curves_file(self.session.study, drawn, ending, self.marks.isChecked(), self.companions)

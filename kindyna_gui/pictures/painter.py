@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from math import radians
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
@@ -25,7 +25,7 @@ from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.parts import EVERY_LAYER
 from kindyna_gui.pictures.drawing.polygons import PolygonSheet, velocity_box, velocity_diagram
-from kindyna_gui.pictures.plots.curves import NO_BANDS, CurvePlot
+from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.quantities import channel_extremes, quantities_for, without_equal_curves
 from kindyna_gui.pictures.style import LIGHT, Theme
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 
 Paint = Callable[[QPainter], None]
+Companions = Callable[[Sequence[Quantity]], Mapping[str, Any]]
+"""Quantities of a plot -> bands and pinned variant, as arguments of ``set_curves``."""
 MARGIN = 8  # around the plots, pixels
 RATIO = 2.0  # dots per pixel of a PNG
 PNG_QUALITY = 70  # of Qt's 0 ... 100: zlib's level 3 instead of the default 6
@@ -160,6 +162,11 @@ class MechanismSheet(QGraphicsView):
         self.scale(scale, -scale)
 
 
+def no_companions(rows: Sequence[Quantity]) -> Mapping[str, Any]:
+    """Return nothing: the plot shows the design alone."""
+    return {}
+
+
 class PlotStack(PaperSheet):
     """Stack of plots over one cam angle, with names of segments along the top and angles along the bottom.
 
@@ -173,8 +180,8 @@ class PlotStack(PaperSheet):
         Error of the curves that is allowed [pixels]; 0 draws every point.
     marks : bool
         Mark the extremes.
-    bands : mapping of str to ndarray (5, n)
-        Column of a channel -> percentiles of the machines, drawn as shaded bands.
+    companions : callable
+        Quantities of a plot -> what is drawn next to them, as arguments of ``set_curves``.
     """
 
     def __init__(
@@ -184,7 +191,7 @@ class PlotStack(PaperSheet):
         theme: Theme,
         unseen: float = 0.0,
         marks: bool = True,
-        bands: Mapping[str, np.ndarray] = NO_BANDS,
+        companions: Companions = no_companions,
     ) -> None:
         super().__init__(theme)
         column = fill(QVBoxLayout(self), margins=MARGIN, spacing=4)
@@ -193,7 +200,7 @@ class PlotStack(PaperSheet):
             plot = CurvePlot(self, names=index == 0, angles=index == len(rows) - 1, theme=theme)
             if marks:
                 plot.text_room = TEXT_ROOM
-            fill_plot(plot, study, row, unseen, marks, bands)
+            fill_plot(plot, study, row, unseen, marks, companions)
             column.addWidget(plot)
             self.plots.append(plot)
         self.resize(PLOT_WIDTH, max(PLOT_HEIGHT * len(rows), LEAST_HEIGHT) + PLOT_EDGES)
@@ -205,11 +212,11 @@ def fill_plot(
     row: Sequence[Quantity],
     unseen: float,
     marks: bool,
-    bands: Mapping[str, np.ndarray],
+    companions: Companions,
 ) -> None:
     """Draw the quantities of one plot for a file; parameters as for `PlotStack`."""
     plot.unseen = unseen
-    plot.set_curves(study, row, bands=bands)
+    plot.set_curves(study, row, **companions(row))
     plot.show_extremes(channel_extremes(study, row) if marks else None)
     plot.show_cursor(False)
 
@@ -250,7 +257,7 @@ def curves_file(
     rows: Sequence[Sequence[Quantity]],
     ending: str,
     marks: bool = True,
-    bands: Mapping[str, np.ndarray] = NO_BANDS,
+    companions: Companions = no_companions,
     sheet: Callable[..., PaperSheet] = PlotStack,
 ) -> bytes:
     """Plots over one turn as a file, ``.png`` or ``.svg``; parameters as for `PlotStack`.
@@ -261,7 +268,7 @@ def curves_file(
         Where a quantity has no solution.
     """
     unseen = 0.0 if ending == ".svg" else UNSEEN / RATIO
-    return widget_file(sheet(study, rows, paper_theme(ending), unseen, marks, bands), ending, study.design.name)
+    return widget_file(sheet(study, rows, paper_theme(ending), unseen, marks, companions), ending, study.design.name)
 
 
 MOTION = (("displacement",), ("velocity",), ("acceleration",), ("jerk",))

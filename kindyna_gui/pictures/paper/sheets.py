@@ -14,7 +14,6 @@ from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from PySide6.QtCore import (
     QBuffer,
     QByteArray,
@@ -65,16 +64,17 @@ from core.study import Quantity, Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import (
     MARGIN,
+    Companions,
     PaperSheet,
     curves_file,
     fill_plot,
+    no_companions,
     paint_on,
     paper_theme,
     svg_bytes,
     widget_file,
 )
-from kindyna_gui.pictures.plots.curves import NO_BANDS
-from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, GraphPlot
+from kindyna_gui.pictures.plots.graph import NO_CHANNEL_BANDS, Bands, Dashed, GraphPlot
 from kindyna_gui.pictures.plots.graph_ranges import GraphRange
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.xy import XYPlot
@@ -315,8 +315,8 @@ class PolarSheet(PaperSheet):
         Allowed deviation of the drawn curves; 0 draws every point.
     marks : bool
         Mark the extremes.
-    bands : mapping of ndarray
-        Shaded bands, as in `PolarPlot.set_curves`.
+    companions : callable
+        Quantities of a plot -> what is drawn next to them, as arguments of `PolarPlot.set_curves`.
     """
 
     def __init__(
@@ -326,7 +326,7 @@ class PolarSheet(PaperSheet):
         theme: Theme,
         unseen: float = 0.0,
         marks: bool = True,
-        bands: Mapping[str, np.ndarray] = NO_BANDS,
+        companions: Companions = no_companions,
     ) -> None:
         super().__init__(theme)
         grid = QGridLayout(self)
@@ -334,7 +334,7 @@ class PolarSheet(PaperSheet):
         columns = math.ceil(math.sqrt(len(rows)))
         for number, row in enumerate(rows):
             plot = PolarPlot(self, theme)
-            fill_plot(plot, study, row, unseen, marks, bands)
+            fill_plot(plot, study, row, unseen, marks, companions)
             grid.addWidget(plot, number // columns, number % columns)
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
 
@@ -480,12 +480,17 @@ def _words(value: object) -> str:
 PIXEL = 0.26  # mm of paper per pixel
 
 
-def graph_file(picture: GraphImage, shown: GraphRange | None = None, bands: Bands = NO_CHANNEL_BANDS) -> bytes:
-    """Write a graph as PNG, SVG or PDF; ``shown`` is the visible part, None for all, ``bands`` as in ``show_graph``."""
+def graph_file(
+    picture: GraphImage,
+    shown: GraphRange | None = None,
+    bands: Bands = NO_CHANNEL_BANDS,
+    reference: Dashed | None = None,
+) -> bytes:
+    """Write a graph as PNG, SVG or PDF; ``shown`` is the visible part, None for all, the others as in ``show_graph``."""
     ensure_app(offscreen=True)
     plot = GraphPlot(theme=paper_theme(picture.ending))
     plot.resize(picture.width, picture.height)
-    plot.show_graph(picture.graph, picture.data, bands=bands)
+    plot.show_graph(picture.graph, picture.data, bands=bands, reference=reference)
     plot.grab()  # the axes compute their sizes
     plot.show_range(shown or plot.shown)
     if picture.ending != ".pdf":

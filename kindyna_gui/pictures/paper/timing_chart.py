@@ -6,6 +6,7 @@ Lengths are in pixels from the upper left corner, angles in degrees. The window 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from math import hypot
@@ -33,6 +34,7 @@ from core.output.timing import ENDINGS, MotionBand, bands, events_csv
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import paint_on, png_bytes
 from kindyna_gui.pictures.paper.sheets import FILES, UNITS_PER_MM
+from kindyna_gui.pictures.plots.lines import DASHED_MARK
 from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, Theme, brush, font, rgb
 from kindyna_gui.pictures.units import brief, digits, short, ticks, typed, with_unit
 from kindyna_gui.settings import sized
@@ -80,6 +82,25 @@ class ChartHighlights:
     link: tuple[tuple[int, int], QPointF] | None = None
 
 
+Reference = tuple[Design, str]
+"""Another design, and its name in the legend."""
+
+
+def _pairs_of_bands(design: Design, reference: Reference | None) -> list[tuple[MotionBand, MotionBand | None]]:
+    """Bands of a design, each with that of its drive in another design; the larger of two strokes fills the band."""
+    others = () if reference is None else bands(reference[0])
+    named = {band.name: band for band in others if band.joins}
+    if len(design.drives) == len(others) == 1:  # its name is that of the design
+        named = {bands(design)[0].name: others[0]} if others[0].joins else {}
+    rows: list[tuple[MotionBand, MotionBand | None]] = []
+    for band in bands(design):
+        other = named.get(band.name) if band.joins else None
+        if other is not None and other.unit == band.unit and (most := max(band.stroke, other.stroke)) > 0.0:
+            band, other = (replace(row, level=row.level * (row.stroke / most)) for row in (band, other))
+        rows.append((band, other))
+    return rows
+
+
 def accessible_text(design: Design) -> str:
     """Text for screen readers: the angles at which each drive moves."""
     rows = []
@@ -90,11 +111,33 @@ def accessible_text(design: Design) -> str:
 
 
 class TimingChart:
-    """Timing chart of a design; ``unit`` is the unit of the axis, a key of ``AXES``."""
+    """Timing chart of a design.
 
-    def __init__(self, design: Design, width: float, height: float, unit: str, theme: Theme) -> None:
+    Parameters
+    ----------
+    design : Design
+    width, height : float [pixels]
+    unit : str
+        Unit of the axis, a key of ``AXES``.
+    theme : Theme
+    reference : Reference, optional
+        A second design, whose motions are drawn dashed in the bands of the drives with their names.
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        width: float,
+        height: float,
+        unit: str,
+        theme: Theme,
+        reference: Reference | None = None,
+    ) -> None:
         self.design, self.width, self.height, self.unit, self.theme = design, width, height, unit, theme
-        self.bands: tuple[MotionBand, ...] = bands(design)
+        rows = _pairs_of_bands(design, reference)
+        self.bands: tuple[MotionBand, ...] = tuple(band for band, _ in rows)
+        self.dashed: dict[int, MotionBand] = {i: band for i, (_, band) in enumerate(rows) if band is not None}
+        self.reference_name = reference[1] if reference is not None and self.dashed else ""
         self.distances: tuple[TimingDistance, ...] = distances(design)
         self._arrows: dict[int, list[list[QPointF]]] = {}
         self._metrics = QFontMetricsF(font(SMALL))
@@ -102,7 +145,7 @@ class TimingChart:
         widest = max(map(QFontMetricsF(font(SMALL, bold=True)).horizontalAdvance, names), default=0.0)
         self.left = min(widest, sized(NAMES)) + 22.0
         self.right = max(width - EDGE, self.left + 36.0)
-        self.footer_height = sized(BOTTOM if height >= LOW else NUMBERS)
+        self.footer_height = sized(BOTTOM if height >= LOW or self.reference_name else NUMBERS)
         self.band_height = max((height - TOP - self.footer_height) / max(len(self.bands), 1), 12.0)
         self._room = sized(ROOM) if self.band_height >= sized(LOW_BAND) else 4.0
 
@@ -289,9 +332,12 @@ class TimingChart:
             return
         name = "Machine angle [°]" if self.unit == DEGREES else f"Time [ms] at {short(self.design.speed_rpm)} rpm"
         painter.setPen(QColor(theme.quiet))
-        painter.drawText(
-            QRectF(self.left, bottom + 17.0, self.right - self.left, 15.0), Qt.AlignmentFlag.AlignCenter, name
-        )
+        row = QRectF(self.left, bottom + 17.0, self.right - self.left, 15.0)
+        painter.drawText(row, Qt.AlignmentFlag.AlignCenter, name)
+        if self.reference_name:
+            free = (row.width() - self._metrics.horizontalAdvance(name)) / 2.0 - 8.0
+            text = self._metrics.elidedText(f"{DASHED_MARK} {self.reference_name}", Qt.TextElideMode.ElideRight, free)
+            painter.drawText(row, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
 
     def _paint_band(self, painter: QPainter, index: int, selected: bool) -> None:
         theme, band, box, colour = self.theme, self.bands[index], self.box(index), self.theme.drive(index)
@@ -313,12 +359,17 @@ class TimingChart:
         painter.setPen(self._pen(theme.faint))
         for angle in band.joins:
             painter.drawLine(QPointF(self.x(angle), box.top() + 2.0), QPointF(self.x(angle), box.bottom() - 2.0))
-        painter.setPen(self._pen(colour, 2.0 if selected else OUTLINE))
+        if index in self.dashed:
+            self._paint_curve(painter, index, self.dashed[index], self._pen(colour, THIN, DASHED))
+        self._paint_curve(painter, index, band, self._pen(colour, 2.0 if selected else OUTLINE))
+        self._paint_strokes(painter, index)
+
+    def _paint_curve(self, painter: QPainter, index: int, band: MotionBand, pen: QPen) -> None:
         changes = np.diff(band.level, 1, prepend=np.nan, append=np.nan) != 0.0  # a dwell needs its ends only
         needed = changes[:-1] | changes[1:]
         x, y = self.x(band.angles[needed]), self.y(index, band.level[needed])
+        painter.setPen(pen)
         painter.drawPolyline(QPolygonF(list(map(QPointF, x.tolist(), y.tolist()))))
-        self._paint_strokes(painter, index)
 
     def _paint_strokes(self, painter: QPainter, index: int) -> None:
         """Write names such as ``rise 1  64°`` along the upper edge of a band, shortened to the length of the stroke."""
@@ -418,11 +469,11 @@ class TimingChart:
 
     @cached_property
     def _curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Curves of all bands as points closer than any text."""
+        """Curves of all bands, the dashed ones included, as points closer than any text."""
         angles = np.linspace(0.0, 360.0, 721)
         return [
             (self.x(angles), self.y(i, np.interp(angles, band.angles, band.level)))
-            for i, band in enumerate(self.bands)
+            for i, band in (*enumerate(self.bands), *self.dashed.items())
             if band.joins
         ]
 
@@ -501,8 +552,27 @@ TITLE, FILE_LINE = 46.0, 15.0  # heights of the title and of a line of the list
 DOTS = 2.0  # dots of a PNG per pixel
 
 
-def timing_file(design: Design, ending: str, unit: str = DEGREES, pair: Sequence[int] = ()) -> bytes:
-    """Write the chart as a file with an ending of ``ENDINGS``; ``pair`` are two drives whose overlap is shaded."""
+def timing_file(
+    design: Design, ending: str, unit: str = DEGREES, pair: Sequence[int] = (), reference: Reference | None = None
+) -> bytes:
+    """Write the chart as a file.
+
+    Parameters
+    ----------
+    design : Design
+    ending : str
+        One of ``ENDINGS``.
+    unit : str
+        Unit of the axis.
+    pair : sequence of int
+        Two drives whose overlap is shaded, or none.
+    reference : Reference, optional
+        A second design, drawn dashed.
+
+    Returns
+    -------
+    bytes
+    """
     assert ending in ENDINGS
     if ending == ".csv":
         return events_csv(design).encode()
@@ -510,7 +580,7 @@ def timing_file(design: Design, ending: str, unit: str = DEGREES, pair: Sequence
     height = _chart_height(design) + TITLE + FILE_LINE * (len(design.timing) + (len(pair) == 2)) + 2.5 * MARGIN
 
     def paint(scale: float) -> Callable[[QPainter], None]:
-        return lambda painter: _paint(painter, design, unit, tuple(pair), scale)
+        return lambda painter: _paint(painter, design, unit, tuple(pair), reference, scale)
 
     if ending == ".png":
         image = QImage(round(WIDTH * DOTS), round(height * DOTS), QImage.Format.Format_RGB32)
@@ -520,10 +590,12 @@ def timing_file(design: Design, ending: str, unit: str = DEGREES, pair: Sequence
     return FILES[ending](design.name, description, WIDTH * PIXEL, height * PIXEL, paint(PIXEL * UNITS_PER_MM))
 
 
-def _paint(painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], scale: float) -> None:
+def _paint(
+    painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], reference: Reference | None, scale: float
+) -> None:
     """Paint the page; ``scale`` is the number of device units per pixel."""
     theme = LIGHT
-    chart = TimingChart(design, WIDTH - 2.0 * MARGIN, _chart_height(design), unit, theme)
+    chart = TimingChart(design, WIDTH - 2.0 * MARGIN, _chart_height(design), unit, theme, reference)
     lines = _lines(design, pair, chart)
     painter.scale(scale, scale)
     painter.setRenderHint(QPainter.RenderHint.TextAntialiasing)

@@ -89,6 +89,7 @@ class GraphPlot(FixedPlot):
     shown : range that is shown
     points : points that are marked, at most two
     bands : bands of the curves
+    reference : curves of another design and its name; None: no other design
     references : number of a curve -> that of another design, drawn dashed
     """
 
@@ -100,6 +101,7 @@ class GraphPlot(FixedPlot):
         self.bands = NO_CHANNEL_BANDS
         self._items: list[pg.PlotDataItem] = []
         self._areas: list[tuple[pg.ViewBox, Outline]] = []
+        self.reference: Dashed | None = None
         self.references: dict[int, Series] = {}
         self._right_axes: list[tuple[Axis, pg.ViewBox]] = []
         self._slots: list[int] = []
@@ -151,7 +153,7 @@ class GraphPlot(FixedPlot):
         graph : Graph
         data : GraphData
         keep : bool
-            Keep the range that is shown where the axes are the same.
+            Keep the part that the user has chosen where the axes are the same.
         message : str
             Text in place of curves where there are none.
         bands : mapping of int to (x, percentiles)
@@ -161,6 +163,7 @@ class GraphPlot(FixedPlot):
         """
         same = (
             keep
+            and self.can_go_back
             and [(a.side, a.unit) for a in data.axes] == [(a.side, a.unit) for a in self.data.axes]
             and bool(data.series)
         )
@@ -171,7 +174,7 @@ class GraphPlot(FixedPlot):
             item.getViewBox().removeItem(item)
         for view, area in self._areas:
             view.removeItem(area)
-        self.bands = bands
+        self.bands, self.reference = bands, reference
         self._slots = self._assign_slots()
         for _, view in self._right_axes:
             view.setGeometry(self._view.geometry())
@@ -189,10 +192,21 @@ class GraphPlot(FixedPlot):
         self._fit_legend()
         self.points = tuple(point for point in self.points if point.series < len(data.series))
         self._describe()
+        before = self.shown
         if same:
-            self.show_range(self.shown)
+            self.show_range(before)
         else:
             self.fit()
+        if self.shown != before:
+            self.range_replaced()
+
+    @property
+    def can_go_back(self) -> bool:
+        """Whether the user has chosen the part that is shown; on paper never."""
+        return False
+
+    def range_replaced(self) -> None:
+        """Act on another visible part, shown because the curves have changed; on paper nothing depends on it."""
 
     def _describe(self) -> None:
         """Set name and, where a screen reader is active, description."""

@@ -380,18 +380,24 @@ class XYPlot(FixedPlot):
             return self._theme.family(curve.family)
         return self._theme.ink if is_single_row else ROWS[curve.row % len(ROWS)]
 
-    def show_plot(self, plot: Plot) -> None:
-        """Draw a plot that the core describes."""
+    def show_plot(self, plot: Plot, reference: Plot | None = None, reference_name: str = "") -> None:
+        """Draw a plot that the core describes, and dashed the solid curves of the same plot of another design."""
         self.name_axes(plot.across, plot.upwards)
-        is_single_row = len({curve.row for curve in plot.curves}) == 1
+        others = [line for line in self._lines_of(reference) if not line.dash] if reference is not None else []
         self.show_lines(
-            [Line(c.x, c.y, self._colour(c, is_single_row), c.label, DASHED if c.dashed else ()) for c in plot.curves],
+            [*self._lines_of(plot), *reference_lines(others, reference_name)],
             plot.marks,
             note=plot.note,
             alike=plot.alike,
             fit=plot.fit,
             quiet=plot.quiet,
         )
+
+    def _lines_of(self, plot: Plot) -> list[Line]:
+        is_single_row = len({curve.row for curve in plot.curves}) == 1
+        return [
+            Line(c.x, c.y, self._colour(c, is_single_row), c.label, DASHED if c.dashed else ()) for c in plot.curves
+        ]
 
     @staticmethod
     def _range(values: np.ndarray, square: bool, tight: bool = False, fit: bool = False) -> tuple[float, float]:

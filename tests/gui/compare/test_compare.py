@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction
@@ -13,6 +14,7 @@ from core import project
 from core.design import get, only, put
 from core.output.channels import channels
 from core.output.explain import explained
+from core.shaft import rms
 from core.study import Study, evaluations
 from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.dialogs import SaveAnswer
@@ -24,7 +26,8 @@ from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.places import example
-from kindyna_gui.shaft import ShaftTorqueView
+from kindyna_gui.shaft import AgainstSpeedView, ShaftTorqueView
+from kindyna_gui.timing_view import TimingView
 from kindyna_gui.view import ExplainableNumber
 
 BASE = "cam.base_radius_mm"
@@ -169,6 +172,78 @@ def test_both_variants_are_in_every_plot(open_user: Open) -> None:
         user.see(name)
     assert "variant" not in motion.diagram.legend.text + curves.plot.legend.text + drives.legend.text
     assert not any(dashed(plot) for plot in stack.plots.values())
+
+
+PICTURES = {
+    "torque": "Torque",
+    "stack": "Motion and pressure angle",
+    "graph": "Graph",
+    "curves": "Curves",
+    "timing": "Timing",
+}
+"""View -> its entry in the menu Export picture."""
+
+
+def exported(user: User, name: str, to: Path) -> str:
+    """The picture of a view, exported by the menu."""
+    user.picks("picture_to_save", to)
+    user.see(name)
+    user.choose("Graph", "Export picture", f"{PICTURES[name]}...")
+    return to.read_text("utf-8")
+
+
+def test_both_variants_are_in_pictures_that_are_exported(open_user: Open, tmp_path: Path) -> None:
+    """Until another design is opened; also from the menu of the timing chart while its view is closed."""
+    user, _ = pinned_unit(open_user)
+    user.picks("timing_to_save", tmp_path / "closed.svg")
+    user.choose("File", "Export", "Timing chart...")
+    assert "variant 1" in (tmp_path / "closed.svg").read_text("utf-8")
+    for name in PICTURES:
+        picture = exported(user, name, tmp_path / f"{name}.svg")
+        assert "variant 1" in picture, name
+        assert "stroke-dasharray" in picture, name
+    graph = user.window.view("graph")
+    assert isinstance(graph, GraphView)
+    graph.set_form("polar")
+    assert "variant 1" in exported(user, "graph", tmp_path / "polar.svg")
+    user.answers(SaveAnswer.DISCARD)
+    user.window.open_design(example("transfer_lift"))
+    for name in PICTURES:
+        assert "variant" not in exported(user, name, tmp_path / f"{name}.svg"), name
+
+
+def test_the_timing_chart_has_both_variants_at_one_scale(open_user: Open) -> None:
+    user, _ = pinned_unit(open_user)
+    view = user.see("timing")
+    assert isinstance(view, TimingView)
+    chart = view.canvas.chart
+    assert chart.reference_name == "variant 1"
+    assert sorted(chart.dashed) == [0, 1, 2, 3]
+    feed, pinned = chart.bands[0], chart.dashed[0]
+    assert (feed.stroke, pinned.stroke) == pytest.approx((26.0, 24.0))
+    assert (feed.level.max(), pinned.level.max()) == pytest.approx((1.0, 24.0 / 26.0))
+    user.choose("Edit", "Unpin")
+    wait_for(lambda: view.up_to_date)
+    assert not view.canvas.chart.dashed
+
+
+def test_torque_against_speed_has_both_variants(open_user: Open) -> None:
+    user, _ = pinned_unit(open_user)
+    view = user.see("against_speed")
+    assert isinstance(view, AgainstSpeedView)
+    wait_for(lambda: not view.busy)
+    before, now = Study(project.load(example("transfer_unit"))).camshaft, user.session.shaft
+    for plot in (view.torque, view.fluctuation):
+        assert plot.legend.text.count("variant 1") == 1
+    lines = view.torque.shown
+    both = [lines[1], [line for line in lines if line.reference == "variant 1"][1]]
+    drawn, pinned = (np.interp(before.design.speed_rpm, line.x, line.y) for line in both)
+    assert lines[1].label == "RMS"
+    assert pinned / drawn == pytest.approx(rms(before.load) / rms(now.load), rel=1e-6)
+    assert pinned < drawn
+    user.choose("Edit", "Unpin")
+    wait_for(lambda: view.up_to_date and not view.busy)
+    assert "variant" not in view.torque.legend.text + view.fluctuation.legend.text
 
 
 def test_a_row_of_another_drive_selects_it_and_one_without_a_plot_goes_to_the_graph(open_user: Open) -> None:

@@ -108,3 +108,24 @@ def test_a_linear_motor_has_a_plot_of_its_force(open_user: Open, tmp_path: Path)
     study = user.session.study
     assert np.abs(cam[1][:-1] - study.shaft_torque).max() <= 1e-12
     assert np.abs(force[1][:-1] - servo_torque(study)).max() <= 1e-12 * np.abs(force[1]).max()
+
+
+def test_the_pinned_variant_is_next_to_cam_and_servo(open_user: Open, tmp_path: Path) -> None:
+    path = tmp_path / "rocker.toml"
+    path.write_text(example("rocker_cam").read_text("utf-8") + MOTOR, "utf-8")
+    user = open_user(path)
+    before = user.session.study
+    user.choose("Edit", "Pin this variant")
+    user.enter("servo.gear_ratio", "5")
+    view = user.see("servo")
+    assert isinstance(view, ServoView)
+    view.settle()
+    pinned = [line for line in view.torque.shown if line.reference == "variant 1"]
+    for line, known in zip(pinned, dynamics_of(before), strict=True):
+        assert np.abs(line.y[:-1] - known).max() <= 1e-12 * np.abs(known).max()
+    (points,) = (line for line in view.field.shown if line.reference)
+    assert np.abs(points.y[:-1] - servo_torque(before)).max() <= 1e-12
+    assert view.torque.legend.text.count("variant 1") == view.field.legend.text.count("variant 1") == 1
+    user.choose("Edit", "Unpin")
+    view = user.see("servo")
+    assert "variant" not in view.torque.legend.text + view.field.legend.text
