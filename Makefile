@@ -62,7 +62,7 @@ ifneq ($(VENV_HOME),$(CURDIR))
 .PHONY: .venv/.ready
 endif
 
-.PHONY: help run test test-web check bench bench-check stress fuzz soak wheel clean
+.PHONY: help run test test-web check docs bench bench-check stress fuzz soak wheel clean
 
 help:
 	@cat <<-'END'
@@ -70,6 +70,7 @@ help:
 	make test     run the tests (make test ARGS="-k profile" selects some)
 	make test-web the web page in a browser (installs Debian's chromium where it may)
 	make check    lint, import contracts, types
+	make docs     build the pages out/docs/index.html: guide, library, gallery, notebooks, tables
 	make bench    measure speed against error (out/bench; ARGS=--quick; ARGS=--readme: into help and README)
 	make bench-check  fail where a kernel is slower by its rival than its limit (tests/benchmarks/limits.json)
 	make stress   the long tests, and a search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
@@ -129,6 +130,16 @@ check: .venv/.ready
 	@.venv/bin/ruff format --check --quiet
 	.venv/bin/lint-imports --no-logo
 	.venv/bin/mypy
+
+.venv/.docs-packages: .venv/.ready
+	@echo "Installing the packages that the pages need"
+	.venv/bin/python -m pip install -qq --disable-pip-version-check --no-input -e '.[dev,docs]'
+	touch .venv/.docs-packages
+
+# Without bytecode, so that nothing is written but out/.
+docs: .venv/.docs-packages
+	@.venv/bin/python -B .ci/docs/build.py
+	@echo "The pages are in out/docs/index.html"
 
 # What the benchmark compares with. Where it cannot be had, its rows say so.
 .venv/.bench-packages: .venv/.ready

@@ -64,7 +64,21 @@ class AnyFault(Protocol):
 
 
 class KindynaError(Exception):
-    """Base of all errors for the user; ``str()`` gives one line per fault, ``faults`` lists wrong entries of a design."""
+    """Base of all errors for the user; ``str()`` gives one line per fault.
+
+    Attributes
+    ----------
+    faults : wrong entries of a design, each with its ``path`` and, by ``str()``, its sentence; empty for another error
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> try:
+    ...     kd.example("transfer_lift").edit({"cam.base_radius_mm": -1.0, "follower.rod_mm": 0.0})
+    ... except kd.KindynaError as error:
+    ...     print(sorted(fault.path for fault in error.faults))
+    ['cam.base_radius_mm', 'follower.rod_mm']
+    """
 
     faults: tuple[AnyFault, ...] = ()
 

@@ -125,6 +125,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
         "shortcuts": ("Shortcuts", _keys),
         "preferences": ("Preferences", _as_is),
         "fields": ("Fields of this design", _fields),
+        "python": ("From Python", _as_is),
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),
         "followers": ("Followers", _materials),

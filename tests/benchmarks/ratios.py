@@ -192,7 +192,7 @@ def _whole(told: Told) -> str:
         return ""
     count = "" if kernel.unit == "cam angles" else f", {kernel.usual} {kernel.unit}"
     lines = [
-        f"### {kernel.title}",
+        f"## {kernel.title}",
         "",
         f"Input of every method: {kernel.handed}. Computed beforehand when warm: {kernel.warm}.",
         "",
@@ -250,7 +250,7 @@ def _window(rows: Sequence[Row]) -> str:
         " whole process, divided by that of an empty window. Work of other threads is not included, nor work that waits until"
         " editing pauses, which has its own row. *Targets* gives milliseconds."
     )
-    lines = ["### In the window", "", text, ""]
+    lines = ["## In the window", "", text, ""]
     lines += _head(["what", "plots next to the drawing", "time"])
     for row in told:
         ratio = Ratio(row.times_bare, max(NOISE, row.noise))

@@ -180,7 +180,7 @@ def as_csv(targets: Sequence[Target]) -> str:
 
 
 HEAD = (
-    "### Targets",
+    "## Targets",
     "",
     "Targets of KINDYNA's design, and the values of this run on its machine: processor time, the least of several runs, in the"
     " window the median; errors relative to the largest value. The next run can differ by the noise above; another machine has"

@@ -263,7 +263,7 @@ def test_the_table_goes_between_its_markers_and_nowhere_else(tmp_path: Path) -> 
     assert page.count(ratios.BEGIN) == page.count(ratios.END) == 1
     whole = page.partition(ratios.BEGIN)[2].partition(ratios.END)[0]
     for kernel in KERNELS.values():
-        assert f"### {kernel.title}\n" in whole
+        assert f"## {kernel.title}\n" in whole
         assert f"| {kernel.title} |" in whole
     for name in measuring.WINDOW:
         assert f"| {name}: " in whole

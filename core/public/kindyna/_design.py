@@ -39,6 +39,15 @@ class Design:
 
     ``d[path]`` is the value at a path, spelled as in files: ``d["cam.base_radius_mm"]``, ``d["motion.segments[1].law"]``,
     ``d["linkage.links[2].points.B.x_mm"]``.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> d = kd.example("transfer_lift")
+    >>> d["cam.base_radius_mm"]
+    400.0
+    >>> d.edit({"cam.base_radius_mm": 430.0}).study().extreme("pressure_angle_deg")
+    Extreme(value=19.02..., angle_deg=305.7..., unit='°')
     """
 
     _design: CoreDesign
@@ -110,7 +119,18 @@ class Design:
         return Design(result)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the design to a file, whole or not at all. Raises KindynaError where it cannot be written."""
+        """Write the design to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, which ends with ``.toml``; a file of this name is replaced.
+
+        Raises
+        ------
+        KindynaError
+            It cannot be written.
+        """
         save(self._design, path_of(path))
 
     def study(self, samples: int = 360, drive: str = "") -> Study:
@@ -221,7 +241,18 @@ class Design:
         return ManyResult(inputs, value, angle_deg, reason)
 
     def compare(self, other: Design) -> dict[str, Any]:
-        """Return inputs that differ, results of both and their findings, as ``compare --json``."""
+        """Return inputs that differ, results of both and their findings, as ``compare --json``.
+
+        Parameters
+        ----------
+        other : Design
+            The second design.
+
+        Raises
+        ------
+        KindynaError
+            One of them has no solution.
+        """
         from json import loads as parsed
 
         from core.output.compare import compare_designs, compared_design, comparison_data
@@ -283,6 +314,17 @@ class Study(StudyResults["Design"]):
     """A design and what follows from it; each result is computed when it is first read.
 
     ``s[name]`` is a channel's values at the angles of the study, ndarray (n,) in the unit of its name; ``channels`` lists them.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> s = kd.example("transfer_lift").study(samples=720)
+    >>> s["drive_torque_nm"].shape
+    (720,)
+    >>> s.at([58.0, 59.0])["pressure_angle_deg"].round(3).tolist()
+    [17.59, 17.587]
+    >>> s.profile()[0].round(3).tolist()
+    [343.772, 327.79]
     """
 
 
@@ -296,6 +338,15 @@ class FindResult:
     reached : limit -> value reached with the answer
     curve : ndarray (n, 2), the varied value and what it reaches
     design : the design with the answer
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> f = kd.example("transfer_lift").find("base-radius", limits={"pressure_angle_return_deg": 20})
+    >>> f
+    <kindyna.FindResult cam.base_radius_mm = 378.458808>
+    >>> round(f.design.study().extreme("pressure_angle_deg").value, 6)
+    20.0
     """
 
     answer: Mapping[str, float]
@@ -313,12 +364,53 @@ class FindResult:
 
 
 def open(path: str | os.PathLike[str]) -> Design:
-    """Return the design in a file. Raises KindynaError where it cannot be read; ``faults`` lists all wrong entries."""
+    """Return the design in a file.
+
+    Parameters
+    ----------
+    path : str or path
+        A design file (``.toml``).
+
+    Raises
+    ------
+    KindynaError
+        It cannot be read; ``faults`` lists all wrong entries.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> kd.example("four_bar").save("four_bar.toml")
+    >>> kd.open("four_bar.toml") == kd.example("four_bar")
+    True
+    """
     return Design(load(path_of(path)))
 
 
 def design(table: Mapping[str, Any] | str) -> Design:
-    """Return the design in tables, with keys as in files, or in the text of a file. Raises KindynaError with all faults."""
+    """Return the design in tables, with keys as in files, or in the text of a file.
+
+    Parameters
+    ----------
+    table : mapping or str
+        Tables as nested mappings, or the text of a design file. The table that is present, ``follower``, ``linkage`` or ``drives``,
+        tells the kind of design; ``motion`` alone is a design too.
+
+    Raises
+    ------
+    KindynaError
+        Keys are unknown or missing, or values are out of their range; ``faults`` lists all of them.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> rise = {"law": "cycloidal", "span_deg": 180.0, "rise_mm": 20.0}
+    >>> segments = [rise, {**rise, "rise_mm": -20.0}]
+    >>> d = kd.design({"format": 1, "name": "Lift", "motion": {"start_mm": 0.0, "segments": segments}})
+    >>> d
+    <kindyna.Design motion: 'Lift'>
+    >>> round(d.study().extreme("displacement_mm").value, 9)
+    20.0
+    """
     if isinstance(table, str):
         return Design(loads(table))
     if not isinstance(table, Mapping):
@@ -327,7 +419,24 @@ def design(table: Mapping[str, Any] | str) -> Design:
 
 
 def example(slug: str) -> Design:
-    """Return an example by its name in ``examples()``. Raises KeyError."""
+    """Return an example.
+
+    Parameters
+    ----------
+    slug : str
+        Its name in ``examples()``.
+
+    Raises
+    ------
+    KeyError
+        There is no such example; the text names the nearest.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> kd.example("rocker_cam")
+    <kindyna.Design oscillating: 'Rocker with a roller'>
+    """
     rows = {row.file: row.path for _, examples in subjects() for row in examples}
     if text("slug", slug) not in rows:
         raise unknown("example", slug, rows)
@@ -335,5 +444,12 @@ def example(slug: str) -> Design:
 
 
 def examples() -> dict[str, str]:
-    """Return name -> title of all examples, in the order of the window's menu."""
+    """Return name -> title of all examples, in the order of the window's menu.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> kd.examples()["transfer_lift"]
+    'Transfer lift'
+    """
     return {row.file: row.name for _, rows in subjects() for row in rows}

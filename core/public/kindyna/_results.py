@@ -28,6 +28,15 @@ class Channel:
     table : file that ``export`` writes it to
     stage : stage of the study that computes it
     equation, source : its equation as the report prints it, and where it is from; empty for an angle
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> c = kd.example("transfer_lift").study().channels["drive_torque_nm"]
+    >>> c.label, c.unit, c.table
+    ('Cam torque', 'N·m', 'dynamics.csv')
+    >>> c.equation, c.source
+    ('T_c = -d (C × F_c (n + μ v̂))', 'Shin1995 (27)')
     """
 
     name: str
@@ -51,6 +60,12 @@ class Extreme:
     value : in the unit of the channel; infinite where the quantity grows without limit
     angle_deg : cam, driver or machine angle at which it is reached
     unit : symbol of the unit
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> kd.example("transfer_lift").study().extreme("drive_torque_nm", of="abs")
+    Extreme(value=7510.8..., angle_deg=302.72..., unit='N·m')
     """
 
     value: float
@@ -72,6 +87,16 @@ class Finding:
     field : path of the input that remedies it
     angle_deg : angle of the worst value, None where it concerns the full turn
     message : subject, value, limit and remedy in one sentence
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> d = kd.example("transfer_lift").edit({"limits.pressure_angle_return_deg": 15.0})
+    >>> finding = d.findings[0]
+    >>> finding.severity, finding.code
+    ('warning', 'pressure-angle-return')
+    >>> print(finding.message)
+    pressure angle 17.605 deg on the return at 58.48 deg, your limit 15 deg: enlarge the base radius, or lengthen the return
     """
 
     code: str
@@ -102,6 +127,15 @@ class Explanation:
     source : author, year and number, or the principle
     symbols : each with ``symbol``, ``meaning``, ``value``, ``unit``, and ``from``: a field's path or a stage
     residual, bound : of the certificate in its stage; None where there is none
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> e = kd.example("transfer_lift").study().explain("pressure_angle_deg", at_deg=58)
+    >>> e.equation[0]
+    'ψ = atan2(|n_x v_y - n_y v_x|, |n_x v_x + n_y v_y|)'
+    >>> e.source, round(e.value, 4), e.symbols[0]["meaning"]
+    ('Shin1995 (19), for any pose', 17.5903, 'unit normal of the pitch curve, into the cam, x')
     """
 
     quantity: str
@@ -142,6 +176,15 @@ class ManyResult:
     value : figure -> its values (m,), NaN where a design has no solution
     angle_deg : figure -> cam angles of extremes (m,), NaN for other figures
     reason : code (m,) of the error because of which a design has no values; else empty
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> m = kd.example("transfer_lift").many({"cam.base_radius_mm": [380.0, 400.0, 430.0]}, ["pressure_angle_deg:max"])
+    >>> m.value["pressure_angle_deg:max"].round(2).tolist()
+    [19.83, 17.6, 19.03]
+    >>> len(m), m.reason.tolist()
+    (3, ['', '', ''])
     """
 
     inputs: Mapping[str, Array]

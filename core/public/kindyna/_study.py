@@ -82,11 +82,35 @@ class StudyResults(Generic[D]):
         return self._columns.extreme(name, of)
 
     def to_dict(self, *names: str) -> dict[str, Array]:
-        """Return channel -> values (n,), of all channels where none is named."""
+        """Return channel -> values (n,), as Polars, matplotlib and scipy accept them.
+
+        Parameters
+        ----------
+        *names : str
+            Channels; all where none is named.
+
+        Raises
+        ------
+        KeyError
+            The design lacks a channel.
+        """
         return {name: self[name] for name in names or self.channels}
 
     def to_frame(self, *names: str) -> Any:
-        """Return a pandas DataFrame of channels, of all where none is named; its index is the angle, named as its column."""
+        """Return a pandas DataFrame of channels; its index is the angle, named as its column.
+
+        Parameters
+        ----------
+        *names : str
+            Channels; all where none is named.
+
+        Raises
+        ------
+        ImportError
+            pandas is not installed; the extra ``frames`` installs it.
+        KeyError
+            The design lacks a channel.
+        """
         index, columns = self._columns.angle, self.to_dict(*names)
         return frame({name: columns[name] for name in columns if name != index}, self.angle_deg, index)
 

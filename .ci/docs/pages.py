@@ -1,0 +1,149 @@
+"""All pages, written for Sphinx: the help of the window, the library, notebooks, examples, and tables of core."""
+
+import re
+import shutil
+from contextlib import chdir
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cells import Kernel, notebook, shown
+from core_tables import fields, reference
+from library import library
+from markup import contents, text, write_page
+
+import kindyna as kd
+from core.process import resources
+from core.project import load
+from core.project.reading_faults import subjects
+
+NOTEBOOKS = ("ten_minutes", "tolerances", "linkage_and_servo")
+"""Notebooks in the order in which they are read; others follow by name."""
+EXTREMES = (("pressure_angle_deg", "max"), ("torque_nm", "abs"), ("transmission_", "min"), ("driver_torque_nm", "abs"))
+"""Beginning of a channel, and which of its values the gallery shows: the first that an example has."""
+
+
+def write(folder: Path) -> None:
+    """Write all pages into an empty folder."""
+    guide(folder / "guide")
+    library(folder / "library")
+    reference(folder / "reference")
+    notebooks(folder / "notebooks")
+    gallery(folder / "gallery")
+    write_page(folder / "index.md", text("index"))
+
+
+# -- user guide -------------------------------------------------------------------------------------------------
+
+
+def guide(folder: Path) -> None:
+    """The pages of the window's help, with its tables; the fields are those of all kinds of designs."""
+    from kindyna_gui.help import PAGES
+    from kindyna_gui.places import default_design, help_text
+    from kindyna_gui.screenshots import dismiss, hidden_window
+
+    window = hidden_window(load(default_design()), (1280, 800))
+    try:
+        for name, (_, complete) in PAGES.items():
+            page = text(name, fields()) if name == "fields" else complete(help_text(name), window)
+            write_page(folder / f"{name}.md", without_window_addresses(page))
+    finally:
+        dismiss(window)
+    for picture in (resources() / "help").glob("*.png"):
+        shutil.copy(picture, folder)
+    listed = [name for name in PAGES if name not in ("changes", "python")]
+    write_page(folder / "index.md", f"# User guide\n\nThe pages of *Help* in the window.\n\n{contents(listed)}")
+
+
+def without_window_addresses(page: str) -> str:
+    """The page with the words of links that lead to a part of the window, which only the window can open."""
+    return re.sub(r"\[([^\]]+)\]\(kindyna:[^)]*\)", r"\1", page)
+
+
+# -- notebooks --------------------------------------------------------------------------------------------------
+
+
+def notebooks(folder: Path) -> None:
+    """The notebooks with their outputs."""
+    names = sorted(
+        (resources() / "notebooks").glob("*.ipynb"),
+        key=lambda path: (*(path.stem != name for name in NOTEBOOKS), path.stem),
+    )
+    for path in names:
+        parts, kernel = [], Kernel()
+        with TemporaryDirectory() as scratch, chdir(scratch):
+            for number, cell in enumerate(notebook(path), 1):
+                if cell.kind == "markdown":
+                    parts.append(cell.text)
+                else:
+                    parts += [
+                        f"```python\n{cell.text}\n```",
+                        raw(shown(*kernel.run(cell.text, f"{path.name}[{number}]"))),
+                    ]
+        write_page(folder / f"{path.stem}.md", "\n\n".join(parts) + f"\n\n{{download}}`The notebook <{path.name}>`\n")
+        shutil.copy(path, folder)
+    write_page(folder / "index.md", f"# Notebooks\n\n{contents(path.stem for path in names)}")
+
+
+def raw(html: str) -> str:
+    """HTML between blocks of Markdown."""
+    return f"````{{raw}} html\n{html}\n````" if html else ""
+
+
+# -- gallery ----------------------------------------------------------------------------------------------------
+
+
+def gallery(folder: Path) -> None:
+    """A page for each example, and an index with their pictures."""
+    index = ["# Gallery", "Every example, with the lines of Python that make its picture and its findings."]
+    for title, examples in subjects():
+        index.append(f"## {title}")
+        for row in examples:
+            design, kernel = kd.example(row.file), Kernel()
+            lines = example_lines(row.file, design)
+            with TemporaryDirectory() as scratch, chdir(scratch):
+                output = shown(*kernel.run(lines, row.file))
+            write_page(folder / f"{row.file}.toml", design.toml)
+            page = [
+                f"# {row.name}",
+                row.text,
+                f"```python\n{lines}\n```",
+                raw(output),
+                FILE.format(slug=row.file, toml=design.toml),
+            ]
+            write_page(folder / f"{row.file}.md", "\n\n".join(page))
+            if DRAWN:
+                write_page(folder / f"{row.file}.svg", kernel.names["picture"].svg)
+                index.append(f"[![{row.name}]({row.file}.svg)]({row.file}.md)")
+            index.append(f"**[{row.name}]({row.file}.md)**: {row.text}")
+    slugs = [row.file for _, examples in subjects() for row in examples]
+    write_page(folder / "index.md", "\n\n".join([*index, contents(slugs, ":hidden:")]))
+
+
+FILE = """<details>
+<summary>The file of the design</summary>
+
+{{download}}`{slug}.toml <{slug}.toml>`
+
+```toml
+{toml}```
+
+</details>
+"""
+
+
+DRAWN = "picture = study.picture(at_deg=extreme.angle_deg)\npicture" if hasattr(kd.Study, "picture") else ""
+
+
+def example_lines(slug: str, design: kd.Design) -> str:
+    """Lines of Python that study an example and draw it."""
+    channels = design.study().channels
+    name, of = next((name, of) for start, of in EXTREMES for name in channels if name.startswith(start))
+    return f"""import kindyna as kd
+
+design = kd.example("{slug}")
+study = design.study(samples=720)
+extreme = study.extreme("{name}", "{of}")
+print(f"{name}: {{extreme.value:.5g}} {{extreme.unit}} at {{extreme.angle_deg:.5g}}°")
+for finding in design.findings:
+    print(f"{{finding.severity}}: {{finding.message}}")
+{DRAWN}"""
