@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QScrollArea, QTa
 from core.design import NO_UNIT, UNITS, Info
 from core.errors import NoStability
 from core.frozen import frozen
+from core.number_text import digits_apart
 from core.stability import (
     APPROXIMATE,
     EXACT,
@@ -151,12 +152,10 @@ def speed(rpm: float, figures: int = 4) -> str:
 
 
 def speeds(band: ForbiddenBand) -> str:
-    """Range of speeds of a forbidden band, with enough digits to tell its ends apart."""
-    for figures in range(4, 12):
-        low, high = speed(band.rpm_lo, figures), speed(band.rpm_hi, figures)
-        if low != high:
-            break
-    return f"{low} … {high}"
+    """Range of speeds of a forbidden band, with enough digits to tell its ends apart, as far as six do; else one speed."""
+    ends = (band.rpm_lo, band.rpm_hi)
+    figures = digits_apart([rpm for rpm in ends if isfinite(rpm)])
+    return " … ".join(dict.fromkeys(speed(rpm, figures) for rpm in ends))
 
 
 def tongue_of(tongues: Tongues, eta: float, row: int = 0) -> int | None:

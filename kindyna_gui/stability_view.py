@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QSplitter,
     QVBoxLayout,
+    QWidget,
 )
 
 from core.design import with_elastic
@@ -179,15 +180,15 @@ CHART_TOLERANCE = 1e-3  # of η, for the edges in the coarse chart
 SHARES = (9, 4)  # height of chart and pages
 PAUSE_MS = 150  # pause in editing before slow results are calculated
 SOON_MS = 15  # after an edit, so that the window is painted first
-UPDATING = "Calculating the chart …"
+UPDATING = "Calculating the forbidden speeds …"
 NEAREST = 5  # forbidden bands in the chart over the speed
 
 
 class StabilityView(View):
     """Stability of the shaft: chart, fields of the selected point, and pages.
 
-    The first coarse chart is drawn at once. The fine one, and verdicts and history of the selected point, are
-    calculated in the background. After an edit the previous chart stays, greyed out, until the new one is known.
+    The verdict on the machine's speed and a coarse chart are calculated in the background, then the fine chart, and verdicts
+    and history of the selected point. After an edit the previous chart stays, greyed out, until the new one is known.
 
     - ``stability``: results of the shaft; None while they are calculated again
     - ``drawn``: the chart on screen; None before the first
@@ -306,9 +307,6 @@ class StabilityView(View):
         try:
             if turned_shaft(self.session.full_study, NO_SHAFT).elastic is None:
                 raise Unavailable(RIGID_SHAFT)
-            if self.drawn is None:
-                self._show(*self._computed(self.session.full_study))
-                return
         except KindynaError:
             self.drawn = None
             raise
@@ -342,7 +340,7 @@ class StabilityView(View):
         self._show_progress()
 
     def _start_update(self) -> None:
-        """Compute shaft and chart again in the background."""
+        """Compute shaft, verdict and chart in the background."""
         if self.on_screen():
             study = self.session.full_study
             self.update_jobs.start([(study, partial(self._computed, study))])
@@ -356,6 +354,15 @@ class StabilityView(View):
             else:
                 self._show(*result)
         self._show_progress()
+
+    def on_paper(self, part: QWidget, paint: Callable[[QWidget], bytes]) -> bytes:
+        def paint_results(part: QWidget) -> bytes:
+            if self.stability is None and not self.in_trouble:  # they are still calculated
+                self._stop()
+                self._show(*self._computed(self.session.full_study))
+            return paint(part)
+
+        return super().on_paper(part, paint_results)
 
     @staticmethod
     def _chart(stability: Stability, name: str, rows: int, error: float, coarse: bool = False) -> Callable[[], Chart]:

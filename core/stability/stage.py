@@ -434,8 +434,8 @@ def speed_range(band: ForbiddenBand, rpm: float) -> tuple[str, str]:
     if math.isinf(band.rpm_hi):
         low, speed = distinct_texts((band.rpm_lo, rpm), SPEED_DIGITS)
         return f"{low} … ∞", speed
-    low, high, speed = distinct_texts((band.rpm_lo, band.rpm_hi, rpm), SPEED_DIGITS)
-    return f"{low} … {high}", speed
+    *ends, speed = distinct_texts((band.rpm_lo, band.rpm_hi, rpm), SPEED_DIGITS)
+    return " … ".join(dict.fromkeys(ends)), speed
 
 
 def margin_text(band: ForbiddenBand, rpm: float) -> str:

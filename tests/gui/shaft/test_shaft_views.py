@@ -88,6 +88,7 @@ def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User, monke
 
     chart = unit.see("stability")
     assert isinstance(chart, StabilityView)
+    wait_for(lambda: chart.stability is not None)
     assert chart.stability is not None
     assert chart.stability.machine.q == whole.flexible_shaft().machine.q
 

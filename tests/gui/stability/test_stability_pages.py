@@ -61,7 +61,7 @@ def shown(view: StabilityView) -> History:
 @pytest.mark.stress
 def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
     """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
-    monkeypatch.setattr("core.stability.windup.etas", lambda eta_max: FEW)
+    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: FEW)
     view = page(kim)
     found = view.stability
     assert found is not None
@@ -140,6 +140,7 @@ def test_the_chart_and_the_other_figures_as_files(tmp_path: Path, capsys: pytest
 
 
 @pytest.mark.parametrize("ending", [".svg", ".png"])
+@pytest.mark.usefixtures("app")
 def test_a_figure_of_the_core_as_a_file(ending: str) -> None:
     """Its title, its legend, broken and dashed curves; one plot below the other."""
     x = np.linspace(0.0, 1.0, 9)

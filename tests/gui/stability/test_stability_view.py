@@ -1,10 +1,10 @@
 """kindyna_gui.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from threading import current_thread
+from threading import Thread, current_thread
 from threading import enumerate as enumerate_threads
 from typing import Any
 
@@ -13,6 +13,7 @@ import pytest
 from linkages import lift_twice
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
 from window_user import Open, User, settle, wait_for
 
@@ -21,9 +22,10 @@ from core.project import load, save
 from core.stability import EXACT, Chart, Stability, chart
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.painter import chart_file
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
-from kindyna_gui.settings import Settings
+from kindyna_gui.settings import Preferences, Settings
 from kindyna_gui.stability_pages import PLOTS
 from kindyna_gui.stability_view import StabilityView
 
@@ -283,6 +285,38 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
     assert own != kim.design
 
 
+def test_the_first_page_computes_nothing_in_the_windows_thread(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    threads: list[Thread] = []
+    bands = Stability.bands.func
+
+    def computed(stability: Stability) -> object:
+        threads.append(current_thread())
+        return bands(stability)
+
+    monkeypatch.setattr(Stability.bands, "func", computed)
+    view = plain(kim)
+    assert view.verdict.text().startswith("1500 rpm keeps clear of every band")
+    assert threads
+    assert current_thread() not in threads
+
+
+@pytest.fixture(params=["light", "dark"])
+def theme(request: pytest.FixtureRequest, app: QApplication) -> Iterator[str]:
+    apply_preferences(Preferences(theme=request.param), app)
+    yield request.param
+    apply_preferences(Preferences(), app)
+
+
+@pytest.mark.usefixtures("theme")
+def test_a_picture_has_the_verdict_however_early_it_is_taken(kim: User, tmp_path: Path) -> None:
+    view = plain(kim)
+    assert kim.session.edit("shaft.speed_rpm", 1385.0, "Change speed")
+    kim.picks("picture_to_save", tmp_path / "page.svg")
+    kim.choose("Graph", "Export picture", "Stability...")
+    assert "1385 rpm is clear of every band" in (tmp_path / "page.svg").read_text("utf-8")
+    wait_for(lambda: view.verdict.text().startswith("1385 rpm"))
+
+
 def test_a_closed_window_computes_no_more(kim: User) -> None:
     view = page(kim, rest=False)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.0, 0.1))
@@ -297,7 +331,7 @@ def test_a_closed_window_computes_no_more(kim: User) -> None:
 def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(
     kim: User, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("core.stability.windup.etas", lambda eta_max: np.arange(0.5, eta_max, 0.85))
+    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: np.arange(0.5, eta_max, 0.85))
     view = page(kim, rest=False)
     counts, few = counted(view, monkeypatch), view.drawn.q.size
     view.pages.show_page("Averages")
