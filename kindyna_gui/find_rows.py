@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from html import escape
 from math import isfinite
@@ -14,13 +14,14 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButton, QVBoxLayout, QWidget
 
-from core.design import NO_UNIT, Design, Info, Limits, Unit, entry_at, info_of, split_unit
+from core.design import NO_UNIT, Design, Info, Unit, entry_at, split_unit
 from core.design.fields import in_sentence
 from core.find import (
     ANY_PRESSURE,
     CAM_SEARCHES,
     EXTRA,
     FORCE,
+    LIMIT_RANGES,
     LIMITS,
     OF_PRESSURE,
     SHAFT_SEARCHES,
@@ -29,13 +30,13 @@ from core.find import (
     Solution,
     default_limits,
 )
-from core.find.rounding import TORQUE
+from core.find.rounding import TORQUE, finer_step_text
 from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, RESULT_DIGITS, digits_apart
 from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.forms.refusal import NO_REMEDIES, RefusalLine, box_remedies
-from kindyna_gui.labels import allowed_text, name_of, no_number, sentence
+from kindyna_gui.forms.refusal import RefusalLine, accept_in_range
+from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
@@ -45,18 +46,6 @@ from kindyna_gui.settings import in_units, symbol_of
 
 # -- texts -----------------------------------------------------------------------------------------------
 
-_DESIGN_LIMITS: Mapping[str, Info | None] = MappingProxyType({field.name: info_of(field) for field in fields(Limits)})
-_SEARCH_LIMITS: Mapping[str, Info] = MappingProxyType(
-    {
-        "pressure_angle_deg": Info(
-            "Pressure angle", "largest over the turn", 0.0, 90.0, open_low=True, step=1.0, optional=True
-        ),
-        "contact_on_face_mm": Info(
-            "Contact on the face", "largest distance from its centre", 0.0, open_low=True, optional=True
-        ),
-    }
-)
-"""Limits that only a search has, not a design."""
 _BOUNDS = {"_min": "\u2265", "_max": "\u2264"}
 START = MappingProxyType({True: 30.0, False: 1.0})  # first upper and lower limit where the design has no value
 START_DIGITS = 2
@@ -93,7 +82,7 @@ def limit_text(design: Design, key: str) -> LimitText:
     """Text of a limit by its key, or of a field's bound by its path with _min or _max."""
     if key in LIMITS:
         row, unit = LIMITS[key], split_unit(key)[1]
-        info = _DESIGN_LIMITS.get(key) or _SEARCH_LIMITS[key]
+        info = LIMIT_RANGES[key]
         return LimitText(info.label, _BOUNDS["_max" if row.is_upper else "_min"], info, unit)
     path, end = key[:-4], key[-4:]
     info, unit = _entry(design, path)
@@ -266,7 +255,8 @@ def _taken_text(design: Design, solution: Solution, path: str, value: float) -> 
         )
     text = f"{label} {brief(value, unit.symbol, MOST_DIGITS)}, exact {brief(solution.exact[path], unit.symbol, EXACT_DIGITS)}"
     cost = _cost_text(design, solution) if path == [*solution.rounding][-1] else ""
-    return f"{text}: {cost}" if cost else text
+    finer = finer_step_text(path, solution.exact[path], solution.rounding[path])
+    return f"{text}{f': {cost}' if cost else ''}{f' ({finer})' if finer else ''}"
 
 
 def _cost_text(design: Design, solution: Solution) -> str:
@@ -376,7 +366,7 @@ class LimitRows(QWidget):
         if names != self._names or self._rows.content is None:
             self._names = names
             self._rows.replace(self._build(texts))
-            self._show_message("")
+            self.message.show_refusal("")
         for key, limit in limits.items():
             if not self.boxes[key].pending:
                 self.boxes[key].show_value(limit.value)
@@ -404,9 +394,7 @@ class LimitRows(QWidget):
             label.setBuddy(box)
             box.setAccessibleName(text.name)
             box.setFixedWidth(BOX_WIDTH)
-            box.entered.connect(partial(self._enter, key, text))
-            box.unreadable.connect(partial(self._unreadable, key, text))
-            box.withdrawn.connect(partial(self._show_message, ""))
+            accept_in_range(box, self.message, partial(self.changed.emit, key), text.label)
             remover.setIcon(icon("close"))
             remover.setAutoRaise(True)
             remover.setToolTip("Remove this limit")
@@ -446,21 +434,6 @@ class LimitRows(QWidget):
         self.boxes[key].setFocus(Qt.FocusReason.OtherFocusReason)
         self.boxes[key].selectAll()
 
-    def _enter(self, key: str, text: LimitText, value: float | None) -> None:
-        if not text.info.admits(value):
-            self.boxes[key].set_refused(True)
-            allowed = allowed_text(text.info, text.unit)
-            self._show_message(f"{text.label}: outside its range; allowed: {allowed}", self.boxes[key])
-            return
-        self._show_message("")
-        if value is not None:
-            self.boxes[key].show_value(value)
-        self.changed.emit(key, value)
-
-    def _unreadable(self, key: str, text: LimitText) -> None:
-        self.boxes[key].set_refused(True)
-        self._show_message(f"{text.label}: {no_number(self.boxes[key].text())}", self.boxes[key])
-
     def _remove(self, key: str, _: bool = False) -> None:
         self.changed.emit(key, None)
 
@@ -469,6 +442,3 @@ class LimitRows(QWidget):
 
     def _add(self, key: str, _: bool = False) -> None:
         self.added.emit(key)
-
-    def _show_message(self, text: str, box: NumberBox | None = None) -> None:
-        self.message.show_refusal(text, NO_REMEDIES if box is None else box_remedies(box))

@@ -11,6 +11,7 @@ from typing import Any
 from core.design import (
     CRANK,
     FRAME_LINK,
+    NO_UNIT,
     Design,
     Driver,
     Entry,
@@ -94,10 +95,15 @@ def no_number(text: str) -> str:
     return f"enter a number{comma} such as 12{point()}5"
 
 
-def sentence(text: str) -> str:
-    """Text with a capital first letter and typographic signs: ``90 deg`` -> ``90°``, ``>=`` -> ``≥``."""
+def typographic(text: str) -> str:
+    """Text with typographic signs and numbers for reading: ``90 deg`` -> ``90°``, ``>=`` -> ``≥``, ``1e+09`` -> ``1 000 000 000``."""
     signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace(">=", "≥").replace("<=", "≤"))
-    return in_units(typeset(signs[:1].upper() + re.sub(r"(?<=/deg)\^2", "²", signs[1:])))
+    return typeset(re.sub(r"(?<=/deg)\^2", "²", signs))
+
+
+def sentence(text: str) -> str:
+    """Text with a capital first letter, typographic signs, and its quantities in the units on display."""
+    return in_units(typographic(text[:1].upper() + text[1:]))
 
 
 def choice_text(word: str) -> str:
@@ -131,18 +137,18 @@ def law_label(slug: str) -> str:
     return named_law(slug).label
 
 
-def value_text(value: Any, unit: Unit) -> str:
-    """Value with its unit: ``850 mm``, ``35°``, ``clockwise``."""
+def value_text(value: Any, unit: Unit, *, in_file_units: bool = False) -> str:
+    """Value with its unit: ``850 mm``, ``35°``, ``clockwise``; with ``in_file_units`` whatever the preferences say."""
     if not isinstance(value, float):
         return choice_text(str(value))
-    symbol = symbol_of(unit.symbol)
+    symbol = unit.symbol if in_file_units else symbol_of(unit.symbol)
     gap = "" if symbol in ("", "°") else " "
-    return f"{typed_text(number_text(value, unit))}{gap}{symbol}"
+    return f"{typed_text(number_text(value, NO_UNIT if in_file_units else unit))}{gap}{symbol}"
 
 
-def allowed_text(info: Info, unit: Unit) -> str:
-    """Allowed range of a field, in the preferred unit."""
-    size = size_of(unit.symbol)
+def allowed_text(info: Info, unit: Unit, *, in_file_units: bool = False) -> str:
+    """Allowed range of a field, in the preferred unit, or with ``in_file_units`` in its own."""
+    size = 1.0 if in_file_units else size_of(unit.symbol)
     if size == 1.0:
         return info.allowed(unit)
     low, high = (end if abs(end) >= LARGEST else float(f"{end / size:.6g}") for end in (info.low, info.high))

@@ -99,10 +99,20 @@ def rounding_data(
 
 
 def rounding_lines(
-    taken: Mapping[str, float], exact: Mapping[str, float], cost: Mapping[str, tuple[float, float]]
+    taken: Mapping[str, float],
+    exact: Mapping[str, float],
+    rounding: Mapping[str, float],
+    cost: Mapping[str, tuple[float, float]],
+    requested: float | None,
 ) -> list[str]:
-    """Exact values of rounded ones, and quantities that the rounding changes."""
-    lines = [f"  exact {path} = {value:.9g}" for path, value in exact.items() if taken[path] != value]
+    """Exact values of rounded ones, steps that are finer than the requested one, and quantities that the rounding changes."""
+    from core.find.rounding import finer_step_text  # imported here to save start-up time of the other commands
+
+    lines = []
+    for path, value in exact.items():
+        finer = finer_step_text(path, value, rounding[path], requested or 0.0) if path in rounding else ""
+        if finer or taken[path] != value:
+            lines.append(f"  exact {path} = {value:.9g}{f' ({finer})' if finer else ''}")
     for key, ends in cost.items():
         before, after = distinct_texts(ends)
         if before != after:

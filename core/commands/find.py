@@ -80,7 +80,7 @@ def run_find(arguments: FindArguments, painter: Painter | None) -> int:
     machine, what = load(arguments.design), arguments.what
     progress = Progress()
     solution = search(machine, arguments, lambda count: progress.report(f"{count} designs tried ..."))
-    print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
+    print(to_json(_data(solution)) if arguments.json else _text(solution, arguments.round), end="")
     if not solution.is_valid:
         print(
             f"no value satisfies every limit; the best one violates: {'; '.join(solution.violations)}", file=sys.stderr
@@ -140,10 +140,11 @@ def _data(solution: Solution) -> dict[str, object]:
     }
 
 
-def _text(solution: Solution) -> str:
+def _text(solution: Solution, step: float | None) -> str:
     heading = f"{solution.target}:" if solution.is_valid else "the best value, which violates limits:"
     lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items())]
-    lines += [*rounding_lines(solution.answer, solution.exact, solution.cost), "reached:"]
+    lines += rounding_lines(solution.answer, solution.exact, solution.rounding, solution.cost, step)
+    lines.append("reached:")
     for key, value in solution.reached.items():
         limit, reason = solution.limits.get(key), solution.reasons.get(key)
         number, *limits = distinct_texts([value] if limit is None else [value, limit], COMPARED_DIGITS)

@@ -81,7 +81,7 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     if arguments.round is not None:
         optimum = rounded_optimum(study_file, optimum, arguments.round)
     notes = remarks(study_file, optimum)
-    print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes), end="")
+    print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes, arguments.round), end="")
     if not optimum.is_feasible:
         against = f": {optimum.rejection}" if optimum.rejection else ""
         print(
@@ -114,13 +114,13 @@ def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _optimum_text(optimum: Optimum, notes: Sequence[str]) -> str:
+def _optimum_text(optimum: Optimum, notes: Sequence[str], step: float | None) -> str:
     heading = "the best design:" if optimum.is_better else "no better design; the current one:"
     lines = [heading if optimum.is_feasible else "the design that violates the limits least:"]
     lines += [
         f"  {path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in optimum.answer.items()
     ]
-    lines += rounding_lines(optimum.answer, optimum.exact, optimum.cost)
+    lines += rounding_lines(optimum.answer, optimum.exact, optimum.rounding, optimum.cost, step)
     lines += [optimum.note] if optimum.note else []
     lines.extend(
         f"{key} = {result_text(value)}, before {result_text(optimum.before[key])}"

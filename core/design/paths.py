@@ -282,15 +282,26 @@ def _lens(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[A
 
 
 def of_class(kind: type[P], *sources: Any, **values: Any) -> P:
-    """Part of a class, with each field from the values, else from the first source part that has it, else its default or NaN."""
+    """Part of a class, with each field from the values, else from the first source part that has it, else its default.
+
+    A number without a default is NaN, a text is empty, and a part has such values itself: ``faults`` reports them.
+    """
     arguments: dict[str, Any] = {}
     for part in fields(kind):  # type: ignore[arg-type]
         given = [getattr(source, part.name) for source in sources if hasattr(source, part.name)]
         if part.name in values or given:
             arguments[part.name] = values[part.name] if part.name in values else given[0]
         elif part.default is MISSING and part.default_factory is MISSING:
-            arguments[part.name] = nan
+            arguments[part.name] = _blank(kind, part.name)
     return kind(**arguments)
+
+
+def _blank(kind: Any, name: str) -> Any:
+    """Value of a field that a file must give, before it is typed."""
+    slot = next((slot for slot in slots(kind) if name in slot.names), None)
+    if slot is None or slot.info is not None:
+        return nan
+    return of_class(slot.placing.kind) if slot.placing.single else ""
 
 
 def _value(part: Any, slot: FileEntry, name: str) -> tuple[Any, Callable[[Any], Any]]:

@@ -2,6 +2,7 @@
 
 from core.find.goals import CAM_SEARCHES, LimitReading
 from core.find.offer import (
+    LIMIT_RANGES,
     OF_PRESSURE,
     StatedLimits,
     Trade,
@@ -38,6 +39,7 @@ __all__ = [
     "FIGURES",
     "FORCE",
     "LIMITS",
+    "LIMIT_RANGES",
     "OF_PRESSURE",
     "SEARCHES",
     "SHAFT_SEARCHES",

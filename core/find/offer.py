@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
+from dataclasses import fields, replace
 from types import MappingProxyType
 
 import numpy as np
 
-from core.design import Design, get
+from core.design import Design, Info, Limits, get, info_of, split_unit
 from core.errors import KindynaError, NoSolution
 from core.find.goals import CAM_SEARCHES, ENDS, LEAST_PRESSURE, LIFT_OFF, SearchRow, has
 from core.find.trial import RPM, ContactLimit
@@ -25,6 +25,21 @@ StatedLimits = Mapping[str, float | None]
 """Key of a limit -> its value; None removes the limit."""
 Bounds = dict[str, tuple[float | None, float | None]]
 OF_PRESSURE = ("pressure_angle_rise_deg", "pressure_angle_return_deg")
+_PRESSURE = info_of(next(field for field in fields(Limits) if field.name == OF_PRESSURE[0])) or Info("")
+LIMIT_RANGES: Mapping[str, Info] = MappingProxyType(
+    {
+        **{
+            field.name: info if LIMITS[field.name].is_upper else replace(info, open_low=False)
+            for field in fields(Limits)
+            if (info := info_of(field)) is not None
+        },
+        ANY_PRESSURE: replace(_PRESSURE, label="Pressure angle", help="largest over the turn"),
+        "contact_on_face_mm": Info(
+            "Contact on the face", "largest distance from its centre", 0.0, open_low=True, optional=True
+        ),
+    }
+)
+"""Key in ``LIMITS`` -> name and range of the limit in a search; a least radius of 0 requires only that the cam is not undercut."""
 
 
 def available_searches(design: Design) -> tuple[str, ...]:
@@ -197,16 +212,9 @@ def _contact_limit(
 
 def _require_range(key: str, value: float | None) -> None:
     """Require that a stated limit is within its range."""
-    row = LIMITS[key]
-    if value is None:
-        return
-    is_valid, allowed = value >= 0.0, f">= 0 {row.unit}"
-    if row.is_upper:
-        is_angle = row.unit == "deg"
-        is_valid = 0.0 < value < (90.0 if is_angle else math.inf)
-        allowed = "above 0, below 90 deg" if is_angle else f"above 0 {row.unit}"
-    if not is_valid:
-        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {allowed}")
+    info = LIMIT_RANGES[key]
+    if not info.admits(value):
+        raise KindynaError(f"limit {key} = {value:g}: {info.problem}; allowed: {info.allowed(split_unit(key)[1])}")
 
 
 def _require_positive(key: str, value: float | None) -> None:

@@ -10,10 +10,10 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from itertools import islice
 from typing import Generic, NamedTuple, TypeVar
 
-from core.design import Design
+from core.design import Design, entry_at
 from core.errors import KindynaError
 from core.find.solution import Solution
-from core.number_text import rounded_up
+from core.number_text import input_text, rounded_up
 from core.study import Study, extremes_of
 from core.units import split_unit
 
@@ -41,6 +41,19 @@ def step_of(path: str, value: float) -> float:
     return STEPS.get(symbol) or (float(f"1e{math.floor(math.log10(abs(value))) + 1 - DIGITS}") if value else 1.0)
 
 
+def finer_step_text(path: str, exact: float, step: float, requested: float = 0.0) -> str:
+    """Sentence about a value on multiples of a step that is finer than the requested one; empty where it is not.
+
+    ``requested`` 0: the field's own step.
+    """
+    most = requested or step_of(path, exact)
+    return (
+        f"no multiple of {input_text(most)} satisfies every limit, so that it is one of {input_text(step)}"
+        if step < most
+        else ""
+    )
+
+
 def rounded_values(
     exact: Mapping[str, float], judged: Callable[[Mapping[str, float]], Result | None], step: float = 0.0
 ) -> RoundedValues[Result] | None:
@@ -53,15 +66,14 @@ def rounded_values(
     exact : dict
         Path -> exact value.
     judged : callable
-        Values by their paths -> the result with them, None where a limit is violated. It may raise KindynaError.
+        Values by their paths -> the result with them, None where a limit or the range of a field is violated. It may
+        raise KindynaError.
     step : float
         Step of all values, each in its unit; 0: that of each field.
     """
     for tenths in range(FINER + 1):
         steps = {path: Decimal(repr(step or step_of(path, x))).scaleb(-tenths) for path, x in exact.items()}
         for values in islice(_multiples(exact, steps), MOST_TRIALS):
-            if any(_vanishes(path, exact[path], value) for path, value in values.items()):
-                continue
             try:
                 result = judged(values)
             except KindynaError:
@@ -71,18 +83,13 @@ def rounded_values(
     return None
 
 
-def _vanishes(path: str, exact: float, value: float) -> bool:
-    """Whether rounding makes a size 0, which no part can have; an angle of 0 is a place."""
-    return value == 0.0 != exact and split_unit(path)[1].symbol != "°"
-
-
 def _multiples(exact: Mapping[str, float], steps: Mapping[str, Decimal]) -> Iterator[Mapping[str, float]]:
     """Multiples of the steps below and above the exact values in all combinations, the nearest first."""
     nearest, others = {}, []
     for path, value in exact.items():
         parts = Decimal(repr(float(value))) / steps[path]
         sides = {parts.to_integral_value(rounding) for rounding in (ROUND_FLOOR, ROUND_CEILING)}
-        near, *far = sorted((abs(side - parts), float(side * steps[path])) for side in sides)
+        near, *far = sorted((abs(side - parts), float(side * steps[path]) + 0.0) for side in sides)
         nearest[path] = near[1]
         others += [(distance**2 - near[0] ** 2, path, end) for distance, end in far]
     others.sort()
@@ -104,7 +111,11 @@ def rounded(solution: Solution, step: float = 0.0) -> Solution:
     paths, at = solution.judge
     exact = {path: solution.answer[path] for path in paths}
 
+    fields = {path: entry_at(solution.design, path) for path in exact}
+
     def judged(values: Mapping[str, float]) -> tuple[Design, Mapping[str, float], Mapping[str, float]] | None:
+        if not all(field is None or field.info.admits(values[path]) for path, field in fields.items()):
+            return None
         design, answer, reached, violations = at(values)
         return None if violations else (design, answer, reached)
 

@@ -42,8 +42,9 @@ from core.number_text import MINUS
 from core.output.texts import succession_verdict
 from kindyna_gui.blend.kind import CURVE_SIZE, KindChoice, curve_icon
 from kindyna_gui.blend.request import AUTOMATIC, count_text, default_request, has_both, open_candidates, plan, reason
-from kindyna_gui.blend.settings import LiveBox, SettingsArea, quiet
-from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.blend.settings import SettingsArea, quiet
+from kindyna_gui.forms.number_box import LiveBox, WordBox
+from kindyna_gui.forms.refusal import RefusalLine, refuse_number
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.look import MessageLabel, bold_label, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
@@ -113,7 +114,9 @@ class Questions(QWidget):
             ("Stroke", (self.stroke, quiet(symbol_of(unit.symbol)), self.unequal, self.back, self._back_unit)),
             ("Cam angle", (self.start, quiet("°  to"), self.end, quiet("°"))),
         )
-        self.size_faults = (MessageLabel(SCREEN.limit), MessageLabel(SCREEN.limit))
+        for box in (self.start, self.end):
+            box.in_file_units = True  # as the texts about cam angles
+        self.size_faults = (RefusalLine((0, 0, 0, 0)), RefusalLine((0, 0, 0, 0)))
         for i, (name, widgets) in enumerate(rows):
             row = QHBoxLayout()
             row.setSpacing(6)
@@ -259,19 +262,24 @@ class Questions(QWidget):
     def find_faults(self) -> bool:
         """Show below each field why its number is not allowed; True if there is such a field."""
         self.general.show_message("")
-        start, end = self.start.number, self.end.number
-        crossed = start is not None and end is not None and not start <= end - LEAST_SPAN
-        order = f"The end must be at least {typed(LEAST_SPAN)}° after the start" if crossed else ""
-        angles = self.start.fault() or self.end.fault() or order
-        back = self.back.fault() if self.unequal.isChecked() and has_both(self.kind.type) else ""
-        strokes = self.stroke.fault() or back
-        for label, text in zip(self.size_faults, (strokes, angles), strict=True):
-            label.show_message(text)
-        self.stroke.set_refused(bool(self.stroke.fault()))
-        self.back.set_refused(bool(back))
-        self.start.set_refused(bool(self.start.fault()))
-        self.end.set_refused(bool(self.end.fault()) or crossed)
-        return bool(self.settings.find_faults() or strokes or angles)
+        has_back = self.unequal.isChecked() and has_both(self.kind.type)
+        rows = ((self.stroke, *((self.back,) if has_back else ())), (self.start, self.end))
+        for line, boxes in zip(self.size_faults, rows, strict=True):
+            for box in (self.stroke, self.back) if self.stroke in boxes else boxes:
+                box.set_refused(False)
+            line.show_refusal("")
+            if (wrong := next((box for box in boxes if box.fault()), None)) is not None:
+                refuse_number(line, wrong)
+        if not self.size_faults[1].text():
+            self._refuse_crossed_angles()
+        return bool(self.settings.find_faults() or any(line.text() for line in self.size_faults))
+
+    def _refuse_crossed_angles(self) -> None:
+        """Refuse an end that leaves no room for curves after the start."""
+        start, end = self.start.number or 0.0, self.end.number or 0.0
+        if start > end - LEAST_SPAN:
+            why = f"The end must be at least {typed(LEAST_SPAN)}° after the start, not at {self.end.with_unit(end)}"
+            refuse_number(self.size_faults[1], self.end, why, replace(self.end.info, low=start + LEAST_SPAN))
 
     def show_error(self, error: BlendError) -> None:
         """Show why there is no such motion, next to the field that causes it if it is known."""

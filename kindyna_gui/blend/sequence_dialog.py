@@ -33,11 +33,13 @@ from kindyna_gui.background import Job
 from kindyna_gui.blend.kind import curve_icon
 from kindyna_gui.blend.questions import GOAL_TEXTS
 from kindyna_gui.blend.request import Setting, reason
-from kindyna_gui.blend.settings import LiveBox, SettingRow, quiet
+from kindyna_gui.blend.settings import SettingRow, quiet
 from kindyna_gui.blend.wizard import FORM_WIDTH, LAST, LEAST_SIZE, SEARCHING, TYPICAL_SIZE, BlendPutDialog, place_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
-from kindyna_gui.forms.number_box import NameBox, WordBox
+from kindyna_gui.forms.number_box import LiveBox, NameBox, WordBox
+from kindyna_gui.forms.refusal import NO_REMEDIES, Remedies, refuse_number
+from kindyna_gui.labels import no_number
 from kindyna_gui.look import coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea
@@ -69,12 +71,13 @@ class SequenceDialog(BlendPutDialog):
         self._unit = require_motion(session.design).unit
         self._ticked: dict[str, float] = {}  # ticked settings, also while the curves are typed again
         self._shown: tuple[str, ...] = ()
+        self._last: tuple[str, ...] = ()  # curves that join
         self._range_jobs: list[Job] = []
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._later = QTimer(self, singleShot=True, interval=RANGES_MS)
         self.timers = self._soon, self._later
         self._lay_out()
-        add_copy_of_line(self.buttons, self._as_command)
+        self.copy = add_copy_of_line(self.buttons, self._as_command)
         for signal in (self.curves.textEdited, self.start.changed, self.end.changed, self.goal.activated):
             signal.connect(self._solve_soon)
         self.add.activated.connect(self._append)
@@ -97,6 +100,7 @@ class SequenceDialog(BlendPutDialog):
         degree = UNITS["deg"]
         self.start = LiveBox(Info("From", "cam angle where the motion starts", 0.0, 360.0), degree)
         self.end = LiveBox(Info("To", "cam angle where the motion ends", 0.0, 360.0), degree)
+        self.start.in_file_units = self.end.in_file_units = True  # as the texts about cam angles
         for box, angle in zip((self.start, self.end), place_of(self._session), strict=True):
             box.set_number(angle)
         for key, text in GOAL_TEXTS.items():
@@ -234,14 +238,24 @@ class SequenceDialog(BlendPutDialog):
         self.blended = self.design = None
         self.put_button.setEnabled(False)
         self._list_followers()
+        for part in (self.curves, self.start, self.end):
+            part.set_refused(False)
+        for row in self.rows.values():
+            row.show_fault(no_number(row.box.text()) if row.is_used and row.value is None else "")
         try:
             request = self.request()
             request.validate()
         except BlendError as error:
             self._show_error(error)
             return
-        self.curves.set_refused(False)
+        self._last = tuple(self._curves)
         self._show_rows(request)
+        if any(row.box.is_refused for row in self.rows.values()):
+            self.copy.setEnabled(False)
+            self.show_message("")
+            self.panel.cover.show_text(LAST)
+            return
+        self.copy.setEnabled(True)
         missing = request.chain.freedom - len(request.given)
         goal = self.goal.currentData()
         if missing < 0:
@@ -275,15 +289,33 @@ class SequenceDialog(BlendPutDialog):
     def _show_error(self, error: KindynaError) -> None:
         """Show the error and mark its field; the last motion stays visible under a cover."""
         name = getattr(error, "setting", "")
+        self.copy.setEnabled(False)
         self.curves.set_refused(not name and "deg" not in str(error))
-        self.show_message(reason(error), wrong=True)
+        if name in self.rows:
+            self.rows[name].show_fault(reason(error))
+            self.show_message("")
+        elif wrong := next((box for box in (self.start, self.end) if box.fault()), None):
+            refuse_number(self.message, wrong, name=wrong.info.label)
+        else:
+            self.show_message(reason(error), wrong=True, remedies=self._back_remedies())
         self.panel.cover.show_text(LAST)
+
+    def _back_remedies(self) -> Remedies:
+        """Remedy of curves that do not join: those of the last motion."""
+        last = "-".join(self._last)
+        return {f"Back to {last}": self._go_back} if last and self._last != tuple(self._curves) else NO_REMEDIES
+
+    def _go_back(self) -> None:
+        self.curves.setText("-".join(self._last))
+        self.solve()
 
     def _show_result(self, request: Request, result: BlendResult | KindynaError) -> None:
         if not isinstance(result, BlendResult):
             self._show_error(result)
             return
         self.blended = result
+        for row in self.rows.values():
+            row.note_feasible()
         current = self._session.design
         replace_motion = partial(with_blend, current)
         if self.show_in_design(result, replace_motion):

@@ -32,71 +32,19 @@ from kindyna_gui.blend.request import (
     reason,
     shown_names,
 )
-from kindyna_gui.forms.number_box import NumberBox, parsed
+from kindyna_gui.forms.number_box import LiveBox
 from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
-from kindyna_gui.labels import value_text
 from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nice_below, short
 from kindyna_gui.rebuilt import remove_part
 from kindyna_gui.settings import size_of, symbol_of
 
-NO_NUMBER = "Enter a number, such as 12.5"
 CHECK, CURVE, BOX, UNIT, RANGE = range(5)  # columns of a row
 STEPS = 150.0  # of an arrow, from 0 to a typical value
 ANGLES = (*LENGTHS, "peak", *FLATS)
 
 # -- fields ----------------------------------------------------------------------------------------------
-
-
-class LiveBox(NumberBox):
-    """Number box that emits ``changed`` whenever its number changes while the user types."""
-
-    changed = Signal()
-    in_file_units = True
-
-    def __init__(self, info: Info, unit: Unit, name: str = "") -> None:
-        super().__init__(info, unit)
-        self._previous: float | None = None
-        self.setAccessibleName(name or info.label)
-        self.entered.connect(self._accept)
-        self.withdrawn.connect(self._emit_changed)
-        self.lineEdit().textEdited.connect(self._emit_changed)
-
-    @property
-    def number(self) -> float | None:
-        """The number in the box; None if its text is not a number."""
-        return parsed(self.text(), self._unit, in_file_units=True)
-
-    def set_number(self, value: float) -> None:
-        """Show a number without emitting ``changed``."""
-        self.show_value(value)
-        self._previous = value
-
-    def set_step(self, step: float) -> None:
-        """Set the step of the arrows."""
-        if step != self._info.step:
-            self._info = Info(
-                self._info.label, self._info.help, self._info.low, self._info.high, self._info.open_low, step=step
-            )
-
-    def fault(self) -> str:
-        """Why the text is not allowed, regardless of the other fields; empty if it is allowed."""
-        value = self.number
-        if value is None:
-            return NO_NUMBER
-        return "" if self._info.admits(value) else f"Allowed: {self._info.allowed(self._unit)}".replace(">=", "≥")
-
-    def _accept(self, value: float) -> None:
-        refused = self.is_refused
-        self.show_value(value)
-        self.set_refused(refused)
-        self._emit_changed()
-
-    def _emit_changed(self, *_: object) -> None:
-        if self.number != self._previous:
-            self._previous = self.number
-            self.changed.emit()
 
 
 def quiet(text: str = "") -> QLabel:
@@ -124,6 +72,7 @@ class RangedRow(QObject):
         self.range.setWordWrap(True)
         self.range.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self._fault = ""
+        self._feasible: tuple[float | None, ...] = ()
 
     def boxes(self) -> tuple[LiveBox, ...]:
         """Number boxes of the row."""
@@ -154,21 +103,43 @@ class RangedRow(QObject):
     def show_fault(self, text: str) -> None:
         """Show an error at the box; an empty text hides it."""
         self._fault = text
-        self.boxes()[-1].set_refused(bool(text))
+        for box in self.boxes():
+            box.set_refused(bool(text) and box is self._wrong_box)
         self._show_fault()
 
+    def note_feasible(self) -> None:
+        """Note the numbers of a feasible motion, to which a remedy goes back."""
+        self._feasible = tuple(box.number for box in self.boxes())
+
+    @property
+    def _wrong_box(self) -> LiveBox:
+        """The box with a text that is not allowed, else the last one."""
+        return next((box for box in self.boxes() if box.fault()), self.boxes()[-1])
+
     def _show_fault(self) -> None:
-        value = self.boxes()[-1].number
-        nearest = None if value is None else nearest_feasible(self.ranges or (), value)
-        near = {} if nearest is None else {f"Use {value_text(nearest, self.range_unit)}": partial(self._use, nearest)}
-        self.message.show_refusal(self._fault, {**near, **self.remedies()})
+        if not self._fault and "message" not in vars(self):
+            return
+        box = self._wrong_box
+        feasible = dict(zip(self.boxes(), self._feasible, strict=False)).get(box)
+        nearest = None
+        if box.number is not None and box is self.boxes()[-1]:
+            nearest = nearest_feasible(self.ranges or (), box.number)
+        elif box.number is not None:
+            nearest = box.info.nearest(box.number)
+        texts = {f"Use {box.with_unit(nearest)}": nearest} if nearest is not None else {}
+        if feasible not in (None, nearest, box.number):
+            texts[f"Back to {box.with_unit(feasible)}"] = feasible
+        uses = {text: partial(self._use, box, value) for text, value in texts.items()}
+        self.message.show_refusal(
+            self._fault[:1].upper() + self._fault[1:] if box.fault() else self._fault, {**uses, **self.remedies()}
+        )
 
     def remedies(self) -> Remedies:
         """Return further remedies of a refused value."""
         return {}
 
-    def _use(self, value: float) -> None:
-        self.boxes()[-1].set_number(value)
+    def _use(self, box: LiveBox, value: float) -> None:
+        box.set_number(value)
         self.changed.emit()
 
 
@@ -267,6 +238,7 @@ class PrecisionPointRow(RangedRow):
     def __init__(self, unit: Unit) -> None:
         super().__init__(POINT, "level", unit)
         self.at = LiveBox(Info("Angle", "cam angle of the point", 0.0, 360.0, step=1.0), UNITS["deg"])
+        self.at.in_file_units = True  # as the texts about cam angles
         self.level = LiveBox(Info("Level", "displacement above the lowest level"), unit)
         self.texts = (quiet("At"), quiet("°  at the level"), quiet(symbol_of(unit.symbol)))
         self.close = QToolButton(autoRaise=True)
@@ -425,6 +397,11 @@ class SettingsArea(QScrollArea):
         for row, text in zip(self.used_rows(), texts, strict=True):
             row.show_fault(text)
         return any(texts)
+
+    def note_feasible(self) -> None:
+        """Note the settings of a feasible motion."""
+        for row in self.used_rows():
+            row.note_feasible()
 
     def show_error(self, error: BlendError) -> bool:
         """Show why there is no such motion, below the setting that causes it; False if no row does."""

@@ -34,9 +34,10 @@ from kindyna_gui.blend.request import (
     range_request,
     table,
 )
-from kindyna_gui.blend.settings import LiveBox, PrecisionPointRow, RangedRow, quiet
+from kindyna_gui.blend.settings import PrecisionPointRow, RangedRow, quiet
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
+from kindyna_gui.forms.number_box import LiveBox
 from kindyna_gui.forms.refusal import NO_REMEDIES, Remedies
 from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
@@ -335,7 +336,7 @@ class BlendDialog(BlendPutDialog):
         self._waiting: list[RangedRow] = []  # rows without their range
         self._requested_rows: tuple[RangedRow, ...] = ()
         self._lay_out()
-        add_copy_of_line(self.buttons, self._as_command)
+        self.copy = add_copy_of_line(self.buttons, self._as_command)
         self._connect()
         request = first_request(motion, min(session.segment, len(motion.segments) - 1))
         self.questions.set_request(request)
@@ -411,7 +412,9 @@ class BlendDialog(BlendPutDialog):
         missing = planned.missing
         if planned.target is not None:
             self.succession.show_sequence(request.type, planned.target.sequence)
-        if questions.find_faults():
+        is_refused = questions.find_faults()
+        self.copy.setEnabled(not is_refused)
+        if is_refused:
             self._cover(LAST)
             return
         self._waiting = questions.settings.shown_rows()
@@ -473,8 +476,10 @@ class BlendDialog(BlendPutDialog):
             self._start_ranges(request)
         if isinstance(result, BlendResult):
             self.blended = result
+            self.questions.settings.note_feasible()
             self._put_into_design()
             return
+        self.copy.setEnabled(False)
         self._cover(LAST)
         if isinstance(result, BlendError):
             self.questions.show_error(result)

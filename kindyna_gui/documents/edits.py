@@ -39,7 +39,11 @@ class Refusal:
         The edited field shows all reasons: first those of the field, then those of other fields with their names.
         """
         texts = [sentence(text) for field, _, text in self.reasons if field == path]
-        others = [f"{name}: {text}" for field, name, text in self.reasons if field != path] if path == self.path else []
+        others = (
+            [sentence(f"{name}: {text}") for field, name, text in self.reasons if field != path]
+            if path == self.path
+            else []
+        )
         return "\n".join(texts + others)
 
 

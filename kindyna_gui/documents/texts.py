@@ -83,8 +83,11 @@ def add_copy(
     *,
     of_drive: bool = False,
     reads: bool = True,
-) -> None:
-    """Add a button to a dialog that copies its command; ``of_drive``: for one drive; ``reads``: it reads a design."""
+) -> QPushButton:
+    """Add a button to a dialog that copies its command, and return it.
+
+    ``of_drive``: for one drive; ``reads``: the command reads a design.
+    """
 
     def line() -> str:
         session: Any = getattr(parent, "session", None)
@@ -92,7 +95,7 @@ def add_copy(
         design = session.path if session is not None and session.path is not None else UNSAVED
         return command_line(name, design if reads else None, *options(), drive)
 
-    add_copy_of_line(buttons, line)
+    return add_copy_of_line(buttons, line)
 
 
 def command_text(name: str, words: Sequence[str]) -> str:
@@ -105,9 +108,11 @@ def session_options(session: Any) -> dict[str, Any]:
     return {"into": session.path or UNSAVED, "drive": session.design.name if session.has_several_drives else ""}
 
 
-def add_copy_of_line(buttons: QDialogButtonBox, line: Callable[[], str]) -> None:
-    """Add a button to a dialog that copies the command line returned by a function."""
-    buttons.addButton(copy_button(line), QDialogButtonBox.ButtonRole.ActionRole)
+def add_copy_of_line(buttons: QDialogButtonBox, line: Callable[[], str]) -> QPushButton:
+    """Add a button to a dialog that copies the command line returned by a function, and return it."""
+    button = copy_button(line)
+    buttons.addButton(button, QDialogButtonBox.ButtonRole.ActionRole)
+    return button
 
 
 def copy_button(line: Callable[[], str]) -> QPushButton:

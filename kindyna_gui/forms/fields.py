@@ -409,7 +409,9 @@ class Field(QObject):
             return NO_REMEDIES
         spec, valid = self.spec, self.spec.read(self.session.holder(self.spec.path))
         nearest = nearest_value(self.session, spec.path, spec.info, self._typed_number())
-        return value_remedies(spec.unit, nearest, valid, self._use, self.editor.withdraw)
+        return value_remedies(
+            lambda value: value_text(value, spec.unit), nearest, valid, self._use, self.editor.withdraw
+        )
 
     def _use(self, value: float) -> None:
         """Enter the allowed value that a remedy offers, as one undo step."""

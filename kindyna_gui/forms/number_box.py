@@ -12,6 +12,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from types import MappingProxyType
@@ -48,7 +49,7 @@ from PySide6.QtWidgets import (
 from core.design import NO_UNIT, Info
 from core.number_text import shortest
 from core.units import Unit, accepted_units
-from kindyna_gui.labels import rounded_to, value_text
+from kindyna_gui.labels import allowed_text, no_number, rounded_to, value_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.settings import DIGITS, DISPLAY, number_text, point, size_of, symbol_of, typed
 
@@ -382,9 +383,44 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return self._value
 
     @property
-    def valid_text(self) -> str:
-        """The number last shown or entered as a text, whatever is being typed."""
-        return self._text(self._value)
+    def info(self) -> Info:
+        """Name and range of the number."""
+        return self._info
+
+    @property
+    def number(self) -> float | None:
+        """The number that the text means, confirmed or not; None where it is none."""
+        return self._as_whole(parsed(self.text(), self._unit, in_file_units=self.in_file_units))
+
+    def _as_whole(self, number: float | None) -> float | None:
+        is_whole = self._info.whole and number is not None and number == int(number)
+        return int(number) if is_whole and number is not None else number
+
+    def with_unit(self, value: float) -> str:
+        """Return a number with its unit, as the box shows it: ``90 mm``."""
+        return value_text(float(value), self._unit, in_file_units=self.in_file_units)
+
+    def fault(self, info: Info | None = None) -> str:
+        """Return why the text is not allowed, with its number and the allowed range; empty where it is allowed.
+
+        ``info`` is the range where not that of the box.
+        """
+        field, number = info or self._info, self.number
+        if number is None:
+            return "" if field.optional and not self.text().strip() else no_number(self.text())
+        if field.admits(number):
+            return ""
+        problem = "must be a whole number" if field.whole and number != int(number) else field.problem
+        allowed = allowed_text(field, self._unit, in_file_units=self.in_file_units)
+        return f"{problem}; allowed: {allowed}, not {self.with_unit(number)}"
+
+    def use(self, value: float) -> None:
+        """Enter a number, as a remedy does, as a gesture of its own."""
+        self.finished.emit()
+        self.lineEdit().setText(self._text(value))
+        self._tried = self.text()
+        self.entered.emit(value)
+        self.finished.emit()
 
     def show_value(self, value: float | None) -> None:
         """Show a number, or an empty text for None."""
@@ -432,7 +468,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
                 self.withdrawn.emit()
             return
         self._tried = self.text()
-        number = parsed(self.text(), self._unit, in_file_units=self.in_file_units)
+        number = self.number
         if number is None and not (self._info.optional and not self.text().strip()):
             self.unreadable.emit()
         else:
@@ -463,6 +499,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         step = Decimal(shortest(self.step_of(shown))) * Decimal(shortest(scale))
         result = float(Decimal(shortest(shown)) + steps * step) * size
         result = min(max(result, self._info.low), self._info.high) + 0.0
+        result = round(result) if self._info.whole else result
         return value if self._info.open_low and result <= self._info.low else result
 
     def stepBy(self, steps: int) -> None:
@@ -470,7 +507,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
     def step_by(self, steps: int, scale: float = 1.0) -> None:
         """Enter the number after some steps, each of ``scale`` times the step."""
-        number = parsed(self.text(), self._unit, in_file_units=self.in_file_units) if self.pending else self._value
+        number = self.number if self.pending else self._value
         start = (self._value or 0.0) if number is None else number
         result = self.stepped(start, steps, scale)
         if result == start:
@@ -564,3 +601,41 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
             return True
         return not leaves_undo(self, event) and super().event(event)
+
+
+class LiveBox(NumberBox):
+    """Number box that emits ``changed`` whenever its number changes while the user types."""
+
+    changed = Signal()
+
+    def __init__(self, info: Info, unit: Unit = NO_UNIT, name: str = "") -> None:
+        super().__init__(info, unit)
+        self._previous: float | None = None
+        self.setAccessibleName(name or info.label)
+        self.entered.connect(self._accept)
+        self.unreadable.connect(self._emit_changed)
+        self.withdrawn.connect(self._emit_changed)
+        self.lineEdit().textEdited.connect(self._emit_changed)
+
+    def set_number(self, value: float | None) -> None:
+        """Show a number without emitting ``changed``."""
+        self.show_value(value)
+        self._previous = value
+
+    def set_step(self, step: float) -> None:
+        """Set the step of the arrows."""
+        if step != self._info.step:
+            self._info = replace(self._info, step=step)
+
+    def _accept(self, value: float | None) -> None:
+        """Show a confirmed number; one that is not allowed stays as it is typed."""
+        if not self.fault():
+            refused = self.is_refused
+            self.show_value(value)
+            self.set_refused(refused)
+        self._emit_changed()
+
+    def _emit_changed(self, *_: object) -> None:
+        if self.number != self._previous:
+            self._previous = self.number
+            self.changed.emit()

@@ -9,21 +9,22 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QColor, QCursor, QPainter, QPaintEvent, QPalette
-from PySide6.QtWidgets import QApplication, QHBoxLayout, QScrollArea, QToolButton, QWidget
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 from shiboken6 import isValid
 
 from core.design import Info
-from core.units import Unit
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import value_text
+from kindyna_gui.labels import typographic
 from kindyna_gui.look import MessageLabel, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import fill
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 from kindyna_gui.view import View
 
 Remedies = Mapping[str, Callable[[], object]]
 """Text of a button -> what it does."""
+Misfit = tuple[str, Info]
+"""Why a number in its range does not fit the other ones, and the range in which it would."""
 NO_REMEDIES: Remedies = MappingProxyType({})
 WIDTH = 360  # of a floating refusal, pixels
 GAP = 2  # between the editor and the refusal that floats at it, pixels
@@ -31,11 +32,18 @@ _MOVES = frozenset({QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Hide, QEve
 
 
 def value_remedies(
-    unit: Unit, nearest: float | None, valid: Any, use: Callable[[float], object], back: Callable[[], object]
+    text: Callable[[Any], str],
+    nearest: float | None,
+    valid: Any,
+    use: Callable[[float], object],
+    back: Callable[[], object],
 ) -> Remedies:
-    """Return the remedies of a refused value: the nearest allowed one, None where there is none, and the last valid one."""
-    near = {} if nearest in (None, valid) else {f"Use {value_text(nearest, unit)}": partial(use, nearest)}
-    return {**near, "Leave it empty" if valid is None else f"Back to {value_text(valid, unit)}": back}
+    """Return the remedies of a refused value: the nearest allowed one, None where there is none, and the last valid one.
+
+    ``text`` gives the text of a value with its unit.
+    """
+    near = {} if nearest in (None, valid) else {f"Use {text(nearest)}": partial(use, nearest)}
+    return {**near, "Leave it empty" if valid is None else f"Back to {text(valid)}": back}
 
 
 def nearest_value(session: Session, path: str, info: Info, typed: float | None) -> float | None:
@@ -49,19 +57,61 @@ def with_value(text: str, typed: str) -> str:
     return f"{text}, not {typed}" if typed and "utside its range; allowed: " in text and "\n" not in text else text
 
 
-def box_remedies(box: NumberBox) -> Remedies:
-    """Return the remedy of a refused number box: the number that it showed before."""
-    return {f"Back to {box.valid_text}" if box.valid_text else "Leave it empty": box.withdraw}
+def box_remedies(box: NumberBox, info: Info | None = None) -> Remedies:
+    """Return the remedies of a refused number box: the nearest number that the range allows, and the last valid one."""
+    nearest = None if box.number is None else (info or box.info).nearest(box.number)
+    near = None if nearest == box.number else nearest
+    return value_remedies(box.with_unit, near, box.value, box.use, box.withdraw)
+
+
+def refuse_number(line: RefusalLine, box: NumberBox, why: str = "", info: Info | None = None, name: str = "") -> None:
+    """Frame the number of a box and show in a line why it is refused, with its remedies.
+
+    Without a reason it is no number, or outside the range of the box or of ``info``. ``name`` is that of the box, where
+    the line belongs to several.
+    """
+    box.set_refused(True)
+    why = why or box.fault(info)
+    line.show_refusal(f"{name}: {why}" if name else why[:1].upper() + why[1:], box_remedies(box, info))
+
+
+def accept_in_range(box: NumberBox, line: RefusalLine, accept: Callable[[Any], object], name: str = "") -> None:
+    """Accept the numbers of a box that its range allows, and refuse the others in a line.
+
+    ``accept`` returns why a number does not fit the other ones, with the range in which it would, if it does not.
+    """
+
+    def enter(value: Any) -> None:
+        misfit = None if box.fault() else accept(value)
+        if isinstance(misfit, tuple):
+            why, info = misfit
+            refuse_number(line, box, why, info, name)
+        elif box.fault():
+            refuse_number(line, box, name=name)
+        else:
+            line.show_refusal("")
+            box.show_value(value)
+
+    connect_all(
+        (box.entered, enter),
+        (box.unreadable, lambda: refuse_number(line, box, name=name)),
+        (box.withdrawn, lambda: line.show_refusal("")),
+    )
 
 
 class RefusalLine(QWidget):
-    """A sentence that says why an entry was refused, and a button for each remedy; hidden without a sentence."""
+    """A sentence that says why an entry was refused, and a button for each remedy; hidden without a sentence.
+
+    A single button is beside the sentence, several are below it.
+    """
 
     def __init__(self, margins: tuple[int, int, int, int] = (6, 3, 4, 3)) -> None:
         super().__init__()
         self._sentence = MessageLabel(SCREEN.limit)
         self._sentence.setMinimumWidth(1)
-        self._row = fill(QHBoxLayout(self), (self._sentence, 1), margins=margins, spacing=4)
+        self._beside = fill(QHBoxLayout(), (self._sentence, 1), spacing=4)
+        self._below = fill(QHBoxLayout(), STRETCH, spacing=4)
+        fill(QVBoxLayout(self), self._beside, self._below, margins=margins, spacing=3)
         self._buttons: list[QToolButton] = []
         self._remedies: Remedies = NO_REMEDIES
         self.hide()
@@ -83,13 +133,17 @@ class RefusalLine(QWidget):
             button = text_button("")
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the focus in the entry
             button.clicked.connect(partial(self._apply, len(self._buttons)))
-            self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
             self._buttons.append(button)
+        for i, button in enumerate(self._buttons):
+            if len(self._remedies) > 1:
+                self._below.insertWidget(i, button)
+            else:
+                self._beside.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
         for button, name in zip(self._buttons, self._remedies, strict=False):
             button.setText(name)
         for i, button in enumerate(self._buttons):
             button.setVisible(i < len(self._remedies))
-        self._sentence.show_message(text)
+        self._sentence.show_message(typographic(text))
         self._update_visible()
 
     def _update_visible(self) -> None:
@@ -199,4 +253,16 @@ class FloatingRefusal(RefusalLine):
         painter.end()
 
 
-__all__ = ["FloatingRefusal", "RefusalLine", "Remedies", "value_remedies", "with_value"]
+__all__ = [
+    "NO_REMEDIES",
+    "FloatingRefusal",
+    "Misfit",
+    "RefusalLine",
+    "Remedies",
+    "accept_in_range",
+    "box_remedies",
+    "nearest_value",
+    "refuse_number",
+    "value_remedies",
+    "with_value",
+]

@@ -212,7 +212,8 @@ class CellModel(QAbstractTableModel):
             self.setData(self.index(row, column), number_text(value, unit))
             self._session.end_gesture()
 
-        return value_remedies(unit, self.nearest(row, column, number), self.value(row, column), use, self.withdraw)
+        nearest, valid = self.nearest(row, column, number), self.value(row, column)
+        return value_remedies(lambda value: value_text(value, unit), nearest, valid, use, self.withdraw)
 
     def _accepted(self, path: str) -> None:
         if path in self._wrong:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from sys import float_info
 from typing import Any
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
@@ -47,15 +49,14 @@ from core.output.graph import (
 from core.units import KINDS
 from kindyna_gui.forms.load_rows import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
-from kindyna_gui.forms.refusal import RefusalLine, box_remedies
+from kindyna_gui.forms.refusal import Misfit, RefusalLine, accept_in_range
 from kindyna_gui.graph.graph_choice import swatch
-from kindyna_gui.labels import no_number
 from kindyna_gui.look import MessageLabel, bold_label, coloured
 from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
 from kindyna_gui.pictures.units import typed
 
 AXES = {"x": "Along the bottom", "left": "On the left", "right": "On the right"}
-RANGE = Info("Range", "empty: to the ends of the curves", optional=True)
+RANGE = Info("Range", "empty: to the ends of the curves", -float_info.max, float_info.max, optional=True)
 OPEN = "\0open"
 LIST_HEIGHT = 128
 EMPTY = "No curve yet: press Add, or drop files here"
@@ -122,9 +123,8 @@ class AxesForm(QWidget):
             box = NumberBox(RANGE)
             box.setAccessibleName(f"{'From' if end == 'low' else 'To'}, {text.lower()}")
             box.setToolTip("Empty: to the ends of the curves")
-            box.entered.connect(lambda value, axis=axis, end=end: self._limit(axis, end, value))
-            box.unreadable.connect(lambda axis=axis, end=end: self._refuse(axis, end))
-            box.withdrawn.connect(lambda: self.message.show_refusal(""))
+            side = "from" if end == "low" else "to"
+            accept_in_range(box, self.message, partial(self._limit, axis, end), f"{text}, {side}")
             line.addWidget(box, 1)
             if between:
                 line.addWidget(QLabel(between))
@@ -164,18 +164,20 @@ class AxesForm(QWidget):
         else:
             self.changed.emit(replace(self._graph, title=text), "title")
 
-    def _limit(self, axis: str, end: str, value: float | None) -> None:
+    def _limit(self, axis: str, end: str, value: float | None) -> Misfit | None:
         size, scale = self._defaults.get(axis, AxisDefaults()).size, getattr(self._graph, axis)
         changed: GraphAxis = replace(scale, **{end: None if value is None else value * size})
+        box = self.ends[axis, end]
+        allowed = ""
         if changed.low is not None and changed.high is not None and changed.low >= changed.high:
             limit = (changed.high if end == "low" else changed.low) / size
-            self._show_allowed(axis, end, f"{'less' if end == 'low' else 'more'} than {typed(limit)}")
+            allowed = f"{'less' if end == 'low' else 'more'} than {typed(limit)}"
         elif changed.log and value is not None and value <= 0.0:
-            self._show_allowed(axis, end, "above 0 on a logarithmic axis")
-        else:
-            self.message.show_refusal("")
-            self.ends[axis, end].show_value(value)  # input is complete: the box follows undo again
-            self._scale(axis, end, **{end: getattr(changed, end)})
+            allowed = "above 0 on a logarithmic axis"
+        if allowed and value is not None:
+            return f"outside its range; allowed: {allowed}, not {box.with_unit(value)}", box.info
+        self._scale(axis, end, **{end: getattr(changed, end)})
+        return None
 
     def _set_log(self, axis: str, on: bool) -> None:
         """Use a logarithmic axis or a linear one; an end that is not positive is ignored on a logarithmic axis."""
@@ -184,18 +186,6 @@ class AxesForm(QWidget):
         text = f"{AXES[axis]}: a logarithmic axis has no values of 0 and less; this end of the range is ignored"
         self.message.show_refusal(text if has_invalid_end else "")
         self._scale(axis, "log", log=on)
-
-    def _show_allowed(self, axis: str, end: str, allowed: str) -> None:
-        self.ends[axis, end].set_refused(True)
-        side = "from" if end == "low" else "to"
-        self.message.show_refusal(
-            f"{AXES[axis]}, {side}: outside its range; allowed: {allowed}", box_remedies(self.ends[axis, end])
-        )
-
-    def _refuse(self, axis: str, end: str) -> None:
-        self.ends[axis, end].set_refused(True)
-        box = self.ends[axis, end]
-        self.message.show_refusal(f"{AXES[axis]}: {no_number(box.text())}", box_remedies(box))
 
     def _scale(self, axis: str, what: str, **changes: object) -> None:
         self.changed.emit(
@@ -300,14 +290,14 @@ class CurveForm(QWidget):
                 grid.addWidget(label, row, 2 * i)
                 is_wide = len(parts) == 1 and row < 6
                 grid.addWidget(box, row, 2 * i + 1, 1, 3 if is_wide else 1)
-        grid.addWidget(self.fault, len(rows), 0, 1, 4)
-        grid.addWidget(self.note, len(rows) + 1, 0, 1, 4)
-        grid.setRowStretch(len(rows) + 2, 1)
+        self.refusal = RefusalLine((0, 0, 0, 0))
+        for row, part in enumerate((self.refusal, self.fault, self.note), len(rows)):
+            grid.addWidget(part, row, 0, 1, 4)
+        grid.setRowStretch(len(rows) + 3, 1)
         for name, box in self.boxes.items():
             box.picked.connect(lambda value, name=name: self._pick(name, value))
         self.name.editingFinished.connect(lambda: self._pick("name", self.name.text().strip()))
-        self.width_box.entered.connect(self._set_width)
-        self.width_box.unreadable.connect(lambda: self.width_box.set_refused(True))
+        accept_in_range(self.width_box, self.refusal, self._set_width)
 
     # -- display --------------------------------------------------------------------------------------------
 
@@ -412,12 +402,8 @@ class CurveForm(QWidget):
         self.name.setModified(False)
         self.changed.emit(changed, name)
 
-    def _set_width(self, value: float | None) -> None:
-        if value is not None and LEAST_WIDTH <= value <= MOST_WIDTH:
-            self.width_box.show_value(value)  # input is complete: the box follows undo again
-            self.changed.emit(replace(self._curve, width=value), "width")
-        else:
-            self.width_box.set_refused(True)
+    def _set_width(self, value: float) -> None:
+        self.changed.emit(replace(self._curve, width=value), "width")
 
 
 def name_of_row(curve: GraphCurve) -> str:

@@ -17,8 +17,7 @@ from core.study import TOTALS
 from core.varying import Limits, Span
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
-from kindyna_gui.forms.refusal import RefusalLine, box_remedies
-from kindyna_gui.labels import no_number
+from kindyna_gui.forms.refusal import Misfit, RefusalLine, accept_in_range
 from kindyna_gui.look import bold_label, coloured, described, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill, widget_with
@@ -27,7 +26,6 @@ from kindyna_gui.studies.texts import (
     info_of,
     label_of,
     name_of,
-    number_text,
     unit_of,
     value_text,
     word_text,
@@ -106,19 +104,9 @@ class _Rows(QWidget):
         box = described(NumberBox(info, unit_of(key)), name=name, tip=name)
         box.in_file_units = True  # shows the value as plots do
         box.setFixedWidth(BOX_WIDTH)
-        box.entered.connect(enter)
-        box.unreadable.connect(lambda: self._refuse(box, f"{name}: {no_number(box.text())}"))
-        box.withdrawn.connect(lambda: self.message.show_refusal(""))
+        accept_in_range(box, self.message, enter, name)
         self.boxes[key, end] = box
         return box
-
-    def _accept(self, box: NumberBox, value: float | None) -> None:
-        self.message.show_refusal("")
-        box.show_value(value)
-
-    def _refuse(self, box: NumberBox, text: str) -> None:
-        box.set_refused(True)
-        self.message.show_refusal(text, box_remedies(box))
 
 
 class SpanRows(_Rows):
@@ -207,36 +195,20 @@ class SpanRows(_Rows):
 
     def _width_box(self, path: str, name: str) -> NumberBox:
         plus = Info(f"{name}: tolerance ±", low=0.0, open_low=True, optional=True)
-        box = self._box(path, WIDTH, plus.label, plus, partial(self._enter_width, path, plus))
+        box = self._box(path, WIDTH, plus.label, plus, partial(self.tolerance_changed.emit, path))
         box.setToolTip(
             "Manufacturing tolerance ±, saved with the design; empty: none, or unequal deviations under Tolerances"
         )
         return box
 
-    def _enter_width(self, path: str, info: Info, value: float | None) -> None:
-        box = self.boxes[path, WIDTH]
-        if not info.admits(value):
-            self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
-            return
-        self._accept(box, value)
-        self.tolerance_changed.emit(path, value)
-
-    def _enter(self, design: Design, path: str, end: str, value: float) -> None:
-        info, unit = info_of(design, path)
-        value = int(value) if info.whole and value == int(value) else value
+    def _enter(self, design: Design, path: str, end: str, value: float) -> Misfit | None:
         span, box = self._spans[path], self.boxes[path, end]
         changed = Span(path, value, span.high) if end == "low" else Span(path, span.low, value)
-        if not info.admits(value):
-            wrong = "must be a whole number" if info.whole and value != int(value) else "outside its range"
-            self._refuse(box, f"{box.accessibleName()}: {wrong}; allowed: {info.allowed(unit)}")
-        elif not changed.low < changed.high:
-            allowed = (
-                f"below {number_text(path, span.high)}" if end == "low" else f"above {number_text(path, span.low)}"
-            )
-            self._refuse(box, f"{box.accessibleName()}: bounds are reversed; allowed: {allowed}")
-        else:
-            self._accept(box, value)
-            self.changed.emit(changed)
+        if not changed.low < changed.high:
+            limit = f"below {box.with_unit(span.high)}" if end == "low" else f"above {box.with_unit(span.low)}"
+            return f"bounds are reversed; allowed: {limit}, not {box.with_unit(value)}", box.info
+        self.changed.emit(changed)
+        return None
 
 
 class FigureRows(_Rows):
@@ -311,16 +283,18 @@ class FigureRows(_Rows):
         slug = key.partition(":")[0]
         self.changed.emit(key, f"{slug}:{self.words[key].currentData()}", self._limits[key])
 
-    def _enter(self, key: str, end: str, value: float | None) -> None:
+    def _enter(self, key: str, end: str, value: float | None) -> Misfit | None:
         least, most = self._limits[key]
         least, most = (value, most) if end == "least" else (least, value)
-        box = self.boxes[key, end]
         if least is not None and most is not None and least > most:
-            allowed = "at most the upper limit" if end == "least" else "at least the lower limit"
-            self._refuse(box, f"{box.accessibleName()}: limits are reversed; allowed: {allowed}")
-            return
-        self._accept(box, value)
+            box = self.boxes[key, end]
+            limit, typed = (
+                (f"≤ {box.with_unit(most)}", least) if end == "least" else (f"≥ {box.with_unit(least)}", most)
+            )
+            allowed = replace(box.info, high=most) if end == "least" else replace(box.info, low=least)
+            return f"limits are reversed; allowed: {limit}, not {box.with_unit(typed)}", allowed
         self.changed.emit(key, key, (least, most))
+        return None
 
 
 class ToleranceRows(_Rows):
@@ -363,7 +337,7 @@ class ToleranceRows(_Rows):
         cells = ((row + 1, 0), (row + 1, 2), (row + 2, 2))
         for (end, sign), (cell_row, column) in zip(self.ENDS, cells, strict=True):
             info = Info(f"{name}: {sign}", low=0.0, optional=end != "plus")
-            box = self._box(path, end, info.label, info, partial(self._enter, path, end, info))
+            box = self._box(path, end, info.label, info, partial(self._enter, path, end))
             box.setToolTip(_TIPS[end])
             grid.addWidget(QLabel(sign), cell_row, column, Qt.AlignmentFlag.AlignRight)
             grid.addWidget(box, cell_row, column + 1)
@@ -373,12 +347,7 @@ class ToleranceRows(_Rows):
     def _choose_distribution(self, path: str, _: int) -> None:
         self.changed.emit(replace(self._rows[path], distribution=self.words[path].currentData()))
 
-    def _enter(self, path: str, end: str, info: Info, value: float | None) -> None:
-        box = self.boxes[path, end]
-        if not info.admits(value):
-            self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(path))}")
-            return
-        self._accept(box, value)
+    def _enter(self, path: str, end: str, value: float | None) -> None:
         self.changed.emit(replace(self._rows[path], **{end: value}))  # type: ignore[arg-type]
 
 
@@ -400,7 +369,7 @@ class WaveRow(_Rows):
             info = infos[end]
             assert info is not None, "a number"
             field = replace(info, optional=True) if end == "amplitude_mm" else info
-            box = self._box(end, "", info.label, field, partial(self._enter, end, field))
+            box = self._box(end, "", info.label, field, partial(self._enter, end))
             box.setToolTip(
                 f"{info.label}{'; empty: no waves' if field.optional else ': waves around the cam, all equally likely'}"
             )
@@ -420,13 +389,7 @@ class WaveRow(_Rows):
             if not box.pending:
                 box.show_value(None if waves is None else getattr(waves, end))
 
-    def _enter(self, end: str, info: Info, value: float | None) -> None:
-        box = self.boxes[end, ""]
-        if info.whole and value is not None and value == int(value):
-            value = int(value)
-        if not info.admits(value):
-            self._refuse(box, f"{info.label}: allowed: {info.allowed(unit_of(end))}")
-            return
+    def _enter(self, end: str, value: float | None) -> Misfit | None:
         if value is None:
             changed = None
         elif self._waves is None:
@@ -434,8 +397,12 @@ class WaveRow(_Rows):
         else:
             changed = replace(self._waves, **{end: value})  # type: ignore[arg-type]
             if changed.lobes_from > changed.lobes_to:
-                allowed = f"from {changed.lobes_from}" if end == "lobes_to" else f"up to {changed.lobes_to}"
-                self._refuse(box, f"{info.label}: bounds are reversed; allowed: {allowed}")
-                return
-        self._accept(box, value)
+                info = self.boxes[end, ""].info
+                allowed, fits = (
+                    (f"from {changed.lobes_from}", replace(info, low=changed.lobes_from))
+                    if end == "lobes_to"
+                    else (f"up to {changed.lobes_to}", replace(info, high=changed.lobes_to))
+                )
+                return f"bounds are reversed; allowed: {allowed}, not {value}", fits
         self.changed.emit(changed)
+        return None

@@ -19,7 +19,7 @@ from core.study import Study, findings_of
 from kindyna_gui.background import Background, attempt
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misfit_sentences, waiting_text
-from kindyna_gui.labels import named_value, reason
+from kindyna_gui.labels import named_value, reason, sentence
 from kindyna_gui.look import coloured, sign, text_button
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number
@@ -175,7 +175,7 @@ class StatusLine(QStatusBar):
 
     def refuse(self, text: str) -> None:
         """Show that an edit was refused, for a while or until the value is corrected or undone."""
-        self._refusal = f"Refused: {text}"
+        self._refusal = f"Refused: {sentence(text)}"
         self.show_message(self._refusal)
 
     def show_fault(self, text: str) -> None:

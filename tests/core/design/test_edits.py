@@ -18,6 +18,7 @@ from core.design import (
     get,
     insert_segment,
     part_faults,
+    put,
     remove_segment,
     stroke,
     with_assumed,
@@ -283,3 +284,20 @@ def test_every_other_path_is_simply_put() -> None:
     assert edited(changed, "follower.rod_mm", 845.0) == LIFT
     with pytest.raises(KeyError, match="no such entry"):
         edited(LIFT, "follower.rod", 900.0)
+
+
+# -- an entry alone --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "missing"),
+    [
+        ("transfer_lift", ["cam.second.roller_radius_mm", "follower.second"]),
+        ("card_picker", ["cam.second.roller_radius_mm", "follower.second"]),
+        ("rocker_cam", ["cam.second.roller_radius_mm", "follower.second"]),
+        ("four_bar_coupler_cam", ["cam.second.link", "cam.second.roller_radius_mm"]),
+    ],
+)
+def test_a_conjugate_pair_without_its_second_roller_is_a_fault(name: str, missing: list[str]) -> None:
+    design = put(load(EXAMPLES / f"{name}.toml"), "cam.form", "conjugate")
+    assert [fault.path for fault in faults(design)] == missing

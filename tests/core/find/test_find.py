@@ -479,6 +479,11 @@ def test_what_stands_at_the_end_of_its_values_says_why(tmp_path: Path) -> None:
         ("base-radius", ("--limit", "pressure_angle_deg=30,5"), "must be KEY=VALUE"),
         ("base-radius", ("--limit", "pressure_angle_deg=nan"), "must be KEY=VALUE"),
         ("base-radius", ("--limit", "pressure_angle_deg=95"), "limit pressure_angle_deg = 95: outside its range"),
+        (
+            "base-radius",
+            ("--limit", "pressure_angle_rise_deg=91"),
+            "limit pressure_angle_rise_deg = 91: outside its range; allowed: above 0 ... 90",
+        ),
         ("base-radius", ("--limit", "convex_radius_mm=-1"), "limit convex_radius_mm = -1: outside its range"),
         ("base-radius", ("--limit", "convex_radius_mm=1", "--limit", "convex_radius_mm=2"), "a limit has one value"),
         (
@@ -506,6 +511,17 @@ def test_no_cam_no_effect(tmp_path: Path) -> None:
     assert faults.startswith("the pressure angle of a flat face does not depend on follower.offset_mm")
 
 
+@pytest.mark.parametrize(
+    "limits", [("pressure_angle_deg=90",), ("pressure_angle_rise_deg=90", "pressure_angle_return_deg=90")]
+)
+def test_a_pressure_angle_of_90_is_a_limit_as_in_a_design(limits: tuple[str, ...]) -> None:
+    """It limits nothing: the convex radius of half the roller's radius is then the limit of the lift."""
+    lift = EXAMPLES / "transfer_lift.toml"
+    result = found(lift, "base-radius", *limits)
+    assert result["limits"][limits[0].partition("=")[0]] == 90.0
+    assert result["reached"]["convex_radius_mm"] == pytest.approx(75.0)
+
+
 def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
     design = load(EXAMPLES / "rocker_cam.toml")
     for path, value in {
@@ -531,5 +547,5 @@ def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
         )
     with pytest.raises(KindynaError, match="thickness"):
         find(load(EXAMPLES / "rocker_cam.toml"), "base-radius", {"contact_pressure_mpa": 300.0})
-    with pytest.raises(KindynaError, match="allowed: above 0 MPa"):
+    with pytest.raises(KindynaError, match="allowed: > 0 MPa"):
         find(design, "base-radius", {"contact_pressure_mpa": -1.0})

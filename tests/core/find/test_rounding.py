@@ -165,3 +165,33 @@ def test_a_step_above_a_size_does_not_round_it_to_nothing(capsys: pytest.Capture
     for name, step in (("kim_1990", "2000"), ("transfer_lift", "1000000")):
         found = result(capsys, "find", EXAMPLES / f"{name}.toml", "lift-off-speed", "--round", step)
         assert found["answer"]["shaft.speed_rpm"] > 0.0
+
+
+def test_a_position_may_be_rounded_to_0_where_its_field_allows_it(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["find", str(LIFT), "pivot", "--round", "500"]) == 0
+    assert "follower.pivot_y_mm = 0\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (
+            ("kim_1990", "lift-off-speed", "--round", "2000"),
+            "(no multiple of 2000 satisfies every limit, so that it is one of 200)",
+        ),
+        (("kim_1990", "lift-off-speed", "--round", "200"), ""),
+        (
+            ("transfer_lift", "base-radius", "--limit", f"{BASE}_max=326.95", "--round"),
+            "(no multiple of 0.1 satisfies every limit, so that it is one of 0.01)",
+        ),
+        (("transfer_lift", "base-radius", "--round"), ""),
+    ],
+)
+def test_the_text_names_a_step_that_is_finer_than_requested(
+    words: Sequence[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name, *rest = words
+    assert main(["find", str(EXAMPLES / f"{name}.toml"), *rest]) == 0
+    text = capsys.readouterr().out
+    assert told in text
+    assert ("no multiple" in text) == bool(told)

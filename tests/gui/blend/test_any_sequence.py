@@ -116,3 +116,21 @@ def test_one_curve_has_the_place_of_the_motion_and_a_button_brings_it_back(dialo
     wait_for(lambda: not dialog.is_solving and dialog.put_button.isEnabled())
     assert (dialog.start.number, dialog.end.number) == (140.0, 360.0)
     dialog.reject()
+
+
+def test_curves_that_do_not_join_go_back_by_a_button_and_give_no_command(dialog: SequenceDialog) -> None:
+    over(dialog, dialog.curves, "C1-H2-P2")
+    assert dialog.copy.isEnabled()
+    over(dialog, dialog.curves, "C1-P2")
+    assert (dialog.curves.is_refused, dialog.copy.isEnabled()) == (True, False)
+    QTest.mouseClick(dialog.message.buttons["Back to C1-H2-P2"], Qt.MouseButton.LeftButton)
+    wait_for(lambda: not dialog.is_solving)
+    assert (dialog.curves.text(), dialog.curves.is_refused, dialog.copy.isEnabled()) == ("C1-H2-P2", False, True)
+    over(dialog, dialog.start, "-10")
+    assert dialog.message.text() == "From: outside its range; allowed: 0 ... 360 °, not −10°"
+    assert list(dialog.message.buttons) == ["Use 0°", "Back to 140°"]
+    assert (dialog.start.is_refused, dialog.copy.isEnabled()) == (True, False)
+    QTest.mouseClick(dialog.message.buttons["Use 0°"], Qt.MouseButton.LeftButton)
+    wait_for(lambda: not dialog.is_solving)
+    assert (dialog.start.number, dialog.start.is_refused, dialog.copy.isEnabled()) == (0.0, False, True)
+    dialog.reject()

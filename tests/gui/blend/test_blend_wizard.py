@@ -19,6 +19,7 @@ from window_user import Open, User, settle, wait_for
 from core.blend import BlendError, Request, SettingRange, best, blend, feasible_ranges
 from core.blend.best import with_blend
 from core.design import Design, Motion, NamedCurve, Segment, edited, faults, require_motion, with_motion
+from core.number_text import NARROW_SPACE
 from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
@@ -34,7 +35,7 @@ from kindyna_gui.blend.request import (
     range_text,
     shown_names,
 )
-from kindyna_gui.blend.settings import NO_NUMBER, LiveBox, curve_of
+from kindyna_gui.blend.settings import LiveBox, curve_of
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import WordBox
@@ -450,9 +451,10 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     assert row.message.text() == "h3 = 25 mm is not feasible with h1 = 1; feasible: 0 < h3 ≤ 19 mm"
     assert row.box.is_refused
     wizard.ranged("h3")
-    assert list(row.message.buttons) == ["Use 19 mm", "Leave it open"]
+    assert list(row.message.buttons) == ["Use 19 mm", "Back to 1 mm", "Leave it open"]
     assert not wizard.rows["h1"].message.isVisible()
     assert not wizard.can_put
+    assert not wizard.dialog.copy.isEnabled()
     assert wizard.veiled == "The last feasible motion"
     assert wizard.table == before, "the last good answer stays"
     wizard.dialog.accept()
@@ -464,34 +466,63 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     assert not row.box.is_refused
     assert wizard.veiled == ""
     assert wizard.can_put
+    assert wizard.dialog.copy.isEnabled()
 
 
 def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
     wizard = ask(PICKER)
     questions, rows = wizard.questions, wizard.rows
     wizard.type(rows["h1"].box, "-2")
-    assert rows["h1"].message.text() == "Allowed: > 0 mm"
+    assert rows["h1"].message.text() == "Outside its range; allowed: > 0 mm, not −2 mm"
     wizard.type(rows["h1"].box, "two")
-    assert rows["h1"].message.text() == NO_NUMBER
+    assert rows["h1"].message.text() == "Enter a number, such as 12.5"
     assert not wizard.can_put
     wizard.type(rows["h1"].box, "1")
     wizard.type(questions.stroke, "0")
-    assert questions.size_faults[0].text() == "Allowed: above 0 ... 1e+09 mm"
+    assert questions.size_faults[0].text() == (
+        f"Outside its range; allowed: above 0 ... 1{NARROW_SPACE}000{NARROW_SPACE}000{NARROW_SPACE}000 mm, not 0 mm"
+    )
     assert questions.stroke.is_refused
     wizard.type(questions.stroke, "20")
     wizard.type(questions.end, "20")
-    assert questions.size_faults[1].text() == "The end must be at least 0.001° after the start"
+    assert questions.size_faults[1].text() == "The end must be at least 0.001° after the start, not at 20°"
     wizard.type(questions.end, "400")
-    assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
+    assert questions.size_faults[1].text() == "Outside its range; allowed: 0 ... 360 °, not 400°"
     for beyond_any_step in ("1e-200", "1e200"):
         wizard.type(questions.stroke, beyond_any_step)
         wizard.type(questions.end, "1e200")
-        assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
+        assert questions.size_faults[1].text().startswith("Outside its range; allowed: 0 ... 360 °, not 1")
     wizard.type(questions.stroke, "20")
     wizard.type(questions.end, "330")
     wizard.answered()
     assert not any(words.isVisible() for words in questions.size_faults)
     assert wizard.can_put
+
+
+def test_a_refused_size_has_buttons_and_gives_no_command(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    questions, copy = wizard.questions, wizard.dialog.copy
+    strokes, angles = questions.size_faults
+    stroke, end = questions.stroke.number, questions.end.number
+    assert copy.isEnabled()
+    for box, line, text, remedies, number in (
+        (questions.stroke, strokes, "0", ["Back to 20 mm"], stroke),
+        (questions.end, angles, "400", ["Use 360°", f"Back to {end:g}°"], 360.0),
+        (questions.end, angles, "5e", [f"Back to {end:g}°"], end),
+        (questions.start, angles, "-1", ["Use 0°", "Back to 30°"], 0.0),
+        (questions.end, angles, "0", ["Use 30.001°", f"Back to {end:g}°"], 30.001),
+    ):
+        before = box.text()
+        wizard.type(box, text)
+        assert list(line.buttons) == remedies
+        assert (box.text(), box.is_refused, copy.isEnabled(), wizard.can_put) == (text, True, False, False)
+        wizard.click(line.buttons[remedies[0]])
+        wizard.answered()
+        assert (box.number, line.isVisible(), box.is_refused) == (number, False, False)
+        wizard.type(box, before)
+        QTest.keyClick(box, Qt.Key.Key_Return)
+        wizard.answered()
+        assert (copy.isEnabled(), wizard.can_put) == (True, True)
 
 
 def test_no_constant_velocity_is_the_end_of_its_range(ask: Ask) -> None:
@@ -505,7 +536,7 @@ def test_no_constant_velocity_is_the_end_of_its_range(ask: Ask) -> None:
     assert [cells[0] for cells in wizard.table] == ["C1", "H2", "P2"]
     assert wizard.can_put
     wizard.type(wizard.rows["h2"].box, "-1")
-    assert wizard.rows["h2"].message.text() == "Allowed: ≥ 0 mm"
+    assert wizard.rows["h2"].message.text() == "Outside its range; allowed: ≥ 0 mm, not −1 mm"
     assert not wizard.can_put
 
 

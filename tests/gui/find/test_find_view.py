@@ -122,8 +122,11 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     assert view.searches - searches <= 2, "for the design with the result, and for the one before"
     # what is no limit stays as typed, and says so
     type_limit(view, RETURN, "95")
-    assert view.limits.message.text() == "Pressure angle, return: outside its range; allowed: above 0 ... 90 °"
+    assert view.limits.message.text() == "Pressure angle, return: outside its range; allowed: above 0 ... 90 °, not 95°"
     assert view.limits.boxes[RETURN].is_refused
+    QTest.mouseClick(view.limits.message.buttons["Use 90°"], Qt.MouseButton.LeftButton)
+    assert rested(view).limits.boxes[RETURN].value == 90.0
+    assert (view.limits.message.isVisible(), view.take.isEnabled()) == (False, True), "a limit that the search accepts"
 
 
 @pytest.mark.stress

@@ -4,17 +4,19 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QCursor
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QWidget
 from shiboken6 import delete, isValid
 from window_user import Alone, Open, User, settle
 
 from core.design import Info
+from core.number_text import NARROW_SPACE
 from kindyna_gui.forms.refusal import FloatingRefusal, RefusalLine
 from kindyna_gui.motion.segments_table import RISE, SPAN, TO
 from kindyna_gui.studies.study_view import StudyView
 
 ROD, FRICTION = "follower.rod_mm", "loads.friction"
 ANGLE = "limits.pressure_angle_rise_deg"
+BILLION = f"1{NARROW_SPACE}000{NARROW_SPACE}000{NARROW_SPACE}000"
 
 
 @pytest.fixture
@@ -80,6 +82,27 @@ def test_a_button_enters_the_nearest_allowed_value_as_one_step(user: User) -> No
     assert (user.number(ANGLE).text(), line.isVisible()) == ("90", False)
     user.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
     assert user.number(ANGLE).text() == ""
+
+
+def test_two_buttons_are_below_their_sentence(user: User) -> None:
+    user.enter(ANGLE, "30")
+    user.enter(ANGLE, "120")
+    line = user.field(ANGLE).message
+    assert list(line.buttons) == ["Use 90°", "Back to 30°"]
+    use, back = (place(button) for button in line.buttons.values())
+    (label,) = line.findChildren(QLabel)
+    assert use.top() == back.top() > place(label).bottom()
+    assert use.right() < back.left()
+    assert back.right() <= place(line).right()
+    assert label.width() > 0.9 * line.width()
+    assert label.height() <= 2 * label.fontMetrics().lineSpacing() + 4
+
+
+def test_the_status_line_writes_a_range_as_the_field_does(user: User) -> None:
+    user.enter(ROD, "-5")
+    status = user.window.status.currentMessage()
+    assert status.startswith(f"Refused: Rod L2: outside its range; allowed: above 0 ... {BILLION} mm")
+    assert user.field(ROD).message.text() == f"Outside its range; allowed: above 0 ... {BILLION} mm, not −5 mm"
 
 
 def test_the_remedy_is_reached_by_keys(user: User) -> None:
@@ -172,9 +195,11 @@ def test_a_refused_bound_of_a_study_goes_back_by_a_button(user: User) -> None:
     box.selectAll()
     user.type("-3")
     user.press(Qt.Key.Key_Return)
-    assert "outside its range; allowed" in view.rows.message.text()
+    assert view.rows.message.text().endswith(f"outside its range; allowed: above 0 ... {BILLION} mm, not −3 mm")
+    status = user.window.status.currentMessage()
+    assert "1e+09" not in status
     assert (box.text(), box.is_refused) == ("-3", True)
-    click(view.rows.message, f"Back to {before}")
+    click(view.rows.message, f"Back to {before} mm")
     assert (box.text(), box.is_refused, view.rows.message.isVisible()) == (before, False, False)
 
 

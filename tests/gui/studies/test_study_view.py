@@ -16,6 +16,7 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import Tolerance, edited, get
 from core.design.limits import Waviness
+from core.number_text import NARROW_SPACE
 from core.project import save
 from core.study import evaluations
 from core.varying import current_figures, load_study
@@ -369,8 +370,12 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
     view = vary(user, BASE)
     survey = view.surveys.survey
     for end, text, says in (
-        ("low", "500", "bounds are reversed; allowed: below 480 mm"),
-        ("low", "-3", "outside its range; allowed: above 0 ..."),
+        ("low", "500", "bounds are reversed; allowed: below 480 mm, not 500 mm"),
+        (
+            "low",
+            "-3",
+            f"outside its range; allowed: above 0 ... 1{NARROW_SPACE}000{NARROW_SPACE}000{NARROW_SPACE}000 mm, not −3 mm",
+        ),
         ("high", "many", "enter a number"),
     ):
         box = view.rows.boxes[BASE, end]
@@ -380,7 +385,10 @@ def test_what_is_typed_wrong_stays_and_says_what_is_allowed(user: User) -> None:
         QTest.keyClick(box, Qt.Key.Key_Escape)
     assert rested(user).surveys.survey is survey
     type_into(view.figure_rows.boxes[PRESSURE, "least"], "60")
-    assert "limits are reversed" in view.figure_rows.message.text()
+    message, most = view.figure_rows.message, view.figure_rows.boxes[PRESSURE, "most"].text()
+    assert f"limits are reversed; allowed: ≤ {most}°, not 60°" in message.text()
+    QTest.mouseClick(message.buttons[f"Use {most}°"], Qt.MouseButton.LeftButton)
+    assert (view.figure_rows.boxes[PRESSURE, "least"].text(), message.isVisible()) == (most, False)
     QTest.mouseClick(view.rows.removers[BASE], Qt.MouseButton.LeftButton)
     settle()
     assert "Vary this" in view.map.message
