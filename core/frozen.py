@@ -116,7 +116,8 @@ def _compile_init(kind: Any) -> Any:
         parameters.append(f"{name}=default_{name}" if f"default_{name}" in names else name)
         entries.append(f"{name!r}: {value}")
     # all fields at once, past any descriptor, take half of the time of one after the other
-    exec(f"def __init__({', '.join(parameters)}):\n _put(self, '__dict__', {{{', '.join(entries)}}})", names)
+    then = "\n self.__post_init__()" if hasattr(kind, "__post_init__") else ""
+    exec(f"def __init__({', '.join(parameters)}):\n _put(self, '__dict__', {{{', '.join(entries)}}}){then}", names)
     names["__init__"].__qualname__ = f"{kind.__qualname__}.__init__"
     return names["__init__"]
 

@@ -14,7 +14,8 @@ from itertools import chain, count
 from math import fsum
 
 from core.design.design import Design, Drive, TimingRow
-from core.design.parts import Motion, Shaft
+from core.design.motions import Motion
+from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
 from core.errors import DesignError, Fault
 from core.file_names import no_device

@@ -13,7 +13,8 @@ from core.design.followers import OF_SECOND, CamDetails, Face
 from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage, NamedMotion
 from core.design.loads import Balancer
-from core.design.parts import ROTARY, Follower, Motion, Output, OutputLoads, Servo, Shaft, face_of
+from core.design.motions import Motion
+from core.design.parts import ROTARY, Follower, Output, OutputLoads, Servo, Shaft, face_of
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen

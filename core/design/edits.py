@@ -29,23 +29,25 @@ from core.design.followers import (
     SecondRoller,
 )
 from core.design.linkage import LinkageCam
+from core.design.motions import (
+    Curve,
+    Motion,
+    PolynomialCurve,
+    PolynomialEnd,
+    Segment,
+    SplineCurve,
+    SplinePoint,
+    curve_of,
+)
 from core.design.parts import (
     SIDES,
     CamSlider,
-    Curve,
     ElasticShaft,
-    Motion,
     Oscillating,
-    PolynomialCurve,
-    PolynomialEnd,
     SecondArm,
     SecondPlace,
-    Segment,
     Shaft,
-    SplineCurve,
-    SplinePoint,
     Translating,
-    curve_of,
 )
 from core.design.paths import all_paths, of_class, put, row_at, with_guesses_marked
 from core.errors import DesignError, Fault
@@ -141,8 +143,11 @@ def stroke(motion: Motion) -> float:
 def with_stroke(motion: Motion, target: float, current: float | None = None) -> Motion:
     """Motion with all levels scaled to another stroke [mm or deg]: start, rises, and values of curves.
 
-    The level 0 stays. ``current`` is the present stroke where curves go beyond the levels at their ends.
+    The level 0 stays. ``current`` is the present stroke where curves go beyond the levels at their ends. A lobe gets another
+    lift, and keeps its durations.
     """
+    if motion.lobe is not None:
+        return replace(motion, lobe=replace(motion.lobe, lift_mm=target))
     current = stroke(motion) if current is None else current
     if current == 0.0:
         return motion
@@ -155,10 +160,26 @@ def with_stroke(motion: Motion, target: float, current: float | None = None) -> 
 
 
 def with_levels(motion: Motion, level: Scale) -> Motion:
-    """Motion with all levels scaled by a linear function: start, rises, and values of curves."""
+    """Motion with all levels scaled by a linear function: start, rises, values of curves, and lengths of a lobe."""
+    if motion.lobe is not None:
+        return replace(motion, start=level(motion.start), lobe=_with_lengths(motion.lobe, level))
     segments = tuple(replace(s, rise=level(s.rise), curve=scaled(s.curve, 1.0, level)) for s in motion.segments)
     advance = None if motion.advance is None else level(motion.advance)
     return replace(motion, start=level(motion.start), segments=segments, advance=advance)
+
+
+def _with_lengths(part: Any, level: Scale) -> Any:
+    """A lobe, or a part of it, with its lengths, velocities and accelerations scaled."""
+    if isinstance(part, tuple):
+        return tuple(_with_lengths(row, level) for row in part)
+    if not is_dataclass(part):
+        return part
+    values: dict[str, Any] = {}
+    for field in fields(part):
+        value = getattr(part, field.name)
+        is_length = value is not None and unit_of(field).symbol.startswith("mm")
+        values[field.name] = level(value) if is_length else _with_lengths(value, level)
+    return replace(part, **values)  # type: ignore[type-var]
 
 
 def with_advance(motion: Motion, advance: float | None) -> Motion:

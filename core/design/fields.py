@@ -438,5 +438,6 @@ def inside_of_table(kind: Any, table: Mapping[str, Any], *, possible: bool = Fal
 
 
 def slots_of(part: Any, unit: str = "") -> tuple[FileEntry, ...]:
-    """Entries of a part's table in the file, with those of its parts in the same table."""
-    return slots(cast(Hashable, type(part)), unit, inside_of(part))
+    """Entries of a part's table in the file, with those of its parts in the same table; without fields that follow from others."""
+    entries, derived = slots(cast(Hashable, type(part)), unit, inside_of(part)), getattr(part, "derived", ())
+    return tuple(slot for slot in entries if slot.names[:1] != derived) if derived else entries

@@ -37,7 +37,7 @@ from core.design.followers import (
     rubs,
 )
 from core.design.loads import ForceElements
-from core.design.parts import Motion
+from core.design.motions import Motion
 from core.frozen import frozen
 from core.numerics.derivatives import vector
 

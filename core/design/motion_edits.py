@@ -15,20 +15,18 @@ from types import MappingProxyType
 from core.design.design import Design, Drive, with_drive
 from core.design.edits import back_at_start, balance, is_dwell, stretched, times, with_segment_inserted, without_segment
 from core.design.linkage import CRANK, MOTION
-from core.design.parts import (
-    OUTPUT_LOADS,
+from core.design.motions import (
     Curve,
     Motion,
     NamedCurve,
-    Output,
     PolynomialCurve,
     PolynomialEnd,
     Segment,
-    Shaft,
     SplineCurve,
     SplinePoint,
     TableCurve,
 )
+from core.design.parts import OUTPUT_LOADS, Output, Shaft
 from core.design.paths import all_paths, followed
 from core.design.rules import faults
 from core.errors import DesignError, Fault

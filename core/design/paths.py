@@ -14,7 +14,8 @@ from typing import Any, TypeVar
 
 from core.design.design import MOTIONS, Design, with_drive_table, with_table
 from core.design.fields import LAW, FileEntry, Info, slots, slots_of
-from core.design.parts import Segment, Shaft, curve_of
+from core.design.motions import Segment, curve_of
+from core.design.parts import Shaft
 from core.frozen import frozen
 from core.numerics.lazy import Column
 from core.units import NO_UNIT, Unit, split_unit

@@ -17,22 +17,19 @@ from core.design.followers import FORM, CamDetails, Conjugate, Open, Roller
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.load_rules import element_faults
-from core.design.parts import (
+from core.design.lobe import lobe_fault
+from core.design.motions import (
     JOINED,
-    LINEAR,
-    ROTARY,
     TABLE_ENDS,
-    CamSlider,
-    DiskCam,
+    LobeSegments,
     Motion,
     NamedCurve,
-    RollerCam,
     SccaCurve,
     Segment,
-    Servo,
     SplineCurve,
     TableCurve,
 )
+from core.design.parts import LINEAR, ROTARY, CamSlider, DiskCam, RollerCam, Servo
 from core.design.paths import entries_of
 from core.errors import MISSING, Fault
 from core.file_names import LONGEST
@@ -103,6 +100,18 @@ def _follows_its_origin(motion: Motion, path: str) -> Iterator[Fault]:
         names = ", ".join(motion.follows.origin.names)
         problem = f"this motion follows from {names}, and is changed there"
         yield Fault(f"{path}.{motion.follows.origin.key}", MISSING, problem, "first: Unlink from the files")
+
+
+def _lobe(motion: Motion, path: str) -> Iterator[Fault]:
+    """A lobe gives all segments of a motion in mm."""
+    if motion.lobe is None:
+        return
+    if not isinstance(motion.segments, LobeSegments):
+        yield Fault(f"{path}.segments", MISSING, f"cannot be combined with {path}.lobe", "first: Lobe to segments")
+    elif motion.unit != "mm":
+        yield Fault(f"{path}.lobe", "[motion.lobe]", f"a lobe is in mm, the motion in {motion.unit}", "a motion in mm")
+    elif (fault := lobe_fault(motion.lobe)) is not None:
+        yield replace(fault, path=f"{path}.lobe.{fault.path}".removesuffix("."))
 
 
 def _cam_repeats(drive: Drive) -> Iterator[Fault]:
@@ -236,7 +245,7 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segments, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin),
+        Motion: (_segments, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin, _lobe),
         CamSlider: (_layout_agrees_with_pivot,),
         RollerCam: (_bore_and_hub,),
         DiskCam: (_bore_and_hub,),

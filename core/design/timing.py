@@ -14,7 +14,7 @@ from core.design.camshaft import ENDS, Stroke, distances, drive_names, named_eve
 from core.design.design import Design
 from core.design.edits import balance
 from core.design.motion_edits import join_angles, join_range, with_join_moved
-from core.design.parts import Motion
+from core.design.motions import Motion
 from core.frozen import frozen
 
 HALF = 180.0 - 1e-6

@@ -22,7 +22,7 @@ from core.design.motion_edits import (
     with_motion,
     with_total_span,
 )
-from core.design.parts import Motion, NamedCurve, Segment
+from core.design.motions import Motion, NamedCurve, Segment
 from core.design.paths import all_paths
 from core.design.rules import CLOSING, faults, incomplete_faults, part_faults, total_of
 from core.errors import Fault

@@ -1,6 +1,6 @@
 """Motion laws: one table of curves, one evaluator, and splines of least jerk."""
 
-from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, asymmetric, integrate, shifted, split
+from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, asymmetric, integrate, shifted, split, trimmed
 from core.laws.polynomial import NoSpline, hermite, least_jerk
 from core.laws.table import (
     ALIASES,
@@ -43,4 +43,5 @@ __all__ = [
     "scca",
     "shifted",
     "split",
+    "trimmed",
 ]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from math import comb
@@ -277,15 +278,19 @@ def shifted(polynomial: Sequence[float], offset: float) -> tuple[float, ...]:
     return tuple(sum(polynomial[k] * comb(k, j) * offset ** (k - j) for k in range(j, n)) for j in range(n))
 
 
+def trimmed(piece: Piece, offset: float) -> Piece:
+    """The piece from an offset after its start on."""
+    sines = tuple(Sine(q.amplitude, q.frequency, q.phase + q.frequency * offset) for q in piece.sines)
+    return Piece(piece.start + offset, shifted(piece.polynomial, offset), sines)
+
+
 def split(pieces: Sequence[Piece], at: float) -> tuple[Piece, ...]:
     """Pieces of the same curve, with a piece that starts at u = at."""
     result = []
     for piece, end in zip(pieces, [p.start for p in pieces[1:]] + [1.0], strict=True):
         result.append(piece)
         if piece.start < at < end:
-            offset = at - piece.start
-            sines = tuple(Sine(q.amplitude, q.frequency, q.phase + q.frequency * offset) for q in piece.sines)
-            result.append(Piece(at, shifted(piece.polynomial, offset), sines))
+            result.append(replace(trimmed(piece, at - piece.start), start=at))
     return tuple(result)
 
 

@@ -23,7 +23,7 @@ from core.design.linkage import (
     LinkPoint,
     Slider,
 )
-from core.design.parts import Motion, Segment
+from core.design.motions import Motion, Segment
 from core.design.topology import driver_pair, input_slides, is_pin, pins
 from core.mechanism.drawing_references import loads_of, pruned, renamed
 from core.mechanism.drawing_targets import JOINED, DrawingTarget, coincident_point, joined, links_with

@@ -27,8 +27,10 @@ from core.design import (
 )
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, shifted
+from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, trimmed
+from core.numerics.derivatives import QUARTER
 from core.numerics.lazy import part_mapper
+from core.numerics.roots import BracketEnds, bracketed_root
 
 # -- curve of a segment as pieces -------------------------------------------------------------------------------
 
@@ -156,8 +158,7 @@ def _split_at_reversals(pieces: tuple[Piece, ...]) -> CurveShape:
     """Pieces split where the velocity is zero, so that it has one sign on each."""
     parts: list[Piece] = []
     for piece, reversals in zip(pieces, _reversals(pieces), strict=True):
-        parts.append(piece)
-        parts += [Piece(piece.start + w, shifted(piece.polynomial, w)) for w in reversals]
+        parts += [piece, *(trimmed(piece, w) for w in reversals)]
     table = PieceTable(parts)
     ends = [*(p.start for p in parts[1:]), 1.0]
     half_width = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
@@ -167,20 +168,41 @@ def _split_at_reversals(pieces: tuple[Piece, ...]) -> CurveShape:
     return CurveShape(tuple(parts), 1.0, tuple(float(w) for w in np.where(is_at_rest, 0.0, np.sign(velocity))))
 
 
+_INSIDE = 1e-6  # part of a piece; a zero of the velocity nearer to its end is at the end
+
+
 def _reversals(pieces: tuple[Piece, ...]) -> list[list[float]]:
-    """Zeros of the velocity inside each polynomial piece, ascending, measured from the start of the piece."""
+    """Zeros of the velocity inside each piece, ascending, measured from the start of the piece."""
     powers = max(2, *(len(p.polynomial) for p in pieces))
     coefficients = np.zeros((len(pieces), powers))
     for values, piece in zip(coefficients, pieces, strict=True):
         values[: len(piece.polynomial)] = piece.polynomial
     width = np.diff([*(p.start for p in pieces), 1.0])
     velocity = (coefficients * np.arange(powers) * width[:, None] ** np.arange(powers))[:, 1:]  # by powers of w/width
+    has_sines = np.array([bool(piece.sines) for piece in pieces])
     result: list[list[float]] = [[] for _ in pieces]
-    for i in np.flatnonzero(_may_change_sign(velocity)).tolist():
+    for i in np.flatnonzero(_may_change_sign(velocity) & ~has_sines).tolist():
         roots = np.roots(velocity[i, ::-1])
         real = roots[np.abs(roots.imag) < 1e-9].real
-        result[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
+        result[i] = sorted(float(x * width[i]) for x in real if _INSIDE < x < 1.0 - _INSIDE)
+    for i in np.flatnonzero(has_sines).tolist():
+        result[i] = _reversals_with_sines(pieces[i], float(width[i]))
     return result
+
+
+def _reversals_with_sines(piece: Piece, width: float) -> list[float]:
+    """Zeros of the velocity inside a piece with sines, between samples at least eight of which make a quarter wave."""
+    waves = max(q.frequency for q in piece.sines) * width / QUARTER
+    at = np.linspace(_INSIDE, 1.0 - _INSIDE, 8 * int(np.ceil(waves)) + 17) * width
+    table = PieceTable((piece,))
+
+    def velocity(w: np.ndarray) -> np.ndarray:
+        return table.rows(np.zeros(w.size, dtype=int), w)(1)
+
+    sampled = velocity(at)
+    brackets = np.flatnonzero(sampled[:-1] * sampled[1:] < 0.0).tolist()
+    ends = [BracketEnds(at[k], sampled[k], at[k + 1], sampled[k + 1]) for k in brackets]
+    return [float(bracketed_root(lambda w: float(velocity(np.array([w]))[0]), each).b) for each in ends]
 
 
 def _may_change_sign(polynomials: np.ndarray) -> np.ndarray:
@@ -212,7 +234,9 @@ def has_common_pieces(motion: Motion) -> bool:
 
     True where only spans and rises vary, and no dwell has a varying rise.
     """
-    return all(part_mapper(segment) is None or _has_common_pieces(segment) for segment in motion.segments)
+    return part_mapper(motion.lobe) is None and all(
+        part_mapper(segment) is None or _has_common_pieces(segment) for segment in motion.segments
+    )
 
 
 def _has_common_pieces(segment: Segment) -> bool:

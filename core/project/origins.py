@@ -27,18 +27,17 @@ from core.design import (
     Motion,
     Origin,
     Segment,
-    SplinePoint,
-    TableCurve,
     with_drive,
 )
 from core.design.motion_edits import files_of, motion_of, require_motion, without_marks
-from core.design.parts import InverseOrigin, TableOrigin
+from core.design.motions import InverseOrigin, TableOrigin
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.laws import Piece
 from core.motion import Angles, CompiledMotion, program
 from core.motion.program import piece_ends
+from core.motion.tables import tabled
 from core.number_text import result_text
 from core.units import split_unit
 
@@ -141,7 +140,7 @@ def with_unlinked_motion(design: Design) -> Design:
         return design
     compiled = program(motion)
     segments = [
-        _tabled(compiled, i, segment) if isinstance(segment.curve, ComputedCurve) else segment
+        tabled(compiled, i, segment) if isinstance(segment.curve, ComputedCurve) else segment
         for i, segment in enumerate(motion.segments)
     ]
     return with_drive(without_marks(design), motion=replace(motion, segments=tuple(segments), follows=None))
@@ -556,43 +555,3 @@ def _pieces(
     polynomial = np.array([start[0] - level, start[1] * width, 0.5 * start[2] * width**2, *integral]) / scale
     span = high - low
     yield Piece((a - low) / span, tuple((polynomial * (span / width) ** np.arange(polynomial.size)).tolist()))
-
-
-TABLE_ERROR = 1e-9  # of the stroke: largest error of a table that replaces a computed segment
-
-
-def _tabled(compiled: CompiledMotion, index: int, segment: Segment) -> Segment:
-    """A computed segment as a table with velocity and acceleration, interpolated by quintics."""
-    pieces = np.flatnonzero(compiled.segment == index)
-    low, high = float(compiled.starts[pieces[0]]), float(compiled.ends[pieces[-1]])
-    scale, turn = compiled.motion.scale, np.rad2deg(1.0)
-    count = 8
-    while True:
-        at = np.linspace(low, high, count + 1)
-        y = _at(compiled, pieces, at)
-        if count >= 512 or _quintic_error(compiled, pieces, at, y) <= TABLE_ERROR * float(np.ptp(y[0])):
-            break
-        count *= 2
-    rows = (y[:3] / scale / turn ** np.arange(3)[:, None]).T
-    level = rows[0, 0]
-    points = [
-        SplinePoint(float(d), float(s - level), float(v), float(a))
-        for d, (s, v, a) in zip((at - low) * turn, rows, strict=True)
-    ]
-    points[-1] = replace(points[-1], at_deg=segment.span_deg, value=segment.rise)
-    return Segment(segment.span_deg, segment.rise, TableCurve(tuple(points)))
-
-
-def _at(compiled: CompiledMotion, pieces: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    piece = pieces[np.clip(np.searchsorted(compiled.starts[pieces], theta, side="right") - 1, 0, pieces.size - 1)]
-    return compiled.state(Angles(theta, piece)).y
-
-
-def _quintic_error(compiled: CompiledMotion, pieces: np.ndarray, at: np.ndarray, y: np.ndarray) -> float:
-    from core.laws.polynomial import quintics
-
-    h = np.diff(at)
-    c = quintics(h, y[:3].T[:-1, :, None], y[:3].T[1:, :, None])[:, :, 0]
-    x = np.array([0.25, 0.5, 0.75])[:, None] * h
-    curve = sum(c[:, k] * x**k for k in range(6))
-    return float(np.abs(curve - _at(compiled, pieces, (at[:-1] + x).ravel())[0].reshape(x.shape)).max())

@@ -493,9 +493,12 @@ class SegmentCurveForm(QWidget):
 
     def _computed(self, design: Design, index: int) -> None:
         """Add a sentence that says what the curve follows from."""
+        motion = require_motion(design)
         self._add_sentence(
-            "This curve follows from other files"
-            if require_motion(design).follows is not None
+            "This curve follows from the lobe: change its lift, durations or ramp, or choose Lobe to segments"
+            if motion.lobe is not None
+            else "This curve follows from other files"
+            if motion.follows is not None
             else "This curve follows from the torque of the drives: change the drives, or the spring of the balance cam"
         )
 

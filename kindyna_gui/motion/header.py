@@ -43,6 +43,7 @@ STROKE = Info(
 )
 NO_STROKE = "The motion has no stroke yet: give a segment a law and a rise first."
 LEAST_WIDTH, MOST_WIDTH = 74, 150  # of a number, pixels
+IN_A_ROW = 3  # fields next to each other
 
 
 def stroke_of(design: Design) -> float:
@@ -76,6 +77,9 @@ def origin_texts(follows: Follows) -> tuple[str, str]:
         "inverse": f"Makes output {inverse.output if inverse else ''} of {files} follow the motion in its file",
     }
     return rows[follows.origin.key], "\n".join(follows.files)
+
+
+LOBE_TEXTS = ("Follows from a lobe", "Lift, durations, ramp and flats give its segments")
 
 
 class StrokeField(Field):
@@ -125,11 +129,12 @@ class MotionHeader(QWidget):
         self.has_stroke = stroke_of(design) != 0.0
         stroke_field = self.fields[f"motion.stroke_{motion.unit}"]
         stroke_field.editor.setToolTip(stroke_field.label.toolTip() if self.has_stroke else NO_STROKE)
-        self._following.setVisible(motion.follows is not None)
-        if motion.follows is not None:
-            text, tip = origin_texts(motion.follows)
+        self._following.setVisible(motion.is_computed)
+        if motion.is_computed:
+            text, tip = LOBE_TEXTS if motion.follows is None else origin_texts(motion.follows)
             self.origin.setText(text)
             self.origin.setToolTip(tip)
+            self.unlink_button.setText("Lobe to segments" if motion.follows is None else "Unlink from the files")
         for field in self.fields.values():
             field.editor.setEnabled(motion.follows is None and (self.has_stroke or field is not stroke_field))
 
@@ -140,11 +145,14 @@ class MotionHeader(QWidget):
         self.cycle.setVisible(bool(text))
 
     def _unlink(self) -> None:
+        from core.motion.tables import lobe_to_segments
         from core.project.origins import with_unlinked_motion
 
-        self._session.put(
-            with_unlinked_motion(self._session.design), "Unlink the motion from its files", "motion.segments"
-        )
+        design = self._session.design
+        if require_motion(design).follows is None:
+            self._session.put(lobe_to_segments(design), "Lobe to segments", "motion.segments")
+        else:
+            self._session.put(with_unlinked_motion(design), "Unlink the motion from its files", "motion.segments")
 
     @staticmethod
     def _specs(design: Design) -> list[FieldSpec]:
@@ -161,9 +169,9 @@ class MotionHeader(QWidget):
 
     def _build(self, specs: list[FieldSpec]) -> None:
         paper = QWidget()
-        row = fill(QHBoxLayout(paper), margins=(10, 5, 6, 2), spacing=10)
+        rows = fill(QGridLayout(paper), margins=(10, 5, 6, 2), spacing=(10, 4))
         self.fields = {}
-        for spec in specs:
+        for i, spec in enumerate(specs):
             field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)
             field.setParent(paper)  # deleted together
             grid = fill(QGridLayout(), spacing=(5, 2))
@@ -171,9 +179,12 @@ class MotionHeader(QWidget):
             field.add_to(grid, 0)
             field.editor.setMinimumWidth(LEAST_WIDTH)  # two fit next to each other in a narrow dock
             field.editor.setMaximumWidth(MOST_WIDTH)
-            row.addLayout(grid, 1)
+            rows.addLayout(grid, i // IN_A_ROW, i % IN_A_ROW)
             self.fields[spec.path] = field
-        row.addStretch(2)
+        columns = min(len(specs), IN_A_ROW)
+        for column in range(columns):
+            rows.setColumnStretch(column, 1)
+        rows.setColumnStretch(columns, 2)
         self._fields_area.replace(paper)
 
     def focus_field(self, path: str) -> bool:

@@ -168,7 +168,7 @@ class MotionPage(QScrollArea):
         self.bar.show_segment(design, index)
         for field in self._rows.values():
             field.refresh(design)
-        fixed = motion.follows is not None or self._session.is_on_balancer
+        fixed = motion.is_computed or self._session.is_on_balancer
         for path, field in self._rows.items():
             field.editor.setEnabled(not fixed and not (".rise" in path and is_dwell(motion.segments[index])))
         self.curve.setEnabled(not fixed)

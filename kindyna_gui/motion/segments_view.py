@@ -104,8 +104,8 @@ class SegmentAction:
     def is_enabled(self, design: Design, index: int) -> bool:
         """Whether the action can be done with a segment of a design."""
         motion = motion_of(design)
-        if motion is None or motion.follows is not None or index >= len(motion.segments):
-            return False  # no segment, or a motion that follows from other files
+        if motion is None or motion.is_computed or index >= len(motion.segments):
+            return False  # no segment, or a motion that follows from other files or a lobe
         return not (self.needs_complete and missing_of_motion(design)) and self.is_possible(design, index)
 
 
@@ -447,9 +447,9 @@ class SegmentsView(MarkedView):
     def _show_incomplete(self) -> None:
         """Show what an incomplete motion misses; the diagram then shows the last complete one and cannot be edited."""
         waits = motion_waits(self.session)
-        follows = require_motion_of_view(self.session.typed).follows is not None
-        self.diagram.locked = waits or follows
-        self.table.setEnabled(not follows)
+        is_computed = require_motion_of_view(self.session.typed).is_computed
+        self.diagram.locked = waits or is_computed
+        self.table.setEnabled(not is_computed)
         self.incomplete_bar.show_reasons(
             misfit_sentences(self.session) if waits else [],
             back_text(self.session),

@@ -192,6 +192,13 @@ class DesignActions(QObject):
             names = ", ".join(path.name for path in paths)
             self.change(lambda: with_linked_motion(session.design, files, home, load_linked, link), f"Follow {names}")
 
+    def lobe_to_segments(self) -> None:
+        """Replace the lobe of the motion by its segments."""
+        from core.motion.tables import lobe_to_segments
+
+        if self._has_motion():
+            self.change(lambda: lobe_to_segments(self._session.design), "Lobe to segments")
+
     def segment_from_table(self) -> None:
         """Ask for a table and replace the selected segment by it."""
         opened = (

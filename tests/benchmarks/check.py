@@ -16,12 +16,13 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from benchmarks import designs, forces, plain, processes
+from benchmarks import designs, forces, laws, plain, processes
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
 from linkages import chain
 
 from core.design import Design, put
+from core.design.lobe import Lobe, LobeRow, lobe_sides
 from core.mechanism.drivers import with_drawn_pose
 from core.mechanism.unfinished import mobility
 from core.process import keep_freed_memory
@@ -38,6 +39,7 @@ STARTS = 9  # of it, and of an empty one
 START = "start with the lift, settled, by an empty window"
 RANK = "rank of a drawing: twelve links"
 FINDINGS = "findings: a new lift"
+LOBE = "lobe: a new duration, by a law"
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
 
 Limits = Mapping[str, Mapping[str, Any]]
@@ -58,6 +60,7 @@ def keys() -> dict[str, Callable[[], float]]:
         },
         RANK: look_at_rank,
         FINDINGS: look_at_findings,
+        LOBE: look_at_lobe,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
         **{
@@ -114,6 +117,19 @@ def look_at_findings(seconds: float = 2.0 * SECONDS) -> float:
     design, theta = load(EXAMPLE), plain.turn(3600)
     ours = Fresh(lambda: partial(findings_of, Study(forces.anew(design))))
     told = measure({"ours": ours, "rival": partial(forces.at_knots, theta)}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_lobe(seconds: float = SECONDS) -> float:
+    """Both sides of a lobe on the default ramp, of another duration each time, by a law at 3,600 angles."""
+    rows, lengths = ((0.1524, 268.0), (1.27, 218.0)), count(1)
+
+    def another() -> Lobe:
+        (low, longer), (high, shorter) = rows
+        return Lobe(lift_mm=7.75, duration=(LobeRow(low, longer), LobeRow(high, shorter + 1e-6 * next(lengths))))
+
+    ours = Fresh(lambda: partial(lobe_sides, another()))
+    told = measure({"ours": ours, "rival": partial(laws.ours, laws.KERNEL.grid(3600), None)}, seconds).seconds
     return told["ours"] / told["rival"]
 
 

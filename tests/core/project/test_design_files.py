@@ -253,7 +253,7 @@ def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
         ("shaft.sense", "ccw", "unknown key"),
         ("loads.follower_mass_kg", 1.0, "unknown key"),
         ("follower.offset_mm", 1.0, "unknown key"),
-        ("motion.unit", "mm", "unknown key; allowed: start_mm | advance_mm | segments"),
+        ("motion.unit", "mm", "unknown key; allowed: start_mm | advance_mm | lobe | segments"),
         ("motion.start", 150.0, "wrong unit; allowed: start_mm"),
         ("motion.start_deg", 150.0, "wrong unit; allowed: start_mm"),
         ("motion.segments[1].rise_deg", 10.0, "wrong unit; allowed: rise_mm"),

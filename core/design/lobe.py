@@ -1,0 +1,335 @@
+"""The lobe of a valve train as typed, in cam and crank degrees, its two sides, and its faults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from functools import lru_cache
+from typing import Any, ClassVar
+
+from core.design.fields import FileLayout, brief, info_of, length, number, placed
+from core.errors import DesignError, Fault
+from core.frozen import frozen
+from core.laws.lobe import (
+    ACCELERATION,
+    HEIGHT,
+    NOSE_ACCELERATION,
+    VELOCITY,
+    Condition,
+    NoLobe,
+    Side,
+    SideForm,
+    solve_side,
+)
+from core.number_text import result_text, rounded_down, rounded_up
+
+# -- inputs -----------------------------------------------------------------------------------------------------
+
+CRANK_PER_CAM = 2.0
+"""Turns of the crank per turn of the camshaft of a four-stroke engine."""
+
+
+@frozen
+class LobeRow:
+    """A lift, and the crank degrees from one side to the other at this lift, or from one side to the nose."""
+
+    at_mm: float = length("At lift", help="of the lobe")
+    crank_deg: float = number("Crank angle", 0.0, 720.0, open_low=True, step=1.0, help="in crank degrees")
+
+
+def _rows() -> Any:
+    return placed(FileLayout(LobeRow, whole=True, rows=True), ())
+
+
+@frozen(kw_only=True)
+class LobeClosing:
+    """Values of the closing side that differ from those of the opening side."""
+
+    to_nose: tuple[LobeRow, ...] = _rows()
+    ramp_mm: float | None = length("Closing ramp", help="height at which it ends", default=None)
+    ramp_mm_per_deg: float | None = number(
+        "Closing ramp's velocity", 0.0, open_low=True, default=None, help="by cam angle"
+    )
+    ramp_runup_deg: float | None = number(
+        "Closing run-up", 0.0, 360.0, open_low=True, default=None, help="cam angle from the ramp to rest"
+    )
+    flank_flat: float | None = number(
+        "Flat of the closing flank", 0.0, 1.0, default=None, step=0.05, help="part of it at constant acceleration"
+    )
+    nose_flat: float | None = number(
+        "Flat behind the nose", 0.0, 1.0, default=None, step=0.05, help="part of it at constant acceleration"
+    )
+
+
+@frozen(kw_only=True)
+class Lobe:
+    """A lobe: its lift, two values of its opening side, ramp and flats, and the closing side where it differs.
+
+    The two values are rows of ``duration`` or ``to_nose``, the greatest velocity, or an acceleration.
+    """
+
+    FILE_ORDER: ClassVar[tuple[str, ...]] = (
+        "lift_mm",
+        "duration",
+        "to_nose",
+        "velocity_mm_per_deg",
+        "acceleration_mm_per_deg2",
+        "nose_acceleration_mm_per_deg2",
+        "ramp_mm",
+        "ramp_mm_per_deg",
+        "ramp_runup_deg",
+        "flank_flat",
+        "nose_flat",
+        "nose_at_deg",
+        "closing",
+    )
+
+    lift_mm: float = length("Lobe lift")
+    duration: tuple[LobeRow, ...] = _rows()
+    to_nose: tuple[LobeRow, ...] = _rows()
+    velocity_mm_per_deg: float | None = number(
+        "Greatest velocity", 0.0, open_low=True, default=None, help="by cam angle"
+    )
+    acceleration_mm_per_deg2: float | None = number(
+        "Acceleration of the flank", 0.0, open_low=True, default=None, help="the greatest, by cam angle"
+    )
+    nose_acceleration_mm_per_deg2: float | None = number(
+        "Deceleration of the nose", 0.0, open_low=True, default=None, help="the greatest, by cam angle"
+    )
+    ramp_mm: float = brief(length("Ramp", help="height at which it ends", default=0.1))
+    ramp_mm_per_deg: float = brief(
+        number("Ramp's velocity", 0.0, open_low=True, default=0.01, step=0.001, help="by cam angle")
+    )
+    ramp_runup_deg: float = brief(
+        number("Run-up", 0.0, 360.0, open_low=True, default=5.0, step=1.0, help="cam angle from rest to the ramp")
+    )
+    flank_flat: float = brief(
+        number("Flat of the flank", 0.0, 1.0, default=0.0, step=0.05, help="part of it at constant acceleration")
+    )
+    nose_flat: float = brief(
+        number("Flat of the nose", 0.0, 1.0, default=0.0, step=0.05, help="part of it at constant acceleration")
+    )
+    nose_at_deg: float = brief(number("Nose at", 0.0, 360.0, default=180.0, step=1.0, help="own cam angle"))
+    closing: LobeClosing | None = placed(FileLayout(LobeClosing, single=True), None)
+
+
+# -- sides ------------------------------------------------------------------------------------------------------
+
+
+@frozen
+class TypedValue:
+    """A typed value of a side: its path in the lobe, the condition, and crank degrees per degree from the nose (else 1)."""
+
+    path: str
+    value: float
+    condition: Condition
+    factor: float = 1.0
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value, in a text."""
+        return {HEIGHT: "deg", VELOCITY: "mm/deg"}.get(self.condition.kind, "mm/deg2")
+
+
+_SCALARS = (
+    ("velocity_mm_per_deg", VELOCITY),
+    ("acceleration_mm_per_deg2", ACCELERATION),
+    ("nose_acceleration_mm_per_deg2", NOSE_ACCELERATION),
+)
+_ROWS = (("duration", 2.0 * CRANK_PER_CAM), ("to_nose", CRANK_PER_CAM))
+
+
+def _typed(part: Any, prefix: str = "") -> list[TypedValue]:
+    """Typed values of a side: rows by their lift, then the others in the order of the file."""
+    rows = [
+        TypedValue(f"{prefix}{key}[{i}]", row.crank_deg, Condition(HEIGHT, row.crank_deg / factor, row.at_mm), factor)
+        for key, factor in _ROWS
+        for i, row in enumerate(getattr(part, key, ()))
+    ]
+    scalars = [
+        TypedValue(f"{prefix}{key}", value, Condition(kind, value))
+        for key, kind in _SCALARS
+        if (value := getattr(part, key, None)) is not None
+    ]
+    return [*sorted(rows, key=lambda row: row.condition.height), *scalars]
+
+
+def _form(lobe: Lobe, room: float) -> SideForm:
+    return SideForm(
+        lobe.lift_mm,
+        lobe.ramp_mm,
+        lobe.ramp_mm_per_deg,
+        lobe.ramp_runup_deg,
+        lobe.flank_flat,
+        lobe.nose_flat,
+        room,
+    )
+
+
+def _closing_lobe(lobe: Lobe) -> Lobe:
+    """The lobe with ramp and flats of its closing side."""
+    closing = lobe.closing or LobeClosing()
+    names = [field.name for field in fields(LobeClosing) if field.name != "to_nose"]
+    values: dict[str, Any] = {name: v for name in names if (v := getattr(closing, name)) is not None}
+    return replace(lobe, **values)
+
+
+def _last_of_closing(lobe: Lobe) -> TypedValue:
+    """The value that the closing side has together with the acceleration of the nose: its own, else that of the opening side."""
+    own = _typed(lobe.closing, "closing.")
+    opening = [value for value in _typed(lobe) if value.condition.kind != NOSE_ACCELERATION]
+    rows = [value for value in opening if value.condition.kind == HEIGHT]
+    return (own or rows[-1:] or opening[-1:])[-1]
+
+
+@lru_cache(maxsize=64)
+def lobe_sides(lobe: Lobe) -> tuple[Side, Side]:
+    """Opening and closing side.
+
+    Raises
+    ------
+    DesignError
+        With the first fault of the values, whose path is in the lobe; without one where a value is outside its range.
+    """
+    if not _is_in_range(lobe):
+        raise DesignError([])
+    for fault in _contradictions(lobe):
+        raise DesignError([fault])
+    opening = closing = _solved(_form(lobe, lobe.nose_at_deg), *_typed(lobe))
+    if lobe.closing not in (None, LobeClosing()):
+        nose = TypedValue("", 0.0, Condition(NOSE_ACCELERATION, opening.nose_acceleration))
+        closing = _solved(_form(_closing_lobe(lobe), 360.0 - lobe.nose_at_deg), nose, _last_of_closing(lobe))
+    for fault in _place_faults(lobe, opening.span, closing.span):
+        raise DesignError([fault])
+    return opening, closing
+
+
+def _solved(form: SideForm, first: TypedValue, last: TypedValue) -> Side:
+    """The side with two typed values. Raises DesignError."""
+    try:
+        return solve_side(form, first.condition, last.condition)
+    except NoLobe as error:
+        if error.low <= error.high:
+            allowed = f"{_inwards(error.low * last.factor, error.high * last.factor)} {last.unit}"
+            raise DesignError([Fault(last.path, last.value, "no lobe has it with the other values", allowed)]) from None
+        raise DesignError([_ramp_fault(form, first, last)]) from None
+
+
+def _inwards(low: float, high: float) -> str:
+    """Text of a range, rounded inwards."""
+    return f"{rounded_up(low, DIGITS):.{DIGITS}g} ... {rounded_down(high, DIGITS):.{DIGITS}g}"
+
+
+DIGITS = 6  # of a range
+RAMPS = 60  # heights of the ramp that are tried
+
+
+def _ramp_fault(form: SideForm, first: TypedValue, last: TypedValue) -> Fault:
+    """Fault of a side that exists with another height of the ramp at most: the range of such heights."""
+    path = "closing.ramp_mm" if not first.path or last.path.startswith("closing.") else "ramp_mm"
+
+    def serves(ramp: float) -> bool:
+        try:
+            solve_side(replace(form, ramp=ramp), first.condition, last.condition)
+        except NoLobe:
+            return False
+        return True
+
+    least = 0.5 * form.slope * form.runup
+    heights = [least + (form.lift - least) * (k / RAMPS) ** 2 for k in range(RAMPS)]
+    good = [k for k, height in enumerate(heights) if serves(height)]
+    if not good:
+        return Fault(first.path or last.path, first.value or last.value, "no lobe has it, whatever its ramp", "another")
+    k = min(good, key=lambda i: abs(heights[i] - form.ramp))
+    low = high = k
+    while low - 1 in good:
+        low -= 1
+    while high + 1 in good:
+        high += 1
+    ends = (_edge(serves, heights[low], heights[low - 1]) if low else heights[0],
+            _edge(serves, heights[high], heights[high + 1]) if high + 1 < RAMPS else heights[high])  # fmt: skip
+    return Fault(path, form.ramp, "no lobe has the other values with this ramp", f"{_inwards(*ends)} mm")
+
+
+def _edge(serves: Callable[[float], bool], inside: float, outside: float) -> float:
+    for _ in range(24):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if serves(middle) else (inside, middle)
+    return inside
+
+
+# -- faults -----------------------------------------------------------------------------------------------------
+
+VALUES = "two of duration, to_nose, velocity_mm_per_deg, acceleration_mm_per_deg2, nose_acceleration_mm_per_deg2"
+
+
+def lobe_fault(lobe: Lobe) -> Fault | None:
+    """First fault of values that are in their ranges but make no lobe, with its path in the lobe; None where there is none."""
+    try:
+        lobe_sides(lobe)
+    except DesignError as error:
+        return next(iter(error.faults), None)
+    return None
+
+
+def _contradictions(lobe: Lobe) -> Iterator[Fault]:
+    """Faults of values that no lobe can have, whatever the others are."""
+    typed = _typed(lobe)
+    if len(typed) != 2:
+        problem = f"{len(typed)} values of the opening side; besides the lift it has two"
+        yield Fault("", f"{len(typed)} values", problem, VALUES)
+    closing = lobe.closing or LobeClosing()
+    if len(closing.to_nose) > 1:
+        yield Fault("closing.to_nose", len(closing.to_nose), "the closing side has one row", "one row, or none")
+    yield from _ramp_faults(lobe, "")
+    if lobe.closing is not None:
+        yield from _ramp_faults(_closing_lobe(lobe), "closing.")
+    rows = [value for value in typed if value.condition.kind == HEIGHT]
+    for row in [*rows, *_typed(closing, "closing.")]:
+        if not row.condition.height < lobe.lift_mm:
+            yield Fault(f"{row.path}", row.condition.height, "at or above the lift", f"< {lobe.lift_mm:g} mm")
+    if len(rows) == 2:
+        low, high = rows
+        if high.condition.height == low.condition.height:
+            yield Fault(high.path, high.condition.height, "the lift is given twice", "each lift once")
+        elif not high.condition.value < low.condition.value:
+            most = low.condition.value * high.factor
+            yield Fault(
+                high.path, high.value, f"not less than at {low.condition.height:g} mm", f"< {result_text(most)} deg"
+            )
+        elif high.condition.height <= lobe.ramp_mm:
+            problem = "both lifts are on the ramp, and leave flank and nose undetermined"
+            yield Fault(high.path, high.condition.height, problem, f"> {lobe.ramp_mm:g} mm")
+
+
+def _ramp_faults(lobe: Lobe, prefix: str) -> Iterator[Fault]:
+    """The run-up ends below the ramp's height, the ramp below the lift."""
+    if not lobe.ramp_mm < lobe.lift_mm:
+        yield Fault(f"{prefix}ramp_mm", lobe.ramp_mm, "not lower than the lift", f"< {lobe.lift_mm:g} mm")
+    rise = 0.5 * lobe.ramp_mm_per_deg * lobe.ramp_runup_deg
+    if not rise <= lobe.ramp_mm * (1.0 + 1e-12):
+        problem = f"the run-up rises {result_text(rise)} mm, higher than the ramp of {lobe.ramp_mm:g} mm"
+        most = 2.0 * lobe.ramp_mm / lobe.ramp_mm_per_deg
+        yield Fault(f"{prefix}ramp_runup_deg", lobe.ramp_runup_deg, problem, f"<= {result_text(most)} deg")
+
+
+def _place_faults(lobe: Lobe, opening: float, closing: float) -> Iterator[Fault]:
+    """A lobe fits in the turn, and does not extend beyond cam angle 0; spans of the sides in deg."""
+    if opening + closing > 360.0:
+        value = f"{result_text(opening + closing)} deg of the cam"
+        yield Fault("", value, "longer than the turn", "at most 360 deg: a shorter duration, or a faster ramp")
+    elif not opening <= lobe.nose_at_deg <= 360.0 - closing:
+        allowed = f"{_inwards(opening, 360.0 - closing)} deg"
+        yield Fault("nose_at_deg", lobe.nose_at_deg, "the lobe extends beyond cam angle 0", allowed)
+
+
+def _is_in_range(part: Any) -> bool:
+    """Whether all values of a lobe and of its parts are in the ranges of their fields."""
+    for field in fields(part):
+        value, info = getattr(part, field.name), info_of(field)
+        if info is not None and not info.admits(value):
+            return False
+        parts = [row for row in (value if isinstance(value, tuple) else (value,)) if is_dataclass(row)]
+        if not all(map(_is_in_range, parts)):
+            return False
+    return True

@@ -1,0 +1,291 @@
+"""The motion of a follower as typed: curves of segments, lobe, and links to other files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from math import fsum
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from core.design.fields import LAW, FileLayout, choice, number, placed
+from core.design.lobe import Lobe, lobe_sides
+from core.errors import DesignError
+from core.frozen import frozen
+from core.laws import LAWS, Piece
+from core.numerics.lazy import map_columns, one_design
+from core.units import UNITS
+
+# -- curves and segments ----------------------------------------------------------------------------------------
+
+
+@frozen
+class NamedCurve:
+    """A curve of the table of laws.
+
+    Attributes
+    ----------
+    law : slug of the law
+    crossover : change from acceleration to deceleration of a symmetric law, as a fraction of the span
+    flat_fraction : fraction of the span with constant acceleration, for a half cycloid C1 ... C4
+    """
+
+    law: str = placed(FileLayout(missing=" | ".join(LAWS)))
+    crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
+    flat_fraction: float = number(
+        "Constant acceleration",
+        0.0,
+        1.0,
+        default=0.0,
+        step=0.05,
+        help="fraction of the span, for the half cycloids C1 ... C4",
+    )
+
+
+@frozen
+class SccaCurve:
+    """Sine - constant - cosine acceleration (Norton ch. 3: b, c, d).
+
+    Fractions of the span without its constant velocity are sine ramp and constant acceleration; the rest is cosine.
+    """
+
+    law: ClassVar[str] = "scca"
+    cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
+    ramp_fraction: float = number(
+        "Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the span outside constant velocity"
+    )
+    flat_fraction: float = number(
+        "Constant acceleration",
+        0.0,
+        1.0,
+        default=0.0,
+        step=0.05,
+        help="fraction of the span outside constant velocity",
+    )
+
+
+@frozen
+class PolynomialEnd:
+    """Derivatives of a polynomial at one end, per degree of cam angle; without a jerk the jerk is free."""
+
+    velocity: float = number("Velocity", default=0.0, help="per degree")
+    acceleration: float = number("Acceleration", default=0.0, help="per degree squared")
+    jerk: float | None = number("Jerk", default=None, help="per degree cubed; empty = free")
+
+
+@frozen
+class PolynomialCurve:
+    """The polynomial of least degree with given derivatives at its ends."""
+
+    law: ClassVar[str] = "polynomial"
+    start: PolynomialEnd = placed(FileLayout(PolynomialEnd, single=True, whole=True), PolynomialEnd())
+    end: PolynomialEnd = placed(FileLayout(PolynomialEnd, single=True, whole=True), PolynomialEnd())
+
+
+@frozen
+class SplinePoint:
+    """Value, velocity and acceleration of a spline at an angle, as far as given; angle and value are from the segment's start."""
+
+    at_deg: float = number("At", 0.0, 360.0)
+    value: float | None = number("Value", default=None)
+    velocity: float | None = number("Velocity", default=None)
+    acceleration: float | None = number("Acceleration", default=None)
+
+
+@frozen
+class SplineCurve:
+    """The curve of least mean-square jerk through points: periodic over a full turn, else at rest at its ends by default."""
+
+    law: ClassVar[str] = "spline"
+    points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True), ())
+
+
+AT_REST, JOINED = "rest", "joined"
+TABLE_ENDS = (AT_REST, "stop", "free", JOINED)
+
+
+@frozen
+class TableCurve(SplineCurve):
+    """The curve of least jerk through rows of a table: cam angle, value, and velocity and acceleration where known.
+
+    ``start`` and ``end`` determine velocity and acceleration that the first and the last row do not give: at rest, velocity
+    0 only, free, or joined, equal to those of the neighbour whatever the row gives.
+    """
+
+    law: ClassVar[str] = "table"
+    start: str = choice("Start", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it begins")
+    end: str = choice("End", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it ends")
+    points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True, rows=True), ())
+
+
+@frozen
+class ComputedCurve:
+    """A curve computed from other parts: pieces over the span 0 ... 1, in the unit of the motion, from the segment's start."""
+
+    law: ClassVar[str] = "computed"
+    pieces: tuple[Piece, ...] = placed(FileLayout(in_file=False))
+
+
+Curve = NamedCurve | SccaCurve | PolynomialCurve | SplineCurve | TableCurve | ComputedCurve
+CURVES: Mapping[str, type[SccaCurve | PolynomialCurve | SplineCurve]] = MappingProxyType(
+    {c.law: c for c in (SccaCurve, PolynomialCurve, SplineCurve, TableCurve)}
+)
+"""Law with further keys -> class of its curve; the curves of other laws are ``NamedCurve``."""
+
+
+def curve_of(law: str) -> Curve:
+    """Default curve of a law."""
+    return CURVES[law]() if law in CURVES else NamedCurve(law)
+
+
+def _curve_class(table: Mapping[str, Any]) -> type[Curve]:
+    law = table.get(LAW)
+    return CURVES.get(law, NamedCurve) if isinstance(law, str) else NamedCurve
+
+
+@frozen
+class Segment:
+    """One segment of the motion: cam span, rise (end minus start, in the unit of the motion), and curve."""
+
+    span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle of this segment")
+    rise: float = number("Rise", help="end minus start; negative for a return", step=1.0, of_motion=True)
+    curve: Curve = placed(FileLayout(NamedCurve, choose=_curve_class, brief=True), NamedCurve("dwell"))
+
+
+@frozen
+class TableOrigin:
+    """A motion that is read from a table together with the design."""
+
+    table: str = placed(FileLayout(missing="a file"))
+    column: str = placed(FileLayout(brief=True), "")
+    angle_column: str = placed(FileLayout(brief=True), "")
+
+
+@frozen
+class InverseOrigin:
+    """The motion of a linkage's driver that gives an output link the motion in the design."""
+
+    linkage: str = placed(FileLayout(missing="a design file with [linkage]"))
+    output: str = placed(FileLayout(missing="the number of a link"))
+
+
+@frozen
+class Origin:
+    """Linked files of a motion, one of these kinds; paths are relative to the folder of the design."""
+
+    from_: TableOrigin | None = placed(FileLayout(TableOrigin, single=True), None)
+    sum: tuple[str, ...] = placed(FileLayout(each=str), ())
+    inverse: InverseOrigin | None = placed(FileLayout(InverseOrigin, single=True), None)
+
+    @property
+    def key(self) -> str:
+        """Key in the table [motion]."""
+        return "from" if self.from_ is not None else "inverse" if self.inverse is not None else "sum"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the files, as typed."""
+        single = (
+            self.inverse.linkage if self.inverse is not None else self.from_.table if self.from_ is not None else ""
+        )
+        return (single,) if single else self.sum
+
+
+@frozen
+class Follows:
+    """Origin of a motion from linked files.
+
+    Attributes
+    ----------
+    origin : as typed in a file of ``folder``
+    folder : folder of the design
+    asked : motion of the output, for the inverse of a linkage
+    files : all files that were read
+    made : (start, segments, advance) that were computed from them
+    """
+
+    origin: Origin
+    folder: str
+    asked: Any
+    files: tuple[str, ...]
+    made: Any = None
+
+
+class LobeSegments(tuple[Segment, ...]):
+    """Segments that follow from a lobe; an edit of a segment makes a plain tuple of them."""
+
+
+@lru_cache(maxsize=64)
+def lobe_segments(lobe: Lobe) -> LobeSegments:
+    """Dwell, rise, return and dwell of a lobe; a dwell over the turn where its values make no lobe."""
+    try:
+        opening, closing = lobe_sides(lobe)
+    except DesignError:
+        return LobeSegments((Segment(360.0, 0.0),))
+    before = lobe.nose_at_deg - opening.span
+    sides = (
+        Segment(opening.span, lobe.lift_mm, ComputedCurve(opening.pieces())),
+        Segment(closing.span, -lobe.lift_mm, ComputedCurve(closing.pieces(closing=True))),
+    )
+    after = 360.0 - fsum((before, opening.span, closing.span))
+    dwells = [(Segment(span, 0.0),) if span > 0.0 else () for span in (before, after)]
+    return LobeSegments((*dwells[0], *sides, *dwells[1]))
+
+
+@frozen
+class Motion:
+    """Motion of the follower over one turn.
+
+    Attributes
+    ----------
+    start : position at cam angle 0
+    segments : in the order of the turn
+    unit : ``mm`` for a slide, ``deg`` for a swing
+    advance : displacement per turn of a feed or an indexer; None where the motion returns
+    follows : linked files; None where the motion is typed
+    lobe : lobe of a valve train that the segments follow from; None where they are typed
+    """
+
+    FILE_ORDER: ClassVar[tuple[str, ...]] = ("start", "advance", "lobe", "segments")
+
+    start: float = number("Start", help="position at cam angle 0", of_motion=True)
+    segments: tuple[Segment, ...] = placed(FileLayout(Segment), ())
+    unit: str = placed(FileLayout(in_file=False), "mm")
+    advance: float | None = number(
+        "Advance", default=None, help="per turn, where the motion does not return: the sum of the rises", of_motion=True
+    )
+
+    follows: Follows | None = placed(FileLayout(in_file=False), None)
+
+    lobe: Lobe | None = placed(FileLayout(Lobe, single=True), None)
+
+    def __post_init__(self) -> None:
+        if self.lobe is not None and (not self.segments or isinstance(self.segments, LobeSegments)):
+            vars(self)["segments"] = lobe_segments(map_columns(self.lobe, one_design(0)))
+
+    @property
+    def is_computed(self) -> bool:
+        """Whether the segments follow from linked files or a lobe, and are not typed."""
+        return self.follows is not None or self.lobe is not None
+
+    @property
+    def is_as_linked(self) -> bool:
+        """Whether it is typed, or is unchanged since it was computed from linked files or its lobe."""
+        if self.lobe is not None and not isinstance(self.segments, LobeSegments):
+            return False
+        return self.follows is None or self.follows.made == (self.start, self.segments, self.advance)
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Fields that follow from others, and that a file does not contain."""
+        return () if self.lobe is None else ("segments",)
+
+    @property
+    def gain(self) -> float:
+        """Sum of the rises: the advance per turn, 0 where the motion returns."""
+        return self.advance or 0.0
+
+    @property
+    def scale(self) -> float:
+        """Factor from the unit of the motion to SI."""
+        return UNITS[self.unit].factor

@@ -1,0 +1,64 @@
+"""The lobe of a valve train in the window: its fields above the motion, its segments greyed, or made ordinary ones."""
+
+from pathlib import Path
+
+import pytest
+from window_user import Open, User, settle
+
+from core.project import load
+
+LOBE = """format = 1
+name = "Lobe"
+[motion]
+start_mm = 0.0
+[motion.lobe]
+lift_mm = 9.0
+duration = [[0.15, 270.0], [1.27, 210.0]]
+ramp_mm = 0.2
+ramp_runup_deg = 8.0
+[follower]
+kind = "translating"
+face = "flat"
+[cam]
+base_radius_mm = 18.0
+[shaft]
+rotation = "ccw"
+speed_rpm = 1000.0
+"""
+
+
+@pytest.fixture
+def user(same_window: Open, tmp_path: Path) -> User:
+    (tmp_path / "lobe.toml").write_text(LOBE, encoding="utf-8")
+    return same_window(tmp_path / "lobe.toml")
+
+
+def test_a_lobe_is_edited_by_its_fields_and_becomes_segments(user: User, tmp_path: Path) -> None:
+    view = user.motion()
+    assert view.header.origin.text() == "Follows from a lobe"
+    assert not view.table.isEnabled()
+    assert user.session.edit("motion.lobe.duration[1].crank_deg", 212.0, "Change")
+    settle()
+    assert view.header.fields["motion.lobe.duration[1].crank_deg"].editor.value == 212.0
+    user.session.end_gesture()
+    user.session.edit("motion.lobe.duration[1].crank_deg", 90.0, "Change")
+    settle()
+    assert user.session.incomplete is not None, "no lobe has it: the last one remains"
+    assert user.design.drive.motion.lobe.duration[1].crank_deg == 212.0
+    user.choose("Edit", "Undo Change")
+    user.choose("File", "Save")
+    text = (tmp_path / "lobe.toml").read_text(encoding="utf-8")
+    assert "212.0" in text
+    assert "segments" not in text
+    user.choose("Make", "Lobe to segments")
+    assert user.steps[-1] == "Lobe to segments"
+    assert view.table.isEnabled()
+    assert not view.header.unlink_button.isVisible()
+    user.choose("File", "Save")
+    saved = load(tmp_path / "lobe.toml").drive.motion
+    assert saved.lobe is None
+    assert [segment.curve.law for segment in saved.segments][:3] == ["dwell", "c1", "cv1"]
+    user.choose("Edit", "Undo Lobe to segments")
+    settle()
+    assert view.header.origin.isVisible()
+    assert user.design.drive.motion.lobe is not None
