@@ -161,10 +161,11 @@ def _add_option(parser: Any, part: Field[Any], how: OptionInfo) -> None:
     if how.is_positional:
         parser.add_argument(part.name, **words | {"metavar": how.option})
     else:
-        parser.add_argument(_option_word(part, how), dest=part.name, required=not has_default, **words)
+        parser.add_argument(option_word(part, how), dest=part.name, required=not has_default, **words)
 
 
-def _option_word(part: Field[Any], how: OptionInfo) -> str:
+def option_word(part: Field[Any], how: OptionInfo) -> str:
+    """Option of a field on the command line: ``--cutter``."""
     return how.option or "--" + split_unit(part.name)[0].replace("_", "-")
 
 
@@ -181,9 +182,9 @@ def command_words(kind: Any, values: Mapping[str, Any]) -> list[str]:
         if how.is_positional:
             positional += texts
         elif how.how.get("action") == "append":
-            words += [word for text in texts for word in (_option_word(part, how), text)]
+            words += [word for text in texts for word in (option_word(part, how), text)]
         elif value != part.default:
-            words += [_option_word(part, how), *(() if info.flag or "action" in how.how else texts)]
+            words += [option_word(part, how), *(() if info.flag or "action" in how.how else texts)]
     return positional + words
 
 
@@ -225,6 +226,7 @@ __all__ = [
     "number_reader",
     "option",
     "option_info",
+    "option_word",
     "request_fields",
     "require_in_range",
     "text_option",

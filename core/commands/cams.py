@@ -52,7 +52,7 @@ from core.output.subject_files import (
     spectrum_table,
 )
 from core.output.summary import to_json
-from core.project import load_one
+from core.project import load, load_one
 from core.project.files import read_bytes, write_all
 from core.requests import option, text_option
 from core.study import Study
@@ -82,7 +82,7 @@ class ContactArguments(DriveArguments):
 
 def run_contact(arguments: ContactArguments, painter: Painter | None) -> int:
     """Print the speed of lift-off, with flights where requested; write the map to a file."""
-    study = one_studied(arguments.design, arguments.drive)
+    study = one_studied(load(arguments.design), arguments.drive)
     require_cam(study, "contact")
     study.contact_force  # noqa: B018 - raises, and says why, where no contact can be lost
     lines = lift_off_lines(study)
@@ -182,7 +182,7 @@ class ProfileArguments:
 
 def run_profile(arguments: ProfileArguments, painter: Painter | None) -> int:
     """Write the file, and print its deviation."""
-    study = one_studied(arguments.design, arguments.drive)
+    study = one_studied(load(arguments.design), arguments.drive)
     job = profile_job(study, arguments.out, arguments.request)
     paths, main = write_profile(job, arguments.out), job.main
     if arguments.json:

@@ -160,9 +160,8 @@ def studied(design: Design, samples: int = SAMPLES) -> Study:
     return study
 
 
-def one_studied(path: Path, drive: str) -> Study:
+def one_studied(design: Design, drive: str) -> Study:
     """The study of a drive by its name, or of the balance cam. Raises KindynaError for an unknown name, and NoSolution."""
-    design = load(path)
     if drive == BALANCER and design.balancer is not None and (balancer := Study(design).camshaft.balancer) is not None:
         return Study(in_machine(design, balancer.design))
     return Study(one_of(design, drive))

@@ -36,7 +36,7 @@ from core.output.explain import as_row, explained
 from core.output.explain import as_text as explain_as_text
 from core.output.export import bounded_study
 from core.output.report import report
-from core.output.report.document import ENDINGS, PARTS, Cover, Printed, document
+from core.output.report.document import ENDINGS, PARTS, Cover, Document, Printed, document
 from core.output.summary import summary, to_json
 from core.project import load, save
 from core.project.files import write, write_into
@@ -104,7 +104,7 @@ class ExplainArguments:
 
 def run_explain(arguments: ExplainArguments, painter: Painter | None) -> int:
     """Print equation, symbols and proof of a number."""
-    study = one_studied(arguments.design, arguments.drive) if arguments.drive else studied(load(arguments.design))
+    study = one_studied(load(arguments.design), arguments.drive) if arguments.drive else studied(load(arguments.design))
     explanation = explained(study, arguments.quantity, arguments.at)
     print(to_json(as_row(explanation)) if arguments.json else explain_as_text(explanation), end="")
     return DONE
@@ -153,12 +153,17 @@ def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
     return {f"{slug}/{name}".removeprefix("/"): data for slug, images in drawn for name, data in images.items()}
 
 
+def requested_document(study: Study, arguments: ReportArguments) -> Document:
+    """The report as a document with the requested parts and cover. Raises NoSolution where the design has no solution."""
+    return document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
+
+
 def _write_document(study: Study, arguments: ReportArguments, painter: Painter | None) -> int:
     """Write the report as one HTML or PDF file."""
     out = arguments.out
     assert out is not None
     ending = out.suffix.lower()
-    report_document = document(study, [name for name in PARTS if name not in arguments.without], arguments.cover)
+    report_document = requested_document(study, arguments)
     if report_document.lacking:
         print(report_document.lacking, file=sys.stderr)
     painted = painter(Printed(report_document, ending)) if painter is not None else {}

@@ -52,6 +52,7 @@ from core.varying import (
     workers,
     write_table,
 )
+from core.varying.descent import ProgressCallback
 from core.varying.space import PARQUET, headings
 from core.varying.tolerances import MACHINES, PERCENTILES, SHARE
 from core.varying.waves import AllWaves
@@ -75,13 +76,13 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
         raise KindynaError(f"--into {arguments.into}: is the study that is read; choose another file")
     study_file = load_study(arguments.study)
     progress = Progress()
-    optimum = optimise(
-        study_file, lambda fields, goal, start: progress.report(f"start {start}: {result_text(goal)} ...")
+    optimum, notes = best_design(
+        study_file, arguments, lambda fields, goal, start: progress.report(f"start {start}: {result_text(goal)} ...")
     )
-    if arguments.round is not None:
-        optimum = rounded_optimum(study_file, optimum, arguments.round)
-    notes = remarks(study_file, optimum)
-    print(to_json(_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes, arguments.round), end="")
+    print(
+        to_json(optimum_data(optimum, notes)) if arguments.json else _optimum_text(optimum, notes, arguments.round),
+        end="",
+    )
     if not optimum.is_feasible:
         against = f": {optimum.rejection}" if optimum.rejection else ""
         print(
@@ -95,7 +96,18 @@ def run_optimise(arguments: OptimiseArguments, painter: Painter | None) -> int:
     return print_errors(study, (finding for finding in findings_of(study) if finding.severity == ERROR))
 
 
-def _data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
+def best_design(
+    study: StudyOfMany, arguments: OptimiseArguments, progress: ProgressCallback | None = None
+) -> tuple[Optimum, Sequence[str]]:
+    """Best design of a study, rounded where requested, and remarks on it; of an infeasible one the limits that it violates."""
+    optimum = optimise(study, progress)
+    if arguments.round is not None:
+        optimum = rounded_optimum(study, optimum, arguments.round)
+    return optimum, remarks(study, optimum)
+
+
+def optimum_data(optimum: Optimum, notes: Sequence[str]) -> dict[str, Any]:
+    """Data of a best design for JSON."""
     return {
         "answer": dict(optimum.answer),
         "goal": next(iter(optimum.goals.values())) if len(optimum.goals) == 1 else dict(optimum.goals),

@@ -19,6 +19,7 @@ from core.measured import (
     DELIMITERS,
     ColumnChoice,
     Errors,
+    MotionFit,
     Switches,
     Worksheet,
     fit,
@@ -35,10 +36,16 @@ from core.measured.columns import LETTERS
 from core.measured.segment_table import segment_from_table
 from core.number_text import result_text
 from core.output.controllers.deviation import curve_csv, error_curve, facts, text
-from core.output.controllers.motion import motion_facts, motion_text, read_motion, with_controller_motion
+from core.output.controllers.motion import (
+    ControllerMotion,
+    motion_facts,
+    motion_text,
+    read_motion,
+    with_controller_motion,
+)
 from core.output.controllers.rows import controller
 from core.output.controllers.slave import EcamRequest, drive_slave
-from core.output.controllers.table import ecam
+from core.output.controllers.table import Ecam, ecam
 from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
@@ -69,19 +76,24 @@ class EcamArguments:
 
 def run_ecam(arguments: EcamArguments, painter: Painter | None) -> int:
     """Write the table, and print its certificate."""
-    row, request = controller(arguments.controller), arguments.request
-    require_in_range(request)
-    slave, name, speed = drive_slave(load(arguments.design), arguments.drive, request)
-    result = ecam(slave, row, request, name, speed)
-    files: dict[Path, str | bytes] = {arguments.out: result.content}
-    if arguments.curve is not None:
-        files[arguments.curve] = curve_csv(
-            error_curve(slave, result.interpolation, result.placing, closing=row.has_both_ends)
-        )
+    result, curve = controller_table(load(arguments.design), arguments)
+    files: dict[Path, str | bytes] = {arguments.out: result.content, **curve}
     for path, content in files.items():
         write_all(path.parent, {path.name: content})
     print(to_json(facts(result)) if arguments.json else text(result), end="")
     return DONE
+
+
+def controller_table(design: Design, arguments: EcamArguments) -> tuple[Ecam, dict[Path, str]]:
+    """Table for a controller; the file of ``curve`` with its content, where it is requested. Raises KindynaError, NoSolution."""
+    row, request = controller(arguments.controller), arguments.request
+    require_in_range(request)
+    slave, name, speed = drive_slave(design, arguments.drive, request)
+    result = ecam(slave, row, request, name, speed)
+    if arguments.curve is None:
+        return result, {}
+    errors_by_rows = error_curve(slave, result.interpolation, result.placing, closing=row.has_both_ends)
+    return result, {arguments.curve: curve_csv(errors_by_rows)}
 
 
 # -- the command ``measured`` -----------------------------------------------------------------------------------
@@ -221,7 +233,7 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed_rpm if arguments.speed_rpm is not None or design is None else design.speed_rpm
     if arguments.controller:
-        controller_motion = read_motion(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
+        controller_motion = _controller_motion(arguments, unit)
         if new is not None:
             save(of_motion(controller_motion.motion, arguments.table.stem, speed), new)
         elif arguments.into is not None and machine is not None and design is not None:
@@ -232,15 +244,43 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
             )
         print(to_json(motion_facts(controller_motion)) if arguments.json else motion_text(controller_motion), end="")
         return DONE
-    data, name = read_bytes(arguments.table), arguments.table.name
-    if is_workbook(data):
-        sheet = read_workbook(data, name, arguments.sheet, arguments.range)
-    else:
-        sheet = read_sheet(data, name, arguments.delimiter, arguments.decimal)
+    sheet = _sheet(arguments)
     if arguments.segment:
         return _segment(arguments, sheet, machine, which)
+    fitted = _fit(arguments, sheet, unit, speed)
+    if new is not None:
+        save(of_motion(fitted.motion, arguments.table.stem, speed), new)
+    elif arguments.into is not None and machine is not None and design is not None:
+        save(with_only(machine, which, with_measured_motion(design, fitted)), arguments.into, in_place=True)
+    lifts = arguments.lift
+    print(to_json(fit_data(sheet, fitted, lifts)) if arguments.json else fit_text(sheet, fitted, lifts), end="")
+    return DONE
+
+
+def measured_design(arguments: MeasuredArguments) -> Design:
+    """Design of the measured motion alone, as for a new file of ``into``. Raises KindynaError."""
+    if arguments.controller:
+        motion = _controller_motion(arguments).motion
+    else:
+        motion = _fit(arguments, _sheet(arguments), "mm", arguments.speed_rpm).motion
+    return of_motion(motion, arguments.table.stem, arguments.speed_rpm)
+
+
+def _controller_motion(arguments: MeasuredArguments, unit: str = "mm") -> ControllerMotion:
+    return read_motion(controller(arguments.controller), read_bytes(arguments.table), unit=unit)
+
+
+def _sheet(arguments: MeasuredArguments) -> Worksheet:
+    data, name = read_bytes(arguments.table), arguments.table.name
+    if is_workbook(data):
+        return read_workbook(data, name, arguments.sheet, arguments.range)
+    return read_sheet(data, name, arguments.delimiter, arguments.decimal)
+
+
+def _fit(arguments: MeasuredArguments, sheet: Worksheet, unit: str, speed: float | None) -> MotionFit:
+    """Fit of a table, whose motion is in ``unit`` where its columns do not say."""
     table = read_table(sheet, layout(sheet, arguments.columns, unit, speed), speed, arguments.leave_out)
-    fitted = fit(
+    return fit(
         mirror_rows(table) if arguments.mirror else table,
         arguments.error,
         arguments.lowest,
@@ -249,13 +289,6 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
         not arguments.no_dwells,
         arguments.switch,
     )
-    if new is not None:
-        save(of_motion(fitted.motion, arguments.table.stem, speed), new)
-    elif arguments.into is not None and machine is not None and design is not None:
-        save(with_only(machine, which, with_measured_motion(design, fitted)), arguments.into, in_place=True)
-    lifts = arguments.lift
-    print(to_json(fit_data(sheet, fitted, lifts)) if arguments.json else fit_text(sheet, fitted, lifts), end="")
-    return DONE
 
 
 def _segment(arguments: MeasuredArguments, sheet: Worksheet, machine: Design | None, which: int) -> int:

@@ -122,6 +122,29 @@ def all_paths(design: Design) -> Iterator[str]:
         yield from (path for path, _ in _walk(part, name, getattr(part, "unit", "")))
 
 
+def text_paths(design: Design) -> Iterator[str]:
+    """Paths of texts that are given: names of the design and its drives, laws, points of loads, events of a sequence."""
+    yield "name"
+    for name, part in design.tables.items():
+        yield from _texts(part, name)
+
+
+def _texts(part: Any, path: str) -> Iterator[str]:
+    """Paths of the texts of a part and of the rows of its lists."""
+    for slot in slots_of(part):
+        if slot.info is None and slot.names:
+            value = getattr(getattr(part, slot.within) if slot.within else part, slot.names[0])
+            at = f"{path}.{slot.key}"
+            if isinstance(value, str):
+                yield at
+            elif is_dataclass(value):
+                yield from _texts(value, at)
+            elif isinstance(value, tuple) and not slot.placing.key:
+                for i, row in enumerate(value):
+                    if is_dataclass(row):
+                        yield from _texts(row, f"{at}[{i}]")
+
+
 def in_order(part: Any, unit: str = "") -> list[FileEntry]:
     """Entries of a part's table in the order of the file, a segment's law first."""
     return sorted(slots_of(part, unit), key=lambda slot: slot.key != LAW)

@@ -14,6 +14,7 @@ from core.find.goals import CAM_SEARCHES, ENDS, LEAST_PRESSURE, LIFT_OFF, Search
 from core.find.trial import RPM, ContactLimit
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
+from core.project.reading_faults import did_you_mean
 from core.study import Study
 from core.study.limits import ANY_PRESSURE, BOUNDS, FORCE, LIMITS, USER, LimitValue, limit_of
 from core.study.many import many
@@ -173,7 +174,9 @@ def search_request(design: Design, what: str, stated: StatedLimits, choice: str 
             _add_bound(bounds, key, value)
         else:
             allowed = (*row.limits, *contact_keys, *(("the field's path with _min or _max",) if row.bounded else ()))
-            raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {' | '.join(allowed)}")
+            raise KindynaError(
+                f"limit {key!r}: {what} has none of that name{did_you_mean(key, allowed)}; allowed: {' | '.join(allowed)}"
+            )
     limits = {key: value for key, value in limits.items() if value is not None or key not in stated}
     free = {key: bound for key, bound in defaults.items() if key in BOUNDS and key not in (*contact_keys, *stated)}
     default_bounds = {key: bound for key, bound in free.items() if _is_compatible(bounds, key, bound)}

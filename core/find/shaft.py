@@ -30,6 +30,7 @@ from core.find.offer import StatedLimits
 from core.find.solution import Judge, Judgement, Solution, out_of_bounds
 from core.find.trial import PRESSURE_ANGLES, FindingsCheck, nearest_accepted
 from core.number_text import result_text
+from core.project.reading_faults import did_you_mean
 from core.shaft import (
     AIMS,
     LoadCurve,
@@ -144,7 +145,9 @@ def find_on_shaft(design: Design, what: str, stated: StatedLimits, aim: str = "p
                 raise KindynaError(f"limit {path}_min = {bounds[path][0]:g}: is above {path}_max = {bounds[path][1]:g}")
         else:
             allowed = " | ".join((*row.limits, *(f"{path} with _min or _max" for path in row.paths)))
-            raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {allowed}")
+            raise KindynaError(
+                f"limit {key!r}: {what} has none of that name{did_you_mean(key, row.limits)}; allowed: {allowed}"
+            )
     return row.search(design, ShaftRequest(bounds, limits, aim))
 
 

@@ -77,38 +77,77 @@ def _is_rated(roller: str, design: Design) -> bool:
     return design.drive.cam is not None and roller in load_ratings(design.drive.face, design.drive.cam)
 
 
+def _has_flank(name: str, design: Design) -> bool:
+    return design.drive.cam is not None and name in form_row(design.drive.cam.form).flanks
+
+
+def _has_stress(design: Design) -> bool:
+    return design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam))
+
+
+def _has_elastic_follower(design: Design) -> bool:
+    return design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm)
+
+
 def has_motor(design: Design) -> bool:
     """Whether the motor of a shaft turns its cam or crank."""
     return design.shaft is not None and (design.drive.cam is not None or design.by_crank)
 
 
-NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
+@frozen
+class Need:
+    """What a design must have so that it has a quantity: in words, and whether a design has it."""
+
+    words: str
+    is_met: Callable[[Design], bool]
+
+
+NEEDS: Mapping[str, Need] = MappingProxyType(
     {
-        "": lambda design: True,
-        "motion": lambda design: design.drive.motion is not None,
-        "slide": lambda design: design.drive.loaded and design.drive.motion_unit == "mm",
-        "turned": lambda design: design.drive.loaded and design.drive.motion_unit == "deg",
-        "loaded": lambda design: design.drive.loaded,
-        "servo": has_servo,
-        "rotary servo": lambda design: has_servo(design, ROTARY),
-        "linear servo": lambda design: has_servo(design, LINEAR),
-        "cam": lambda design: design.drive.cam is not None,
-        "pitch": lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
-        "straight": lambda design: design.drive.cam is not None and design.drive.face.straight,
-        OUTER: lambda design: design.drive.cam is not None and OUTER in form_row(design.drive.cam.form).flanks,
-        SECOND: lambda design: design.drive.cam is not None and SECOND in form_row(design.drive.cam.form).flanks,
-        "stress": lambda design: design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam)),
-        "second stress": lambda design: NEEDS[SECOND](design) and NEEDS["stress"](design),
-        **{f"{roller} rating": partial(_is_rated, roller) for roller in ROLLERS},
-        "elastic": lambda design: design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm),
-        "elastic open": lambda design: NEEDS["elastic"](design) and not design.drive.cam.form.holds,
-        "elastic shaft": lambda design: (
-            design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None
+        "": Need("", lambda design: True),
+        "motion": Need("a motion", lambda design: design.drive.motion is not None),
+        "slide": Need(
+            "a motion in mm, with a mass or a force", lambda d: d.drive.loaded and d.drive.motion_unit == "mm"
         ),
-        "shaft": has_motor,
+        "turned": Need(
+            "a motion in degrees, with an inertia or a torque",
+            lambda design: design.drive.loaded and design.drive.motion_unit == "deg",
+        ),
+        "loaded": Need("a mass, an inertia or a force", lambda design: design.drive.loaded),
+        "servo": Need("a table [servo]", has_servo),
+        "rotary servo": Need("a rotary motor in [servo]", lambda design: has_servo(design, ROTARY)),
+        "linear servo": Need("a linear motor in [servo]", lambda design: has_servo(design, LINEAR)),
+        "cam": Need("a cam", lambda design: design.drive.cam is not None),
+        "pitch": Need(
+            "a cam with a roller, a knife edge or a shoe",
+            lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
+        ),
+        "straight": Need(
+            "a cam with a flat face", lambda design: design.drive.cam is not None and design.drive.face.straight
+        ),
+        OUTER: Need("a cam with a groove", partial(_has_flank, OUTER)),
+        SECOND: Need("a conjugate pair of cams", partial(_has_flank, SECOND)),
+        "stress": Need("a cam with thickness and materials", _has_stress),
+        "second stress": Need(
+            "a conjugate pair of cams with thickness and materials",
+            lambda design: _has_flank(SECOND, design) and _has_stress(design),
+        ),
+        **{f"{roller} rating": Need("a roller with a load rating", partial(_is_rated, roller)) for roller in ROLLERS},
+        "elastic": Need("a cam, and loads.follower_stiffness_n_per_mm", _has_elastic_follower),
+        "elastic open": Need(
+            "an open cam, and loads.follower_stiffness_n_per_mm",
+            lambda design: _has_elastic_follower(design) and not design.drive.cam.form.holds,
+        ),
+        "elastic shaft": Need(
+            "a cam, and shaft.stiffness_nm_per_rad",
+            lambda design: (
+                design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None
+            ),
+        ),
+        "shaft": Need("a shaft that turns a cam or a crank", has_motor),
     }
 )
-"""Name of a need -> whether a design meets it."""
+"""What quantities need of a design, beyond the kind of its mechanism."""
 
 
 @frozen
@@ -601,7 +640,7 @@ def _rows_of(names: tuple[str, ...], stage: str | None) -> Mapping[str, Quantity
 def names_of(design: Design) -> tuple[str, ...]:
     """Names of all quantities of a design, in the order of stages and tables."""
     kind = design.drive.kind
-    needs = tuple([need for need in _needs_of(kind) if NEEDS[need](design)])
+    needs = tuple([need for need in _needs_of(kind) if NEEDS[need].is_met(design)])
     return _names(kind, needs, tuple(members(design)))
 
 
@@ -617,3 +656,20 @@ def _names(kind: str, needs: tuple[str, ...], members: tuple[tuple[str, str], ..
 def _needs_of(kind: str) -> tuple[str, ...]:
     """Rows of ``NEEDS`` that the quantities of a kind of design have."""
     return tuple(dict.fromkeys(row.needs for row in _ROWS if kind in row.kinds))
+
+
+def why_absent(design: Design, slug: str) -> str:
+    """Which designs have a column that this one lacks, after a semicolon; empty for a column that no design has."""
+    rows = [row for row in _ROWS if slug in (row.slug.format(m="mm"), row.slug.format(m="deg"))]
+    if not rows:
+        return "; designs of the kind linkage have it" if label_of(slug) and not design.drive.links else ""
+    kind, units = design.drive.kind, {unit for unit in ("mm", "deg") if slug == rows[0].slug.format(m=unit)}
+    fitting = [row for row in rows if kind in row.kinds]
+    if not fitting:
+        return f"; designs of the kind {' | '.join(sorted({kind for row in rows for kind in row.kinds}))} have it"
+    needs = " or ".join(dict.fromkeys(NEEDS[row.needs].words for row in fitting if not NEEDS[row.needs].is_met(design)))
+    if needs:
+        return f"; designs with {needs} have it"
+    if design.drive.motion_unit not in units:
+        return f"; designs whose motion is in {' or '.join(units)} have it"
+    return "; it does not exist in this design, as its findings say"

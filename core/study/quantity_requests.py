@@ -13,10 +13,11 @@ from core.design import Design, entry_at, only
 from core.design.camshaft import drive_at, path_of
 from core.findings import Finding
 from core.motion.extremes import Extreme
+from core.project.reading_faults import did_you_mean
 from core.study.camshaft import Camshaft
 from core.study.drive_forces import PRESSURES, pairings, roller_lives
 from core.study.extremes import extremes_of, has_undercut
-from core.study.quantities import names_of, quantity
+from core.study.quantities import names_of, quantity, why_absent
 from core.study.study import Study
 from core.units import split_unit
 
@@ -111,7 +112,8 @@ def quantity_request(design: Design, key: str) -> QuantityRequest:
         return QuantityRequest(key, "", key, 1.0)
     slug, _, statistic = key.partition(":")
     if statistic not in STATISTICS:
-        raise ValueError(f"{key}: allowed are <column>:{'|'.join(STATISTICS)}, and {', '.join(TOTALS)}")
+        near = did_you_mean(key, (*(f"{slug}:{name}" for name in STATISTICS), *TOTALS))
+        raise ValueError(f"{key}: allowed are <column>:{'|'.join(STATISTICS)}, and {', '.join(TOTALS)}{near}")
     if design.listed:
         if slug == TORQUE:
             return QuantityRequest(key, "", statistic, 1.0)
@@ -119,12 +121,14 @@ def quantity_request(design: Design, key: str) -> QuantityRequest:
         if number >= len(design.drives):
             raise ValueError(
                 f"{key}: allowed are {TORQUE}:{statistic}, drives[0].<column>:{statistic} of a drive, and "
-                f"{', '.join(TOTALS)}"
+                f"{', '.join(TOTALS)}{did_you_mean(slug, request_columns(design))}"
             )
         return quantity_request(only(design, number), f"{column}:{statistic}")._replace(key=key, drive=number)
     name = _columns(design).get(slug, "")
     if not name:
-        raise ValueError(f"{key}: this design has no such column with extremes")
+        raise ValueError(
+            f"{key}: this design has no such column with extremes{did_you_mean(slug, _columns(design))}{why_absent(design, slug)}"
+        )
     return QuantityRequest(key, name, statistic, split_unit(slug)[1].factor)
 
 

@@ -129,10 +129,7 @@ def load_study(path: AnyPath) -> StudyOfMany:
     if any(fault.path == "design" for fault in faults):
         raise DesignError(faults)
     design_path = Path(path).parent / file.design
-    design = load(design_path)
-    if faults := [*faults, *_design_faults(file, design, faults)]:
-        raise DesignError(faults)
-    return StudyOfMany(design, file, design_path.parent)
+    return _judged(file, faults, load(design_path), design_path.parent)
 
 
 def file_of(table: Mapping[str, Any]) -> StudyFile:
@@ -145,7 +142,18 @@ def file_of(table: Mapping[str, Any]) -> StudyFile:
 
 def study_of(file: StudyFile, design: Design, folder: Path = Path()) -> StudyOfMany:
     """Study of a design. Raises DesignError with all faults of the file for this design."""
-    if faults := _design_faults(file, design, ()):
+    return _judged(file, (), design, folder)
+
+
+def study_of_table(table: Mapping[str, Any], design: Design) -> StudyOfMany:
+    """Study of a design in the tables of a file. Raises DesignError with all faults, also those for this design."""
+    file, faults = _read(table)
+    return _judged(file, faults, design, Path())
+
+
+def _judged(file: StudyFile, faults: Sequence[Fault], design: Design, folder: Path) -> StudyOfMany:
+    """Study of a design. Raises DesignError with the faults of the file and those for this design."""
+    if faults := [*faults, *_design_faults(file, design, faults)]:
         raise DesignError(faults)
     return StudyOfMany(design, file, folder)
 

@@ -29,7 +29,7 @@ from core.process import resources, user_cache
 from core.project import dumps, dumps_table
 from core.project.files import OwnFolder, is_folder, write_all
 from core.study.batch import FAULTY
-from core.study.many import many
+from core.study.many import Many, many
 from core.varying.request import CURVE, GRID, POINTS, StudyOfMany, VariedField
 
 # -- the designs of a study -------------------------------------------------------------------------------------
@@ -118,6 +118,25 @@ class Space:
         """Number of designs."""
         return prod(self.shape) * self.points
 
+    def require_few(self) -> None:
+        """Raise KindynaError for too many designs, with the time that they would take."""
+        if self.count <= MAX_DESIGNS:
+            return
+        columns = self.columns(0, PROBE)
+        study_values(self.study, {path: column[:1] for path, column in columns.items()})  # loads all modules
+        start = time.perf_counter()
+        study_values(self.study, columns)
+        rate = PROBE / (time.perf_counter() - start)
+        grid = " x ".join(str(axis.count) for axis in self.grid)
+        product = f"{grid} values" if self.points == 1 else f"{grid}{' x ' * bool(grid)}{self.points} points"
+        steps = "fewer steps, or points = 4096 in place of the steps of every field"
+        fewer = steps if self.points == 1 else "fewer points, as points = 4096"
+        raise KindynaError(
+            f"vary: {count_text(self.count)} designs ({product}) are too many: about "
+            f"{duration(self.count / rate)} at {result_text(rate)} a second; "
+            f"allowed: at most {count_text(MAX_DESIGNS)}; give {fewer}"
+        )
+
     def columns(self, first: int, last: int) -> dict[str, Column]:
         """Field -> its values (m,), of the designs from ``first`` to ``last``, exclusive."""
         number = np.arange(first, last)
@@ -180,7 +199,7 @@ def none_built_text(count: int, code: str, often: int) -> str:
 
 def study_values(
     study: StudyOfMany, columns: Mapping[str, Column], *, polish: bool = True, executor: Any = None
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Many:
     """Figures of designs with given values of fields.
 
     Parameters
@@ -195,14 +214,12 @@ def study_values(
 
     Returns
     -------
-    value : ndarray (q, m) [unit of the column]
-        Figures of the study; NaN where a design has none.
-    reason : ndarray (m,), dimensionless
-        Code that says why a design has no value; else empty.
+    Many
     """
     keys = [row.key for row in study.quantities]
     m = len(next(iter(columns.values())))
-    value, reason = np.full((len(keys), m), np.nan), np.full(m, "", dtype=object)
+    value, angle_deg = ({key: np.full(m, np.nan) for key in keys} for _ in range(2))
+    reason = np.full(m, "", dtype=object)
     discrete = {path: column for path, column in columns.items() if is_discrete(study.infos[path])}
     numbers = {path: column for path, column in columns.items() if path not in discrete}
     for words, which in _groups(discrete, m):
@@ -212,9 +229,10 @@ def study_values(
             continue
         rows = {path: column[which] for path, column in numbers.items()} or constant_column(design, len(which))
         results = many(design, rows, keys, polish=polish, executor=executor)
-        value[:, which] = [results.value[key] for key in keys]
+        for key in keys:
+            value[key][which], angle_deg[key][which] = results.value[key], results.angle_deg[key]
         reason[which] = results.reason
-    return value, reason
+    return Many(value, angle_deg, reason)
 
 
 def is_discrete(info: Info) -> bool:
@@ -329,8 +347,7 @@ class Run:
             )
         self.study, self.space = study, Space(study)
         self.count = self.space.count
-        if self.count > MAX_DESIGNS:
-            raise KindynaError(self._too_many())
+        self.space.require_few()
         self.block_count = -(-self.count // BLOCK)
         self._results = _run_folder(study, folder)
 
@@ -338,24 +355,6 @@ class Run:
     def folder(self) -> Path:
         """Folder of the results."""
         return self._results.path
-
-    def _too_many(self) -> str:
-        columns = self.space.columns(0, PROBE)
-        study_values(self.study, {path: column[:1] for path, column in columns.items()})  # loads all modules
-        start = time.perf_counter()
-        study_values(self.study, columns)
-        rate = PROBE / (time.perf_counter() - start)
-        grid = " x ".join(str(axis.count) for axis in self.space.grid)
-        product = (
-            f"{grid} values" if self.space.points == 1 else f"{grid}{' x ' * bool(grid)}{self.space.points} points"
-        )
-        steps = "fewer steps, or points = 4096 in place of the steps of every field"
-        fewer = steps if self.space.points == 1 else "fewer points, as points = 4096"
-        return (
-            f"vary: {count_text(self.count)} designs ({product}) are too many: about "
-            f"{duration(self.count / rate)} at {result_text(rate)} a second; "
-            f"allowed: at most {count_text(MAX_DESIGNS)}; give {fewer}"
-        )
 
     def compute(
         self,
@@ -440,9 +439,9 @@ def _name(i: int) -> str:
 def block_data(study: StudyOfMany, i: int) -> bytes:
     """Results of a block of a study, as saved."""
     space = _space(study)
-    value, reason = study_values(study, space.columns(i * BLOCK, min((i + 1) * BLOCK, space.count)))
+    results = study_values(study, space.columns(i * BLOCK, min((i + 1) * BLOCK, space.count)))
     data = io.BytesIO()
-    np.savez(data, value=value, reason=reason.astype(str))
+    np.savez(data, value=np.array(list(results.value.values())), reason=results.reason.astype(str))
     return data.getvalue()
 
 

@@ -284,7 +284,7 @@ def _figures(
 ) -> tuple[np.ndarray, Mapping[str, np.ndarray], np.ndarray]:
     """Numbers (p, m) with whole ones rounded, figures of the designs, computed without repetition, and reasons (m,)."""
     rows = tuple(VariedField(field=span.path, low=span.low, high=span.high) for span in spans)
-    figures = tuple(StudyQuantity(*_split_key(key)) for key in quantities)
+    figures = tuple(StudyQuantity(*split_key(key)) for key in quantities)
     study = StudyOfMany(design, StudyFile(design="", vary=rows, quantities=figures), Path())
     distinct, inverse = points, np.arange(points.shape[1])
     if whole_infos := whole_numbers(design, study.infos):
@@ -294,10 +294,9 @@ def _figures(
         ]
         points = np.array(rounded)
         distinct, inverse = np.unique(points, axis=1, return_inverse=True)
-    value, reason = study_values(
-        study, {span.path: row for span, row in zip(spans, distinct, strict=True)}, polish=False
-    )
-    return points, dict(zip(quantities, value[:, inverse.ravel()], strict=True)), reason[inverse.ravel()]
+    results = study_values(study, {span.path: row for span, row in zip(spans, distinct, strict=True)}, polish=False)
+    which = inverse.ravel()
+    return points, {key: results.value[key][which] for key in quantities}, results.reason[which]
 
 
 def refined_survey(design: Design, survey: Survey, limits: Mapping[str, Limits]) -> Survey:
@@ -422,9 +421,9 @@ def file_of_question(question: Question, design: str = "") -> StudyFile:
             *(question.row(span) for span in question.spans),
             *(VariedField(field=path, choices=words) for path, words in question.words.items()),
         ),
-        quantities=tuple(StudyQuantity(*_split_key(key)) for key in question.figures),
+        quantities=tuple(StudyQuantity(*split_key(key)) for key in question.figures),
         limits=_limit_rows(question.figures),
-        goals=tuple(Goal(*_split_key(key), minimise=small) for key, small in question.goals.items()),
+        goals=tuple(Goal(*split_key(key), minimise=small) for key, small in question.goals.items()),
     )
 
 
@@ -453,13 +452,14 @@ def _stricter(pick: Callable[[float, float], float], first: float | None, second
     return second if first is None else first if second is None else pick(first, second)
 
 
-def _split_key(key: str) -> tuple[str, str | None]:
+def split_key(key: str) -> tuple[str, str | None]:
+    """Column and statistic of the key of a figure; a total has no statistic."""
     slug, _, of = key.partition(":")
     return slug, of or None
 
 
 def _limit_rows(limits: Mapping[str, Limits]) -> tuple[StudyLimit, ...]:
-    return tuple(StudyLimit(*_split_key(key), *ends) for key, ends in limits.items() if ends != (None, None))
+    return tuple(StudyLimit(*split_key(key), *ends) for key, ends in limits.items() if ends != (None, None))
 
 
 @frozen(eq=False)

@@ -24,6 +24,7 @@ from core.frozen import frozen
 from core.process import resources
 from core.project import parsed
 from core.project.files import read_text
+from core.project.reading_faults import did_you_mean
 
 # -- templates --------------------------------------------------------------------------------------------------
 
@@ -532,5 +533,6 @@ def controller(slug: str) -> Controller:
     """The row of a controller. Raises KindynaError, and as `controllers`."""
     available = controllers()
     if slug not in available:
-        raise KindynaError(f"--controller {slug}: no row of that name; allowed: {' | '.join(available)}")
+        near = did_you_mean(slug, available)
+        raise KindynaError(f"--controller {slug}: no row of that name{near}; allowed: {' | '.join(available)}")
     return available[slug]

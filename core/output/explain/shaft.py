@@ -71,6 +71,10 @@ FIGURES: Mapping[str, Figure] = MappingProxyType(
 # -- columns of a shaft with several drives ---------------------------------------------------------------------
 
 
+SHAFT_TORQUE, BALANCER_TORQUE = "torque_nm", "balancer_torque_nm"
+MOTOR_TORQUE, SHAFT_SPEED = "motor_torque_nm", "speed_rpm"
+
+
 @frozen
 class ShaftColumn:
     """A column of ``shaft.csv``: its label, unit, values in SI units, greatest value and calculation."""
@@ -84,38 +88,55 @@ class ShaftColumn:
 
 def shaft_columns(study: Study) -> Mapping[str, ShaftColumn]:
     """Name -> column of ``shaft.csv``."""
+    rows = {name: shaft_column(study, name) for name in _shaft_names(study.camshaft)}
+    return {name: row for name, row in rows.items() if row is not None}
+
+
+def _shaft_names(camshaft: Camshaft[Study]) -> tuple[str, ...]:
+    """Names of the columns of a shaft all of whose drives have a solution, in their order."""
+    drives = (f"{camshaft.slugs[name]}_torque_nm" for name in camshaft.loading_drives)
+    balancer = () if camshaft.design.balancer is None else (BALANCER_TORQUE,)
+    return (SHAFT_TORQUE, *drives, *balancer, MOTOR_TORQUE, SHAFT_SPEED)
+
+
+def shaft_column(study: Study, name: str) -> ShaftColumn | None:
+    """The column of a name; None where ``shaft.csv`` lacks it. Computes only what this column depends on."""
     camshaft, torque = study.camshaft, UNITS["nm"]
-    drives = [name for name in camshaft.loading_drives if name not in camshaft.failures]
-    has_balancer = camshaft.design.balancer is not None
-    rows: dict[str, ShaftColumn] = {}
-    if is_complete(camshaft):
-        rows["torque_nm"] = ShaftColumn(
-            "Torque of the shaft",
-            torque,
-            lambda position: position.torque,
-            lambda shaft: shaft.peak_torque,
-            _sum(drives, has_balancer),
-        )
-    for name in drives:
-        rows[f"{camshaft.slugs[name]}_torque_nm"] = _drive(name)
-    if "torque_nm" in rows and has_balancer:
-        rows["balancer_torque_nm"] = ShaftColumn(
+    if name not in _shaft_names(camshaft):
+        return None
+    if name in (MOTOR_TORQUE, SHAFT_SPEED):
+        if not has_speed(camshaft):
+            return None
+        if name == SHAFT_SPEED:
+            return ShaftColumn(
+                "Speed of the shaft", UNITS["rpm"], lambda position: position.speed,
+                lambda shaft: _greatest(shaft.motor_range["speed"]), lambda position: _speed(study, position)
+            )  # fmt: skip
+        return ShaftColumn(
+            "Torque of the motor", torque, lambda position: position.motor_torque,
+            lambda shaft: _greatest(shaft.motor_range["motor_torque"]), lambda position: _motor(study, position)
+        )  # fmt: skip
+    for drive in camshaft.loading_drives:
+        if name == f"{camshaft.slugs[drive]}_torque_nm":
+            return None if drive in camshaft.failures else _drive(drive)
+    if not is_complete(camshaft):
+        return None
+    if name == BALANCER_TORQUE:
+        return ShaftColumn(
             "Torque of the balance cam",
             torque,
             lambda position: position.balancer_torque,
             _balancer_peak,
             _sum([], True),
         )
-    if has_speed(camshaft):
-        rows["motor_torque_nm"] = ShaftColumn(
-            "Torque of the motor", torque, lambda position: position.motor_torque,
-            lambda shaft: _greatest(shaft.motor_range["motor_torque"]), lambda position: _motor(study, position)
-        )  # fmt: skip
-        rows["speed_rpm"] = ShaftColumn(
-            "Speed of the shaft", UNITS["rpm"], lambda position: position.speed,
-            lambda shaft: _greatest(shaft.motor_range["speed"]), lambda position: _speed(study, position)
-        )  # fmt: skip
-    return rows
+    drives, has_balancer = list(camshaft.loading_drives), camshaft.design.balancer is not None
+    return ShaftColumn(
+        "Torque of the shaft",
+        torque,
+        lambda position: position.torque,
+        lambda shaft: shaft.peak_torque,
+        _sum(drives, has_balancer),
+    )
 
 
 def _greatest(extremes: Extremes) -> Extreme:

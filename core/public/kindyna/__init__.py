@@ -18,16 +18,16 @@ from core import __version__ as __version__
 from core.errors import KindynaError
 
 if TYPE_CHECKING:
-    from kindyna._design import Design, FindResult, Study, design, example, examples, open
+    from kindyna._design import Design, FindResult, Optimum, Study, design, example, examples, measured, open
     from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult
 
 __all__ = [
-    "Channel", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Study", "design",
-    "example", "examples", "open",
+    "Channel", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Optimum", "Study",
+    "design", "example", "examples", "measured", "open",
 ]  # fmt: skip
 
 _MODULES = {
-    "_design": ("Design", "FindResult", "Study", "design", "example", "examples", "open"),
+    "_design": ("Design", "FindResult", "Optimum", "Study", "design", "example", "examples", "measured", "open"),
     "_results": ("Channel", "Explanation", "Extreme", "Finding", "ManyResult"),
 }
 

@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Iterable
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,12 @@ _MOST_NAMES = 12
 Array = NDArray[np.float64]
 
 
-def unknown(what: str, name: object, names: Iterable[str]) -> KeyError:
-    """Return the error for a name that does not exist; it suggests the nearest name, or lists names."""
+def unknown(what: str, name: object, names: Iterable[str], reason: str = "") -> KeyError:
+    """Return the error for a name that does not exist; it suggests the nearest name, or lists names, unless a reason is known."""
     known = tuple(names)
     near = did_you_mean(str(name), known)
     listed = ", ".join(known[:_MOST_NAMES]) + (", ..." if len(known) > _MOST_NAMES else "")
-    return KeyError(f"{name!s}: no such {what}{near}" if near else f"{name!s}: no such {what}; allowed: {listed}")
+    return KeyError(f"{name!s}: no such {what}{near}{reason or ('' if near else f'; allowed: {listed}')}")
 
 
 def text(what: str, value: object) -> str:
@@ -33,11 +34,19 @@ def text(what: str, value: object) -> str:
     return value
 
 
-def path_of(value: object) -> str:
+def path_of(what: str, value: object) -> str:
     """Return the path of a file or folder. Raises TypeError."""
     if not isinstance(value, str | os.PathLike):
-        raise TypeError(f"path = {value!r}: a text or a path is needed, not {type(value).__name__}")
+        raise TypeError(f"{what} = {value!r}: a text or a path is needed, not {type(value).__name__}")
     return os.fspath(value) if isinstance(value, str) else str(value)
+
+
+def path_to_write(what: str, value: object) -> Path:
+    """Return the path of a file or folder to write. Raises TypeError, ValueError."""
+    path = path_of(what, value)
+    if not path.strip():
+        raise ValueError(f"{what} = {value!r}: the path of a file or folder is needed")
+    return Path(path)
 
 
 def number(what: str, value: Any) -> float:
@@ -82,6 +91,13 @@ def brief(line: str) -> str:
 def read_only(values: ArrayLike) -> Array:
     """Return a read-only copy as float64."""
     result = np.array(values, dtype=np.float64)
+    result.flags.writeable = False
+    return result
+
+
+def words_column(words: ArrayLike) -> NDArray[np.str_]:
+    """Return a read-only copy of words."""
+    result = np.array(words, dtype=np.str_)
     result.flags.writeable = False
     return result
 

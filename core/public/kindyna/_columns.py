@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.errors import KindynaError
-from core.output.export import SHAFT, TABLES, angle_of_table, table_rows
+from core.output.channels import ANGLES, channels
+from core.output.export import MOTOR_COLUMNS, SHAFT, TABLES, angle_of_table, bounded_study, table_rows
 from core.output.summary import extremes, shaft_extremes
+from core.study.extremes import has_quantity
 from core.study.formulas import FORMULAS
-from core.study.quantities import Quantity
+from core.study.quantities import DYNAMICS, SERVO, Quantity, why_absent
 from core.study.study import Study as CoreStudy
 from core.units import split_unit
 from kindyna._checks import Array, read_only, text, unknown
@@ -58,39 +60,75 @@ class Columns:
         """Name -> channel."""
         return self._of_shaft() if self.full.design.listed else self._of_drive()
 
-    def channel(self, name: str) -> Channel:
-        """Return the channel of a name. Raises KeyError."""
-        if text("channel", name) not in self.channels:
-            raise unknown("channel of this design", name, self.channels)
-        return self.channels[name]
-
     def values(self, name: str) -> Array:
         """Return the values (n,) of a channel, in the unit of its name. Raises KeyError."""
         if name not in self._cache:
-            self.channel(name)
-            quantity = self._quantities.get(name)
-            self._cache[name] = self.angle_deg if quantity is None else read_only(self._computed(quantity))
+            row = self._row(name)
+            self._cache[name] = self.angle_deg if row is None else read_only(self._computed(row))
         return self._cache[name]
 
     def extreme(self, name: str, of: str) -> Extreme:
         """Return an extreme over the full turn. Raises KeyError, ValueError, and KindynaError for an angle that wraps."""
-        channel = self.channel(name)
+        row = self._row(name)
         if of not in _OF:
             raise ValueError(f"of = {of!r}: extreme of {name}; allowed: {', '.join(_OF)}")
-        listed = self.full.design.listed
-        row = (shaft_extremes(self.full.camshaft) if listed else extremes(self.full, (channel.stage,))).get(
-            self.quantity_of(name)
-        )
-        if row is None:
-            raise KindynaError(f"{name}: an angle that wraps, or that counts the rows, has no extremes")
-        end = max(row["max"], row["min"], key=lambda end: abs(end["value"])) if of == "abs" else row[of]
+        ends = None
+        if isinstance(row, Quantity):
+            ends = extremes(self.full, (row.stage,)).get(row.slug)
+        elif row is not None:
+            ends = shaft_extremes(self.full.camshaft).get(name)
+        if row is None or ends is None:
+            raise KindynaError(
+                f"{name}: has no extremes in summary.json, as no angle that wraps or counts the rows has"
+            )
+        end = max(ends["max"], ends["min"], key=lambda end: abs(end["value"])) if of == "abs" else ends[of]
         value = abs(end["value"]) if of == "abs" else end["value"]
-        return Extreme(float(value), float(end["cam_angle_deg"]), channel.unit)
+        return Extreme(float(value), float(end["cam_angle_deg"]), row.unit.symbol)
 
     def quantity_of(self, name: str) -> str:
         """Return the name under which ``explain`` knows a channel, or the name itself."""
-        row = self._quantities.get(name)
-        return row.slug if isinstance(row, Quantity) else name
+        row = None if self.full.design.listed else self._quantity(name)
+        return name if row is None else row.slug
+
+    def _row(self, name: str) -> Quantity | ShaftColumn | None:
+        """Return what gives the values of a channel, None for an angle of the rows; computes only what the channel depends on.
+
+        Raises KeyError.
+        """
+        row: Quantity | ShaftColumn | None
+        if text("channel", name) == self.angle:
+            return None
+        if self.full.design.listed:
+            from core.output.explain.shaft import shaft_column  # only several drives need it
+
+            row = shaft_column(self.full, name)
+        else:
+            row = self._quantity(name)
+        if row is None and (name not in ANGLES.values() or name not in self.channels):
+            raise self._unknown(name)
+        return row
+
+    @cached_property
+    def _bounded(self) -> CoreStudy:
+        """The study in which columns are searched, as ``export`` searches them."""
+        return bounded_study(self.full)
+
+    def _quantity(self, name: str) -> Quantity | None:
+        """Return the quantity of a column of a drive; the servo's motor after that of the shaft, which has the same column."""
+        rows = (row for row in channels(self.full.design) if name in (row.slug, MOTOR_COLUMNS.get(row.slug)))
+        study = self._bounded
+        for row in sorted(rows, key=lambda row: TABLES.index(row.table)):
+            if has_quantity(study, row) and (row.table not in (DYNAMICS, SERVO) or study.jam is None):
+                return row
+        return None
+
+    def _unknown(self, name: str) -> KeyError:
+        design = self.full.design
+        if design.listed and any(name in Columns(study, None).channels for study in self.full.solved_drives.values()):
+            return KeyError(
+                f"{name}: is a channel of one drive; choose it with drives[NAME]: {', '.join(self.full.drives)}"
+            )
+        return unknown("channel of this design", name, self.channels, "" if design.listed else why_absent(design, name))
 
     @cached_property
     def _quantities(self) -> dict[str, Quantity | ShaftColumn]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from core.commands.common import LEAST_SAMPLES, MOST_SAMPLES, studied
 from core.design.design import Design as CoreDesign
 from core.design.edits import edited
-from core.design.paths import Entry, all_paths, entries, get, put, row_at
+from core.design.paths import Entry, all_paths, entries, get, put, row_at, text_paths
 from core.design.rules import faults
 from core.errors import DesignError, KindynaError
 from core.output.summary import to_json
@@ -23,14 +23,13 @@ from core.project import from_table, load, loads, one_of, save
 from core.project.reading_faults import subjects
 from core.project.writing import dumps
 from core.study.many import many
-from kindyna._checks import Array, brief, number, path_of, read_only, text, unknown, vector, whole
+from kindyna._checks import Array, brief, number, path_of, path_to_write, read_only, text, unknown, vector, whole
 from kindyna._columns import Columns
-from kindyna._results import Finding, ManyResult
+from kindyna._options import requested
+from kindyna._results import Finding, ManyResult, many_result
 from kindyna._study import StudyResults
 
-__all__ = ["Design", "FindResult", "Study", "design", "example", "examples", "open"]
-
-_NAME, _LAW = "name", ".law"
+__all__ = ["Design", "FindResult", "Optimum", "Study", "design", "example", "examples", "measured", "open"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,10 +72,9 @@ class Design:
             raise unknown("field of this design", path, values)
         return values[path]
 
-    def fields(self) -> dict[str, float | int | str | bool]:
-        """Return path -> value of every number, word and flag that is given and can be edited: names, then the order of the file."""
-        single = (bool, int, float, str)
-        return {path: value for path, value in self._values().items() if isinstance(value, single)}
+    def fields(self) -> dict[str, float | int | str | bool | None]:
+        """Return path -> value of every number, word and flag that can be edited; None for an optional one that is not given."""
+        return {path: value for path, value in self._values().items() if not isinstance(value, tuple)}
 
     def edit(self, values: Mapping[str, Any]) -> Design:
         """Return the design with other values, all set at once.
@@ -98,14 +96,9 @@ class Design:
         KindynaError
             The new design has faults; ``faults`` lists all of them.
         """
-        if not isinstance(values, Mapping):
-            raise TypeError(f"values = {values!r}: a mapping of paths is needed, not {type(values).__name__}")
-        present, known = dict(self._entries()), self._values()
-        new: dict[str, Any] = {}
-        for path, value in values.items():
-            if text("path", path) not in known:
-                raise unknown("field of this design", path, known)
-            new[path] = _typed(path, present.get(path), known[path], value)
+        known = self._require_fields("values", values)
+        present = dict(self._entries())
+        new = {path: _typed(path, present.get(path), known[path], value) for path, value in values.items()}
         result, typed = self._design, {row_at(path)[1] for path in new if path.startswith("motion.segments[")}
         for path, value in sorted(
             new.items(), key=lambda item: not isinstance(item[1], str)
@@ -131,7 +124,7 @@ class Design:
         KindynaError
             It cannot be written.
         """
-        save(self._design, path_of(path))
+        save(self._design, path_to_write("path", path))
 
     def study(self, samples: int = 360, drive: str = "") -> Study:
         """Return a study at equally spaced angles.
@@ -159,7 +152,9 @@ class Design:
         """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
         return self.study().findings
 
-    def find(self, goal: str, limits: Mapping[str, float | None] | None = None, drive: str = "") -> FindResult:
+    def find(
+        self, goal: str, limits: Mapping[str, float | None] | None = None, drive: str = "", **options: Any
+    ) -> FindResult:
         """Return the dimension that its limits allow, as the command ``find``.
 
         Parameters
@@ -170,11 +165,18 @@ class Design:
             Limit, or a varied field's path with ``_min`` or ``_max`` -> value; None removes a typical limit.
         drive : str
             Name of a drive, of a design that lists them.
+        **options
+            Options of the command: ``for_``, the property of the torque that phases minimise; ``round``, the step of the values, True
+            for the default steps.
 
         Raises
         ------
+        KeyError
+            There is no such goal or option.
+        TypeError, ValueError
+            A limit or an option has a wrong value.
         KindynaError
-            No value satisfies every limit; the text has the best one.
+            There is no such limit, or no value satisfies every limit; the text has the best one.
         """
         from core.commands.find import FindArguments, search  # a design is edited and studied without it
         from core.find import SEARCHES
@@ -182,17 +184,14 @@ class Design:
         if text("goal", goal) not in SEARCHES:
             raise unknown("goal of find", goal, SEARCHES)
         given = tuple(
-            (text("limit", key), None if value is None else number(key, value)) for key, value in (limits or {}).items()
+            (text("limit", key), None if value is None else number(key, value))
+            for key, value in _mapping("limits", limits or {}).items()
         )
-        solution = search(
-            self._design, FindArguments(design=Path(), what=goal, drive=text("drive", drive), limit=given)
-        )
+        fixed = {"design": Path(), "what": goal, "drive": text("drive", drive), "limit": given}
+        solution = search(self._design, requested(FindArguments, options, "into", "json", **fixed))
         answer = {path: float(value) for path, value in solution.answer.items()}
         if not solution.is_valid:
-            best = ", ".join(f"{path} = {value:.9g}" for path, value in answer.items())
-            raise KindynaError(
-                f"find {goal}: no value satisfies every limit; the best, {best}, violates: {'; '.join(solution.violations)}"
-            )
+            raise _no_solution(f"find {goal}: no value satisfies every limit", answer, solution.violations)
         curve = read_only(np.array(solution.curve, dtype=float).reshape(-1, 2))
         reached = {key: float(value) for key, value in solution.reached.items()}
         return FindResult(answer, reached, curve, Design(solution.machine))
@@ -224,21 +223,97 @@ class Design:
         TypeError, ValueError
             The numbers have no common shape (m,), or there is no such quantity.
         """
-        if not isinstance(values, Mapping):
-            raise TypeError(f"values = {values!r}: a mapping of paths is needed, not {type(values).__name__}")
-        if isinstance(quantities, str) or not all(isinstance(key, str) for key in quantities):
-            raise TypeError(f"quantities = {quantities!r}: a list of texts is needed")
-        known = self._values()
-        for path in values:
-            if text("path", path) not in known:
-                raise unknown("field of this design", path, known)
+        self._require_fields("values", values)
         inputs = {path: vector(path, numbers) for path, numbers in values.items()}
-        result = many(self._design, inputs, list(quantities), polish=polish, executor=executor)
-        value = {key: read_only(column) for key, column in result.value.items()}
-        angle_deg = {key: read_only(column) for key, column in result.angle_deg.items()}
-        reason = np.array(result.reason, dtype=np.str_)
-        reason.flags.writeable = False
-        return ManyResult(inputs, value, angle_deg, reason)
+        return many_result(inputs, many(self._design, inputs, _keys(quantities), polish=polish, executor=executor))
+
+    def vary(
+        self, values: Mapping[str, Sequence[float | str] | ArrayLike], quantities: Sequence[str], workers: int = 1
+    ) -> ManyResult:
+        """Return figures of all combinations of values, the first field changing slowest, as the command ``vary``.
+
+        Parameters
+        ----------
+        values : mapping of str -> list or ndarray of numbers, list of words, or (low, high, steps)
+            Path -> its values; a tuple is a range of so many values, its ends included.
+        quantities : sequence of str
+            As for ``many``.
+        workers : int
+            Processes that compute.
+
+        Raises
+        ------
+        KeyError
+            The design lacks a path.
+        TypeError, ValueError
+            A value is of the wrong kind.
+        KindynaError
+            A field does not accept a value, a quantity does not exist, or there are too many designs; ``faults`` lists all that is wrong.
+        """
+        from core.varying.space import Space, study_values
+        from core.varying.space import workers as processes
+        from kindyna._varied import fixed_column, process_count, varied_study, varied_values
+
+        self._require_fields("values", values)
+        fields = {path: varied_values(path, given) for path, given in values.items()}
+        study = varied_study(self._design, fields, quantities={key: {} for key in _keys(quantities)})
+        space = Space(study)
+        space.require_few()
+        columns = space.columns(0, space.count)
+        with processes(process_count(workers)) as (executor, _):
+            results = study_values(study, columns, executor=executor)
+        return many_result({path: fixed_column(column) for path, column in columns.items()}, results)
+
+    def optimise(
+        self,
+        vary: Mapping[str, tuple[float, float] | Sequence[str]],
+        minimise: str,
+        limits: Mapping[str, Mapping[str, float]] | None = None,
+        **options: Any,
+    ) -> Optimum:
+        """Return the best design within limits, as the command ``optimise``.
+
+        Parameters
+        ----------
+        vary : mapping of str -> (low, high) or list of words
+            Path -> its bounds, or its choices.
+        minimise : str
+            Figure to be minimised, as ``drive_torque_nm:abs``, or a total.
+        limits : mapping of str -> mapping, optional
+            Figure -> its least value ``min`` and greatest value ``max``.
+        **options
+            Options of the command: ``round``, the step of the values, True for the default steps.
+
+        Raises
+        ------
+        KeyError
+            The design lacks a path, or there is no such option.
+        TypeError, ValueError
+            A bound, limit or option is of the wrong kind.
+        KindynaError
+            A field does not accept a bound, a figure does not exist (``faults`` lists all that is wrong), or no design satisfies every
+            limit; the text has the best one.
+        """
+        from core.commands.studies import OptimiseArguments, best_design, optimum_data
+        from kindyna._varied import limit_ends, varied_range, varied_study
+
+        self._require_fields("vary", vary)
+        fields = {path: varied_range(path, bounds) for path, bounds in vary.items()}
+        ends = {key: limit_ends(key, values) for key, values in _mapping("limits", limits or {}).items()}
+        study = varied_study(self._design, fields, limits=ends, goals={text("minimise", minimise): {}})
+        request = requested(OptimiseArguments, options, "into", "json", study=Path())
+        optimum, notes = best_design(study, request)
+        if not optimum.is_feasible:
+            raise _no_solution("optimise: no design satisfies every limit", optimum.answer, (*notes, optimum.rejection))
+        row = optimum_data(optimum, notes)
+        return Optimum(
+            row["answer"],
+            float(row["goal"]),
+            tuple(row["binding"]),
+            row["starts"],
+            row["agreeing"],
+            Design(optimum.design),
+        )
 
     def compare(self, other: Design) -> dict[str, Any]:
         """Return inputs that differ, results of both and their findings, as ``compare --json``.
@@ -266,20 +341,50 @@ class Design:
     def __repr__(self) -> str:
         return brief(f"<kindyna.Design {self.kind}: {self.name!r}>")
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._values())
+
+    def _require_fields(self, what: str, values: Any) -> dict[str, Any]:
+        """Return path -> value of the design. Raises TypeError for no mapping, KeyError where the design lacks one of its paths."""
+        known = self._values()
+        for path in _mapping(what, values):
+            if text("path", path) not in known:
+                raise unknown("field of this design", path, known)
+        return known
+
     def _entries(self) -> Iterator[tuple[str, Entry]]:
         return ((entry.path, entry) for table in self._design.tables for entry in entries(self._design, table))
 
     def _values(self) -> dict[str, Any]:
-        """Path -> value of every entry of the file, None where it is not given."""
+        """Path -> value of every entry of the file, None where it is not given: names, then the order of the file."""
         single = {path: entry.value for path, entry in self._entries()}
-        result: dict[str, Any] = {_NAME: self._design.name}
-        if self._design.listed:
-            result |= {f"drives[{i}].{_NAME}": drive.name for i, drive in enumerate(self._design.drives)}
-        for path in all_paths(self._design):
+        paths, texts = list(all_paths(self._design)), set(text_paths(self._design))
+        result = {path: get(self._design, path) for path in text_paths(self._design) if path not in paths}
+        for path in paths:
             value = single[path] if path in single else get(self._design, path)
-            if path in single or path.endswith(_LAW) or _is_pair(value):
+            if path in single or path in texts or _is_pair(value):
                 result[path] = value
         return result
+
+
+def _mapping(what: str, value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{what} = {value!r}: a mapping is needed, not {type(value).__name__}")
+    return value
+
+
+def _keys(quantities: Sequence[str]) -> list[str]:
+    if isinstance(quantities, str) or not all(isinstance(key, str) for key in quantities):
+        raise TypeError(f"quantities = {quantities!r}: a list of texts is needed")
+    return list(quantities)
+
+
+def _no_solution(problem: str, best: Mapping[str, Any], violations: Iterable[str]) -> KindynaError:
+    """Return the error with the best that there is."""
+    values = ", ".join(
+        f"{path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in best.items()
+    )
+    return KindynaError(f"{problem}; the best, {values}, violates: {'; '.join(filter(None, violations))}")
 
 
 def _is_pair(value: Any) -> bool:
@@ -291,7 +396,7 @@ def _typed(path: str, entry: Entry | None, present: Any, value: Any) -> Any:
     info = None if entry is None else entry.info
     if value is None and info is not None and info.optional:
         return None
-    if info is None and not isinstance(present, tuple):  # name and law
+    if info is None and not isinstance(present, tuple):
         return text(path, value)
     if isinstance(present, tuple):
         if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != len(present):
@@ -360,6 +465,33 @@ class FindResult:
         )
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Optimum:
+    """The best design within limits.
+
+    Attributes
+    ----------
+    answer : path -> value, a number or a word
+    goal : the figure that is minimised
+    binding : active limits, each with ``limit`` and ``per_percent``, the change of the goal for 1 % more of it
+    starts, agreeing : number of starts of the search, and of those that led to this design
+    design : the design
+    """
+
+    answer: Mapping[str, Any]
+    goal: float
+    binding: tuple[Mapping[str, Any], ...]
+    starts: int
+    agreeing: int
+    design: Design
+
+    def __repr__(self) -> str:
+        values = (
+            f"{path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in self.answer.items()
+        )
+        return brief(f"<kindyna.Optimum {self.goal:.9g}: {', '.join(values)}>")
+
+
 # -- where designs come from ------------------------------------------------------------------------------------
 
 
@@ -383,7 +515,7 @@ def open(path: str | os.PathLike[str]) -> Design:
     >>> kd.open("four_bar.toml") == kd.example("four_bar")
     True
     """
-    return Design(load(path_of(path)))
+    return Design(load(path_of("path", path)))
 
 
 def design(table: Mapping[str, Any] | str) -> Design:
@@ -416,6 +548,33 @@ def design(table: Mapping[str, Any] | str) -> Design:
     if not isinstance(table, Mapping):
         raise TypeError(f"table = {table!r}: a mapping or the text of a file is needed, not {type(table).__name__}")
     return Design(from_table(table))
+
+
+def measured(table: str | os.PathLike[str], **options: Any) -> Design:
+    """Return the motion of a measured table as a design of its own, as the command ``measured``.
+
+    Parameters
+    ----------
+    table : str or path
+        CSV, text or workbook with a row for each angle.
+    **options
+        Options of the command, with ``_`` for ``-``: ``column``, ``columns``, ``sheet``, ``speed``, ``error``, ``leave_out``, ``half``,
+        ``mirror``, ``no_laws``, ``controller`` and others.
+
+    Raises
+    ------
+    KeyError
+        There is no such option.
+    TypeError, ValueError
+        An option has a wrong value.
+    KindynaError
+        The table cannot be read, or no motion fits it; ``faults`` lists its wrong cells.
+    """
+    from core.commands.tables import MeasuredArguments, measured_design  # few designs are measured
+
+    left_out = ("segment", "as_is", "joined", "made_as", "into", "drive", "json")
+    request = requested(MeasuredArguments, options, *left_out, table=Path(path_of("table", table)))
+    return Design(measured_design(request))
 
 
 def example(slug: str) -> Design:

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.findings import Finding as CoreFinding
-from kindyna._checks import Array, brief
+from kindyna._checks import Array, brief, read_only, words_column
 
 if TYPE_CHECKING:
     from core.output.explain import Explanation as CoreExplanation
+    from core.study.many import Many
 
 
 @dataclass(frozen=True, repr=False)
@@ -172,7 +173,7 @@ class ManyResult:
 
     Attributes
     ----------
-    inputs : path -> its numbers (m,)
+    inputs : path -> its numbers or words (m,)
     value : figure -> its values (m,), NaN where a design has no solution
     angle_deg : figure -> cam angles of extremes (m,), NaN for other figures
     reason : code (m,) of the error because of which a design has no values; else empty
@@ -187,7 +188,7 @@ class ManyResult:
     (3, ['', '', ''])
     """
 
-    inputs: Mapping[str, Array]
+    inputs: Mapping[str, NDArray[Any]]
     value: Mapping[str, Array]
     angle_deg: Mapping[str, Array]
     reason: NDArray[np.str_]
@@ -201,6 +202,13 @@ class ManyResult:
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.ManyResult {len(self)} designs, {', '.join(self.value)}>")
+
+
+def many_result(inputs: Mapping[str, NDArray[Any]], core: Many) -> ManyResult:
+    """Return figures of the core."""
+    value = {key: read_only(column) for key, column in core.value.items()}
+    angle_deg = {key: read_only(column) for key, column in core.angle_deg.items()}
+    return ManyResult(inputs, value, angle_deg, words_column(core.reason))
 
 
 def frame(columns: Mapping[str, Any], index: Array | None = None, name: str = "") -> Any:

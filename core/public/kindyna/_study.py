@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 
 from core.errors import KindynaError
 from core.mechanism.mechanism import body_name
-from core.output.export import export
 from core.study.certificate import certificate_of
 from core.study.findings import findings_of
 from core.study.study import Study as CoreStudy
-from kindyna._checks import Array, brief, number, path_of, points, text, unknown, vector, whole
+from kindyna._checks import Array, brief, number, path_to_write, points, text, unknown, vector, whole
 from kindyna._columns import Columns
 from kindyna._results import Channel, Explanation, Extreme, Finding, explanation, finding, frame
 
@@ -203,17 +202,70 @@ class StudyResults(Generic[D]):
         at = None if at_deg is None else number("at_deg", at_deg)
         return explanation(explained(self._columns.full, self._columns.quantity_of(text("name", name)), at))
 
-    def export(self, target: str | os.PathLike[str], *, only: tuple[str, ...] = ()) -> list[Path]:
-        """Write tables and summary into a folder, as the command ``export``, and return their paths.
+    def export(self, target: str | os.PathLike[str], **options: Any) -> list[Path]:
+        """Write files, completely or not at all.
 
         Parameters
         ----------
         target : str or path
-            The folder.
-        only : tuple of str
-            Stages to compute and write; all where empty.
+            A folder: tables and summary, as the command ``export``. A name with the ending ``.dxf``, ``.svg``, ``.csv`` or ``.nc``: the
+            profile of the cam, as ``profile``. ``.html`` or ``.pdf``: a report, as ``report``; a PDF needs the packages of the window.
+        **options
+            Options of that command, with ``_`` for ``-``, and ``as_``: of ``export`` ``only``; of ``profile`` ``flank``, ``drive``,
+            ``samples``, ``spacing``, ``tolerance``, ``as_``, ``cutter``, and those of G-code; of ``report`` ``without``, ``paper``,
+            ``customer``, ``author``, ``revision`` and others.
+
+        Returns
+        -------
+        list of Path
+
+        Raises
+        ------
+        KeyError
+            There is no such option.
+        TypeError, ValueError
+            An option has a wrong value.
+        KindynaError
+            There is no such format, the design lacks what it needs, or the file cannot be written.
         """
-        return export(self._columns.full, Path(path_of(target)), only)
+        from kindyna._files import export_study  # no reader of results needs the formats of files
+
+        return export_study(self._columns.full, path_to_write("target", target), options)
+
+    def ecam(self, controller: str, out: str | os.PathLike[str] | None = None, **options: Any) -> dict[str, Any]:
+        """Compute a table for a servo controller, and the error of the curve that the controller makes of it.
+
+        Parameters
+        ----------
+        controller : str
+            Name in the table of controllers, as ``sew-tab``.
+        out : str or path, optional
+            File to write the table to.
+        **options
+            Options of the command ``ecam``, with ``_`` for ``-``, and ``as_``: ``points``, ``error``, ``of``, ``drive``
+            and others.
+
+        Returns
+        -------
+        dict
+            As ``ecam --json``: rows, whether the error is certified, the largest errors with their angles.
+
+        Raises
+        ------
+        KeyError
+            There is no such option.
+        TypeError, ValueError
+            An option has a wrong value.
+        KindynaError
+            There is no such controller or table, or the file cannot be written.
+        """
+        from kindyna._files import ecam_table  # no reader of results needs the formats of files
+
+        path = None if out is None else path_to_write("out", out)
+        return ecam_table(self._columns.full, text("controller", controller), path, options)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.channels)
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.Study {self.angle_deg.size} angles of {self._columns.full.design.name!r}>")

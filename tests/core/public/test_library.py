@@ -69,7 +69,7 @@ def test_fields_are_values_of_the_file() -> None:
     assert fields["motion.segments[1].law"] == "modified-sine"
     assert SIX_BAR.fields()["linkage.links[2].points.B.x_mm"] == SIX_BAR["linkage.links[2].points.B"][0]
     assert UNIT.fields()["drives[0].name"] == "Feed"
-    assert all(isinstance(value, bool | int | float | str) for value in fields.values())
+    assert all(isinstance(value, bool | int | float | str | None) for value in fields.values())
 
 
 def test_an_edit_leaves_the_design_and_sets_all_values_at_once() -> None:
