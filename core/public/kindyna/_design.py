@@ -165,7 +165,7 @@ class Design:
             Limit, or a varied field's path with ``_min`` or ``_max`` -> value; None removes a typical limit.
         drive : str
             Name of a drive, of a design that lists them.
-        **options
+        **options : number, text, flag or list
             Options of the command: ``for_``, the property of the torque that phases minimise; ``round``, the step of the values, True
             for the default steps.
 
@@ -281,7 +281,7 @@ class Design:
             Figure to be minimised, as ``drive_torque_nm:abs``, or a total.
         limits : mapping of str -> mapping, optional
             Figure -> its least value ``min`` and greatest value ``max``.
-        **options
+        **options : number, text, flag or list
             Options of the command: ``round``, the step of the values, True for the default steps.
 
         Raises
@@ -476,6 +476,15 @@ class Optimum:
     binding : active limits, each with ``limit`` and ``per_percent``, the change of the goal for 1 % more of it
     starts, agreeing : number of starts of the search, and of those that led to this design
     design : the design
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> d = kd.example("rocker_cam")
+    >>> limits = {"pressure_angle_deg:max": {"max": 35}}
+    >>> o = d.optimise({"cam.base_radius_mm": (40, 90)}, minimise="drive_torque_nm:abs", limits=limits)
+    >>> f"{o.answer['cam.base_radius_mm']:.2f}", f"{o.goal:.3f}"
+    ('57.55', '5.492')
     """
 
     answer: Mapping[str, Any]
@@ -557,7 +566,7 @@ def measured(table: str | os.PathLike[str], **options: Any) -> Design:
     ----------
     table : str or path
         CSV, text or workbook with a row for each angle.
-    **options
+    **options : number, text, flag or list
         Options of the command, with ``_`` for ``-``: ``column``, ``columns``, ``sheet``, ``speed``, ``error``, ``leave_out``, ``half``,
         ``mirror``, ``no_laws``, ``controller`` and others.
 
@@ -569,6 +578,16 @@ def measured(table: str | os.PathLike[str], **options: Any) -> Design:
         An option has a wrong value.
     KindynaError
         The table cannot be read, or no motion fits it; ``faults`` lists its wrong cells.
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> import numpy as np
+    >>> lift = kd.example("tappet_flat").study(samples=72)
+    >>> rows = np.column_stack((lift.angle_deg, lift["displacement_mm"].round(4)))
+    >>> np.savetxt("lift.csv", rows, delimiter=",", header="cam_angle_deg,lift_mm", comments="")
+    >>> kd.measured("lift.csv", speed=300)
+    <kindyna.Design motion: 'lift'>
     """
     from core.commands.tables import MeasuredArguments, measured_design  # few designs are measured
 

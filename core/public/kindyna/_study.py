@@ -210,7 +210,7 @@ class StudyResults(Generic[D]):
         target : str or path
             A folder: tables and summary, as the command ``export``. A name with the ending ``.dxf``, ``.svg``, ``.csv`` or ``.nc``: the
             profile of the cam, as ``profile``. ``.html`` or ``.pdf``: a report, as ``report``; a PDF needs the packages of the window.
-        **options
+        **options : number, text, flag or list
             Options of that command, with ``_`` for ``-``, and ``as_``: of ``export`` ``only``; of ``profile`` ``flank``, ``drive``,
             ``samples``, ``spacing``, ``tolerance``, ``as_``, ``cutter``, and those of G-code; of ``report`` ``without``, ``paper``,
             ``customer``, ``author``, ``revision`` and others.
@@ -241,7 +241,7 @@ class StudyResults(Generic[D]):
             Name in the table of controllers, as ``sew-tab``.
         out : str or path, optional
             File to write the table to.
-        **options
+        **options : number, text, flag or list
             Options of the command ``ecam``, with ``_`` for ``-``, and ``as_``: ``points``, ``error``, ``of``, ``drive``
             and others.
 
