@@ -130,6 +130,7 @@ check: .venv/.ready
 	@.venv/bin/ruff format --check --quiet
 	.venv/bin/lint-imports --no-logo
 	.venv/bin/mypy
+	.venv/bin/python -B .ci/docs/typed.py
 
 .venv/.docs-packages: .venv/.ready
 	@echo "Installing the packages that the pages need"

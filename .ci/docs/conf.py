@@ -15,7 +15,7 @@ html_theme = "furo"
 html_title = f"KINDYNA {release}"
 html_static_path = ["static"]
 html_css_files = ["kindyna.css"]
-html_favicon = html_logo = "static/kindyna.svg"
+html_favicon = html_logo = "../../resources/icons/kindyna.svg"
 html_copy_source = html_show_sourcelink = False
 html_theme_options = {"navigation_with_keys": True}
 pygments_dark_style = "github-dark"

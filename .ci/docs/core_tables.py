@@ -20,6 +20,7 @@ from core.project import load
 from core.project.reading_faults import subjects
 from core.requests import add_options
 from core.study.quantities import OF_MEMBERS, QUANTITIES, Quantity
+from core.units import split_unit
 
 
 def reference(folder: Path) -> None:
@@ -75,8 +76,15 @@ def quantity_cells(row: Quantity) -> tuple[str, ...]:
 
 
 def findings() -> str:
-    """Codes and sentences of findings."""
-    rows = ((code(name), re.sub(r"{(\w+)[^}]*}", r"<i>\1</i>", words(row.sentence))) for name, row in ROWS.items())
+    """Codes and sentences of findings, whose values are named in italics."""
+
+    def value(name: re.Match[str]) -> str:
+        return " at <i>angle</i>" if name[1] == "at" else f"<i>{split_unit(name[1])[0].replace('_', ' ')}</i>"
+
+    rows = (
+        (code(name), re.sub(r"{(\w+)[^}]*}", value, words(row.sentence).replace("&#95;", "_")))
+        for name, row in ROWS.items()
+    )
     return table("code | sentence, with its remedy", rows)
 
 

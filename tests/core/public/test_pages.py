@@ -1,6 +1,7 @@
 """What a reader copies from the pages, the README, the docstrings and the notebooks: it runs, and every name is described."""
 
 import doctest
+import html
 import inspect
 import re
 import shlex
@@ -10,10 +11,14 @@ from pathlib import Path
 import pytest
 from built import faults
 from cells import Kernel, blocks, docstring_examples, members, notebook
+from core_tables import commands, controllers, fields, findings, laws
 
 import kindyna as kd
 from core.__main__ import parser
 from core.commands import COMMANDS
+from core.findings import ROWS
+from core.laws import LAWS
+from core.output.controllers.rows import shipped_controllers
 from kindyna_gui import headless
 
 ROOT = Path(__file__).parents[3]
@@ -77,8 +82,8 @@ def test_examples_of_docstrings_run(example: doctest.DocTest, tmp_path: Path, mo
 def test_commands_and_files_of_pages_are_read(page: Path) -> None:
     """A synopsis too: its first alternatives, with what is in brackets."""
     rows = {**COMMANDS, **headless.COMMANDS}
-    commands = "".join(indented(page, "kindyna --headless", "python -m"))
-    for line in re.sub(r"\n +", " ", commands).splitlines():
+    lines = "".join(indented(page, "kindyna --headless", "python -m"))
+    for line in re.sub(r"\n +", " ", lines).splitlines():
         words = [
             word.partition("|")[0]
             for word in shlex.split(re.sub(r"[\[\]]|^.*?(?:--headless|-m core|-m kindyna) ", "", line))
@@ -97,7 +102,9 @@ def test_commands_and_files_of_pages_are_read(page: Path) -> None:
 @pytest.mark.parametrize(("name", "item"), [*FUNCTIONS, *METHODS], ids=lambda row: row if isinstance(row, str) else "")
 def test_parameters_are_described(name: str, item: object) -> None:
     section = re.search(r"\nParameters\n-+\n(.*?)(?=\n\w[\w ]*\n---|\Z)", inspect.getdoc(item) or "", re.DOTALL)
-    described = re.findall(r"^\*{0,2}(\w[\w, ]*?) : .+\n    \S", f"\n{section[1] if section else ''}", re.MULTILINE)
+    described = re.findall(
+        r"^\*{0,2}(\w[\w, ]*?)(?: : .+)?\n    \S", f"\n{section[1] if section else ''}", re.MULTILINE
+    )
     parameters = [row for row in inspect.signature(item).parameters if row != "self"]  # type: ignore[arg-type]
     assert [word for words in described for word in words.split(", ")] == parameters
 
@@ -113,6 +120,16 @@ def test_names_have_a_text_an_example_and_members_with_texts(name: str, item: ob
 
 
 # -- built pages ----------------------------------------------------------------------------------------------
+
+
+def test_tables_list_every_row_of_core() -> None:
+    rows = {laws: LAWS, findings: ROWS, commands: {**COMMANDS, **headless.COMMANDS}, controllers: shipped_controllers()}
+    for table, names in rows.items():
+        listed = set(re.findall(r"<code>([\w.-]+)</code>|^## ([\w-]+)$", table(), re.MULTILINE))
+        assert set(names) - {word for words in listed for word in words} == set()
+    assert {"cam.base_radius_mm", "linkage.links[i].points.NAME.x_mm"} <= set(
+        re.findall(r"<code>(.*?)</code>", html.unescape(fields()))
+    )
 
 
 def test_faults_of_built_pages_are_listed(tmp_path: Path) -> None:
