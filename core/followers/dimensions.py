@@ -220,8 +220,10 @@ def rounded(length: float, direction: Callable[[float], int], digits: int = 6) -
 
 
 def _triangle_range(first: float, second: float) -> str:
-    """Range in mm of the third side of a triangle with two given sides [m]."""
-    return f"{rounded(abs(first - second) * 1e3, math.ceil)} ... {rounded((first + second) * 1e3, math.floor)}"
+    """Range in mm of the third side of a triangle with two given sides [m], with as many digits as tell its ends apart."""
+    low, high = abs(first - second) * 1e3, (first + second) * 1e3
+    ends = [(rounded(low, math.ceil, digits), rounded(high, math.floor, digits)) for digits in range(6, 13)]
+    return " ... ".join(next((pair for pair in ends if float(pair[0]) < float(pair[1])), ends[-1]))
 
 
 def reach_of(follower: Follower, cam: Cam) -> float:

@@ -64,13 +64,28 @@ def refusal_reasons(study: Study, stages: Iterable[str]) -> Reasons:
     if wrong:
         return wrong
     try:
-        # only the stages on screen, which are computed for the new design anyway
-        for stage in stages:
-            if stage in study.stages:  # another kind of design may not have it
-                getattr(study, NEEDED.get(stage, stage))
+        _evaluate(study, stages)
     except KindynaError as error:
         return reasons(design, error)
     return ()
+
+
+def fits_together(study: Study, stages: Iterable[str]) -> bool:
+    """Whether a design has no faults, and each of these stages a solution."""
+    if faults(study.design):
+        return False
+    try:
+        _evaluate(study, stages)
+    except KindynaError:
+        return False
+    return True
+
+
+def _evaluate(study: Study, stages: Iterable[str]) -> None:
+    """Evaluate the stages on screen, which are computed for the new design anyway."""
+    for stage in stages:
+        if stage in study.stages:  # another kind of design may not have it
+            getattr(study, NEEDED.get(stage, stage))
 
 
 # -- the incomplete design -------------------------------------------------------------------------------

@@ -40,11 +40,12 @@ _OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 class IncompleteBar(QWidget):
     """A bar that is shown while typed values do not fit together.
 
-    Signals: ``close_requested`` when the button that completes the motion is clicked; ``drop_requested`` when the button
-    back to the last valid values is clicked.
+    Signals: ``close_requested`` when the button that completes the motion is clicked; ``use_requested`` when that of the
+    nearest fitting value is; ``drop_requested`` when the button back to the last valid values is clicked.
     """
 
     close_requested = Signal()
+    use_requested = Signal()
     drop_requested = Signal()
 
     def __init__(self) -> None:
@@ -54,17 +55,29 @@ class IncompleteBar(QWidget):
         coloured(self.remedy, SCREEN.quiet)
         self.close_button, self.drop_button = text_button("Close the motion"), text_button(BACK)
         self.drop_button.setToolTip("Restore the last valid values; Undo returns to what you typed")
-        for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):
+        self.use_button = text_button("")
+        self.use_button.setToolTip("Enter the nearest value that fits the others")
+        for button, signal in (
+            (self.close_button, self.close_requested),
+            (self.use_button, self.use_requested),
+            (self.drop_button, self.drop_requested),
+        ):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.clicked.connect(lambda _=False, signal=signal: signal.emit())
         self.remedy.setToolTip(LAST_VALID)
         grid = fill(QGridLayout(self), margins=(10, 2, 6, 3), spacing=2)
         grid.setColumnStretch(0, 1)
-        grid.addWidget(self.trouble, 0, 0, 1, 3)
-        grid.addWidget(self.remedy, 1, 0, 1, 3)
-        for column, button in enumerate((self.close_button, self.drop_button), 1):
+        grid.addWidget(self.trouble, 0, 0, 1, 4)
+        grid.addWidget(self.remedy, 1, 0, 1, 4)
+        for column, button in enumerate((self.close_button, self.use_button, self.drop_button), 1):
             grid.addWidget(button, 2, column)
+        self.show_use("")
         self.hide()
+
+    def show_use(self, text: str) -> None:
+        """Show the button that enters the nearest fitting value; it is hidden without a text."""
+        self.use_button.setText(text)
+        self.use_button.setVisible(bool(text))
 
     def show_reasons(self, reasons: Sequence[str], back: str = BACK, closing: str = "") -> None:
         """Show why the values do not fit, and what would close the motion ('' where no single change does).
@@ -76,7 +89,8 @@ class IncompleteBar(QWidget):
         self.trouble.setText("\n".join(reasons[:MOST_REASONS]) + more)
         self.trouble.setToolTip("\n".join((*reasons, LAST_VALID)))
         self.drop_button.setText(back)
-        self.remedy.setText(f"Would close the motion: {closing}" if closing else LAST_VALID)
+        self.remedy.setText(f"Would close the motion: {closing}")
+        self.remedy.setVisible(bool(closing))
         self.close_button.setVisible(bool(closing))
         self.close_button.setToolTip(f"Apply: {closing}" if closing else "")
         self.setVisible(bool(reasons))

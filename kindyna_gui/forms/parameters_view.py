@@ -22,6 +22,7 @@ from kindyna_gui.documents.texts import back_text, misfit_sentences
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
 from kindyna_gui.forms.form import Form, IncompleteBar, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
+from kindyna_gui.forms.nearest_fit import NearestFit
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
@@ -34,6 +35,7 @@ from kindyna_gui.view import View, ViewHost
 
 LOADS, LIMITS = "loads", "limits"
 LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for them
+LEAST_OVER_BAR = 84  # height of the pages over the bar about values that do not fit: the tabs, and a field [pixels]
 LEAST_HEIGHT = 185  # of the view, at which fields of a page can be read [pixels]
 AROUND_LIST = 158  # height of the view without the list of loads [pixels]
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
@@ -96,6 +98,7 @@ class ParametersView(View):
         self.name = NameField(session)
         self.incomplete_bar = IncompleteBar()
         self.incomplete_bar.drop_requested.connect(session.drop_incomplete)
+        self._nearest_fit = NearestFit(session, self.incomplete_bar)
         session.incomplete_changed.connect(self.invalidate)
         self.kind = coloured(QLabel(), SCREEN.quiet)
         self.legend = described(
@@ -155,6 +158,8 @@ class ParametersView(View):
         scroll = self._change_subject()
         waits = self.session.incomplete is not None
         self.incomplete_bar.show_reasons(misfit_sentences(self.session) if waits else [], back_text(self.session))
+        self.tabs.setMinimumHeight(LEAST_OVER_BAR if waits else LEAST[1])
+        self._nearest_fit.restart()
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
@@ -220,6 +225,14 @@ class ParametersView(View):
     def settle(self) -> None:
         super().settle()
         self.loads.settle()
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self._nearest_fit.busy
+
+    def leave(self) -> None:
+        super().leave()
+        self._nearest_fit.close()
 
     def _show_trouble(self, section: str, field: Field) -> None:
         self._mark_tab(section)

@@ -6,12 +6,13 @@ from PySide6.QtGui import QCursor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QWidget
 from shiboken6 import delete, isValid
-from window_user import Alone, Open, User, settle
+from window_user import Alone, Open, User, settle, wait_for
 
 from core.design import Info
 from core.number_text import NARROW_SPACE
 from kindyna_gui.forms.refusal import FloatingRefusal, RefusalLine
 from kindyna_gui.motion.segments_table import RISE, SPAN, TO
+from kindyna_gui.places import example
 from kindyna_gui.studies.study_view import StudyView
 
 ROD, FRICTION = "follower.rod_mm", "loads.friction"
@@ -152,6 +153,44 @@ def test_a_misfit_is_a_sentence_in_sight_with_a_button_back(user: User) -> None:
     settle()
     assert user.number("follower.roller_arm_mm").text() == "651.081"
     assert len(user.steps) == len(before) + 1
+
+
+def test_a_misfit_offers_the_nearest_value_that_fits_as_one_step(user: User) -> None:
+    """Pivot at 876.16 mm, base radius and roller 550 mm: no roller arm below the difference reaches the base circle."""
+    user.enter("follower.roller_arm_mm", "100")
+    bar = user.parameters().incomplete_bar
+    wait_for(bar.use_button.isVisible)
+    assert bar.use_button.text() == "Use 326.2 mm"
+    before = user.steps
+    QTest.mouseClick(bar.use_button, Qt.MouseButton.LeftButton)
+    settle()
+    assert user.number("follower.roller_arm_mm").text() == "326.2"
+    assert not bar.isVisible()
+    assert len(user.steps) == len(before) + 1
+    user.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert user.number("follower.roller_arm_mm").text() == "100"
+
+
+def test_a_misfit_offers_a_value_of_the_field_that_its_reason_names(open_user: Open) -> None:
+    """No speed, typed last, lets the roller reach the base circle: an arm of √(200² + 30²) − 57 mm does."""
+    user = open_user(example("rocker_cam"))
+    user.enter("follower.pivot_x_mm", "200")
+    user.enter("shaft.speed_rpm", "90")
+    bar = user.parameters().incomplete_bar
+    wait_for(bar.use_button.isVisible)
+    assert bar.use_button.text() == "Arm: use 145.3 mm"
+    QTest.mouseClick(bar.use_button, Qt.MouseButton.LeftButton)
+    settle()
+    assert not bar.isVisible()
+    assert user.steps[-1] == "Change arm to 145.3 mm"
+    assert (user.number("shaft.speed_rpm").text(), user.number("follower.pivot_x_mm").text()) == ("90", "200")
+
+
+def test_the_range_of_a_misfit_is_never_empty(user: User) -> None:
+    user.enter("follower.pivot_x_mm", "1000000000")
+    text = user.parameters().incomplete_bar.trouble.text()
+    gap = NARROW_SPACE
+    assert f"make the roller arm 999{gap}999{gap}500 ... {BILLION} mm long" in text
 
 
 # -- cells of tables ---------------------------------------------------------------------------------------
