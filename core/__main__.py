@@ -84,9 +84,6 @@ def main(
 def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows: Mapping[str, Command]) -> int:
     keep_freed_memory()
     skip_last_collection()
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
     words = list(sys.argv[1:] if argv is None else argv)
     needed = {words[0]: rows[words[0]]} if words and words[0] in rows else rows  # all are built only to be listed
     arguments = parser(program, needed).parse_args(words)

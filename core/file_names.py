@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-_DEVICE = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³])", re.IGNORECASE)
+_DEVICE = re.compile(r"(con|conin\$|conout\$|prn|aux|nul|(com|lpt)[0-9¹²³])", re.IGNORECASE)
 _NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
 LONGEST = 200
 """Bytes of a name; file systems allow 255, and an extension follows."""

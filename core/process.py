@@ -16,7 +16,7 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppres
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, Literal, TextIO
 
 # -- lazy imports -----------------------------------------------------------------------------------------------
 
@@ -40,7 +40,7 @@ def lazy_attributes(package: str, *modules: str) -> Callable[[str], Any]:
     return read
 
 
-# -- files of the program ---------------------------------------------------------------------------------------
+# -- files of the program, and the user's folders ---------------------------------------------------------------
 
 
 _ROOT = Path(__file__).resolve().parents[1]
@@ -52,11 +52,34 @@ def resources() -> Path:
     return _ROOT / "resources"
 
 
-def user_cache() -> Path:
-    """The program's folder in the user's cache, by the convention of the desktop."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home()) / "KINDYNA"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "KINDYNA"
+_DESKTOP = {
+    "settings": ("XDG_CONFIG_HOME", ".config", "KINDYNA"),
+    "cache": ("XDG_CACHE_HOME", ".cache", "KINDYNA"),
+    "state": ("XDG_STATE_HOME", ".local/state", "kindyna"),
+}
+_USER_FOLDERS = {
+    "win32": {
+        "settings": ("APPDATA", "AppData/Roaming", "KINDYNA"),
+        "cache": ("LOCALAPPDATA", "AppData/Local", "KINDYNA/Cache"),
+        "state": ("LOCALAPPDATA", "AppData/Local", "KINDYNA"),
+    },
+    "darwin": {
+        "settings": ("", "Library/Preferences", "KINDYNA"),
+        "cache": ("", "Library/Caches", "KINDYNA"),
+        "state": ("", "Library/Application Support", "KINDYNA"),
+    },
+}
+"""System -> environment variable, folder of the user's home where that is not set, and the program's folder in it."""
+
+
+def user_folder(kind: Literal["settings", "cache", "state"]) -> Path:
+    """The program's folder of a user, by the convention of the system; it need not exist yet.
+
+    In the cache is what can be computed again, in the state are log and recovery files.
+    """
+    variable, default, name = _USER_FOLDERS.get(sys.platform, _DESKTOP)[kind]
+    named = Path(os.environ.get(variable, ""))
+    return (named if named.is_absolute() else Path.home() / default) / name
 
 
 # -- terminal output --------------------------------------------------------------------------------------------
@@ -87,6 +110,14 @@ class _Stream:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
+
+
+def _set_encodings() -> None:
+    """Replace characters that an output cannot encode; UTF-8, as in files, where Windows has a code page for pipes."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            has_code_page = sys.platform == "win32" and not stream.isatty() and "PYTHONIOENCODING" not in os.environ
+            stream.reconfigure(encoding="utf-8" if has_code_page else None, errors="replace")
 
 
 @contextmanager
@@ -143,6 +174,7 @@ def skip_last_collection() -> None:
 
 def exit_code(run: Callable[[], int]) -> int:
     """Run the program and write its output; returns the exit code."""
+    _set_encodings()
     try:
         with harmless_output():
             try:
@@ -197,14 +229,11 @@ def keep_freed_memory() -> None:
     The first study of a process calls it. Where the environment variable KINDYNA_KEEP_MEMORY is 0, as a program that only
     uses ``core`` may set it, the settings of the process remain as they are.
     """
-    if not sys.platform.startswith("linux") or os.environ.get("KINDYNA_KEEP_MEMORY") == "0":
-        return
-    import ctypes
+    if sys.platform == "linux" and os.environ.get("KINDYNA_KEEP_MEMORY") != "0":
+        import ctypes
 
-    try:
-        adjust: Any = ctypes.CDLL(None).mallopt
-    except (AttributeError, OSError):
-        return
-    adjust(_MOST_ARENAS, 1)
-    adjust(_TRIM_THRESHOLD, _RETAINED)
-    adjust(_MMAP_THRESHOLD, _MAPPED_BLOCK)
+        with suppress(AttributeError, OSError):
+            adjust: Any = ctypes.CDLL(None).mallopt
+            adjust(_MOST_ARENAS, 1)
+            adjust(_TRIM_THRESHOLD, _RETAINED)
+            adjust(_MMAP_THRESHOLD, _MAPPED_BLOCK)

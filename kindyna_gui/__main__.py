@@ -173,9 +173,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: list[str]) -> int:
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
     if arguments[:1] == [HEADLESS]:
         return headless(arguments[1:])
     options = parser().parse_args(arguments)

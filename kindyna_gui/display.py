@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 PATIENCE = 2.0  # seconds for a display on another machine
@@ -29,13 +30,13 @@ def obstacle(environment: Mapping[str, str] | None = None, platform: str = sys.p
     return "no display (neither DISPLAY nor WAYLAND_DISPLAY is set)"
 
 
-def missing_library(environment: Mapping[str, str] | None = None) -> str:
+def missing_library(environment: Mapping[str, str] | None = None, platform: str = sys.platform) -> str:
     """Return the library that is missing for a window on X, in the loader's words; empty where none is.
 
     Qt ends the program where it cannot load its X plugin. Raises ImportError without Qt.
     """
     env = os.environ if environment is None else environment
-    if not sys.platform.startswith("linux") or env.get("WAYLAND_DISPLAY") or env.get("QT_QPA_PLATFORM"):
+    if not platform.startswith("linux") or env.get("WAYLAND_DISPLAY") or env.get("QT_QPA_PLATFORM"):
         return ""
     from PySide6.QtCore import QLibraryInfo, QPluginLoader
 
@@ -62,13 +63,12 @@ def _is_x_display(display: str) -> bool:
 def _is_socket(path: str) -> bool:
     import socket
 
-    try:
-        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
+    if sys.platform != "win32":
+        with suppress(OSError, ValueError), socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
             link.settimeout(PATIENCE)
             link.connect(path)
-    except (OSError, ValueError):
-        return False
-    return True
+            return True
+    return False
 
 
 def _is_port(host: str, number: int) -> bool:

@@ -8,7 +8,7 @@ from collections import Counter, deque
 from pathlib import Path
 from time import localtime, strftime
 
-from kindyna_gui.places import state_folder
+from core.process import user_folder
 
 MOST_BYTES, OLDER_FILES = 256 * 1024, 2
 PACKAGES = ("kindyna", "PySide6-Essentials", "pyqtgraph", "numpy", "scipy")
@@ -18,7 +18,7 @@ _OVERRIDE = re.compile(r"(Error calling Python override of [\w:]+\(\): )+")  # p
 
 def log_file() -> Path:
     """Return the log file; older ones in the same folder end in ``.1``, ``.2``."""
-    return state_folder() / "kindyna.log"
+    return user_folder("state") / "kindyna.log"
 
 
 def log_text() -> str:

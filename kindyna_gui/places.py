@@ -1,4 +1,4 @@
-"""Files of the program, in the installed package or in the checkout, and the user's state folder."""
+"""Files of the program, in the installed package or in the checkout."""
 
 from __future__ import annotations
 
@@ -56,10 +56,3 @@ def help_text(name: str) -> str:
     """Return a page of help as Markdown; a sentence where the page is missing."""
     path = resources().parent / "CHANGELOG.md" if name == CHANGES else resources() / "help" / f"{name}.md"
     return path.read_text(encoding="utf-8") if path.is_file() else f"The page {name} is missing."
-
-
-def state_folder() -> Path:
-    """Return the user's folder for log and recovery files; it need not exist yet."""
-    from PySide6.QtCore import QStandardPaths
-
-    return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericStateLocation)) / "kindyna"

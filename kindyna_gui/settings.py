@@ -22,6 +22,7 @@ from PySide6.QtWidgets import QApplication, QMainWindow
 from core.bounds import FIELD, number_from_one
 from core.frozen import frozen
 from core.number_text import MINUS, MOST_DIGITS, NARROW_SPACE, RESULT_DIGITS, result_text, shortest
+from core.process import user_folder
 from core.units import Unit, unit_kind
 
 DIGITS = 10  # of a number in another unit than that of files
@@ -207,6 +208,11 @@ LONGEST = 4096
 """Characters of a text in the settings; the graph of the last run may have more."""
 
 
+def settings_file() -> QSettings:
+    """Return the settings: a file on every system, not the registry of Windows, so that it can be copied and removed."""
+    return QSettings(str(user_folder("settings") / "KINDYNA.conf"), QSettings.Format.IniFormat)
+
+
 def stored_value(store: QSettings, key: str) -> Any:
     """Return the stored value of a key; None where there is none, or its type cannot be read."""
     try:
@@ -230,7 +236,7 @@ def _word(store: QSettings, key: str) -> Any:
 
 def not_understood() -> list[str]:
     """Return the stored words that are not possible, of a newer version or broken, each with the word used instead."""
-    store = QSettings("KINDYNA", "KINDYNA")
+    store = settings_file()
     return [
         f"{key} {stored_value(store, key)!s:.40} (using {words[0]})"
         for key, words in WORDS.items()
@@ -240,7 +246,7 @@ def not_understood() -> list[str]:
 
 def read() -> Preferences:
     """Return the stored preferences."""
-    store = QSettings("KINDYNA", "KINDYNA")
+    store = settings_file()
     units = {kind: _word(store, f"units/{kind}") for kind in UNITS}
     return Preferences(
         MappingProxyType({kind: unit for kind, unit in units.items() if unit != UNITS[kind][0]}),
@@ -255,7 +261,7 @@ def read() -> Preferences:
 
 def write(preferences: Preferences) -> None:
     """Store the preferences."""
-    store = QSettings("KINDYNA", "KINDYNA")
+    store = settings_file()
     for kind, choices in UNITS.items():
         store.setValue(f"units/{kind}", preferences.units.get(kind, choices[0]))
     store.setValue("units/decimal", "," if preferences.comma else ".")
@@ -305,7 +311,7 @@ class Settings:
     """Version of layouts, raised with new or removed docks; layouts of other versions are ignored."""
 
     def __init__(self) -> None:
-        self._store = QSettings("KINDYNA", "KINDYNA")
+        self._store = settings_file()
 
     def save_window(self, window: QMainWindow, task: str) -> None:
         """Store position, size and current task of the window."""

@@ -94,6 +94,8 @@ def own_settings(homes: Iterator[Path]) -> Iterator[Path]:
         for variable, folder in (
             ("HOME", "."),
             ("USERPROFILE", "."),
+            ("APPDATA", "AppData/Roaming"),
+            ("LOCALAPPDATA", "AppData/Local"),
             ("XDG_CONFIG_HOME", ".config"),
             ("XDG_DATA_HOME", ".local/share"),
             ("XDG_STATE_HOME", ".local/state"),

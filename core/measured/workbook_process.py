@@ -10,6 +10,7 @@ with tabs between cells.
 
 import json
 import sys
+from contextlib import suppress
 from io import BytesIO
 
 
@@ -17,15 +18,14 @@ def main() -> None:
     """Write the result."""
     memory, seconds, rows, columns, cells = map(int, sys.argv[1:6])
     task, name = sys.argv[6:8]
-    try:
+    if sys.platform != "win32":  # there the process that waits for this one limits the time, and nothing the memory
         import resource
-    except ImportError:  # not on Windows
-        pass
-    else:
+
         for kind, greatest in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_AS, memory), (resource.RLIMIT_CPU, seconds)):
             _, hard = resource.getrlimit(kind)
             limit = greatest if hard == resource.RLIM_INFINITY else min(greatest, hard)
-            resource.setrlimit(kind, (limit, limit))
+            with suppress(ValueError):  # macOS refuses a limit of memory
+                resource.setrlimit(kind, (limit, limit))
     data = sys.stdin.buffer.read()
     write = sys.stdout.buffer.write
     try:

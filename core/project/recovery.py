@@ -7,6 +7,7 @@ design's file, the time of writing, and incomplete input. So one move replaces a
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -169,5 +170,5 @@ def _remove_lock(path: Path, lock: int | None) -> None:
     remove(_lock_of(path))
     if lock is not None:
         os.close(lock)
-    if os.name == "nt":  # Windows removes no open file
+    if sys.platform == "win32":  # Windows removes no open file
         remove(_lock_of(path))

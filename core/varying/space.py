@@ -25,7 +25,7 @@ from core.design import Design, Info, edited, faults
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
 from core.number_text import count_text, result_text
-from core.process import resources, user_cache
+from core.process import resources, user_folder
 from core.project import dumps, dumps_table
 from core.project.files import OwnFolder, is_folder, write_all
 from core.study.batch import FAULTY
@@ -478,13 +478,17 @@ def cache_folder(study: StudyOfMany) -> Path:
     local = folder / CACHE
     existing = local if os.path.lexists(local) else folder
     is_shipped = folder.is_relative_to(resources().resolve())
-    return local if not is_shipped and is_folder(existing) and os.access(existing, os.W_OK) else user_cache() / STUDIES
+    return (
+        local
+        if not is_shipped and is_folder(existing) and os.access(existing, os.W_OK)
+        else user_folder("cache") / STUDIES
+    )
 
 
 def _run_folder(study: StudyOfMany, folder: Path | None) -> OwnFolder:
     """Folder of a run; in the user's cache where something else has its name. Raises FileError."""
     key = study_key(study)
-    for base in (cache_folder(study) if folder is None else folder, user_cache() / STUDIES):
+    for base in (cache_folder(study) if folder is None else folder, user_folder("cache") / STUDIES):
         run = OwnFolder(base / key)
         if run.is_usable():
             return run

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -21,13 +22,13 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design
 from core.errors import KindynaError
+from core.process import user_folder
 from core.project import dumps, recovery
 from core.project.recovery import Recoverable, RecoveryFile, Unsaved
 from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.documents.session import Session
 from kindyna_gui.files.file_actions import Documents
-from kindyna_gui.places import state_folder
 from kindyna_gui.rebuilt import single_shot
 
 PAUSE = 0.5  # seconds between two writes
@@ -113,7 +114,7 @@ class RecoveryWriter(Thread):
 
 def recovery_folder() -> Path:
     """Return the folder for the unsaved work of all windows."""
-    return state_folder() / "recovery"
+    return user_folder("state") / "recovery"
 
 
 def _unsaved(design: Design, path: Path | None, incomplete: IncompleteDesign | None, drive: int) -> Unsaved:
@@ -273,15 +274,16 @@ def write_before_the_end(app: QCoreApplication, keeper: Recovery) -> None:
             signal.signal(number, signal.SIG_DFL)
             os.kill(os.getpid(), number)
 
-    def drain(*_: object) -> None:
-        with suppress(BlockingIOError):
-            os.read(read, 64)
-
-    if os.name == "posix":
+    if sys.platform != "win32":
         read, write = os.pipe()
         for handle in (read, write):
             os.set_blocking(handle, False)
         signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+
+        def drain(*_: object) -> None:
+            with suppress(BlockingIOError):
+                os.read(read, 64)
+
         notifier = QSocketNotifier(read, QSocketNotifier.Type.Read, app)
         notifier.activated.connect(drain)
     for name in ENDING:

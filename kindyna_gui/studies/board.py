@@ -27,6 +27,7 @@ from core.bounds import bounded_json
 from core.design import Design
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.process import user_folder
 from core.project import dumps, loads
 from core.project.files import read_text, write_into
 from kindyna_gui.documents.session import Session
@@ -36,7 +37,6 @@ from kindyna_gui.forms.tables import CopyKey
 from kindyna_gui.look import described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.units import short
-from kindyna_gui.places import state_folder
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 
 CURRENT = "Current"
@@ -307,7 +307,7 @@ class BoardFile(QObject):
 
 
 def _file(owner: str) -> Path:
-    return state_folder() / FOLDER / f"{sha256(owner.encode()).hexdigest()[:24]}.json"
+    return user_folder("state") / FOLDER / f"{sha256(owner.encode()).hexdigest()[:24]}.json"
 
 
 def read_cards(owner: str) -> list[Card]:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, with_follower
 from PIL import Image
-from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication, QWidget
 from sampled import stressed
 
@@ -23,7 +22,7 @@ from kindyna_gui import screenshots, selftest
 from kindyna_gui.__main__ import main
 from kindyna_gui.headless import COMMANDS
 from kindyna_gui.places import example, examples
-from kindyna_gui.settings import Settings
+from kindyna_gui.settings import Settings, settings_file
 from kindyna_gui.stability_view import StabilityView
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.tasks import TASKS
@@ -120,7 +119,7 @@ def test_a_picture_waits_no_longer_than_its_patience(monkeypatch: pytest.MonkeyP
 def test_the_users_own_settings_are_neither_read_nor_written(tmp_path: Path, own_settings: Path) -> None:
     kept = Settings()
     kept.add_recent(PICKER)
-    QSettings("KINDYNA", "KINDYNA").sync()
+    settings_file().sync()
     before = {path: path.read_bytes() for path in own_settings.rglob("*") if path.is_file()}
     window = screenshots.hidden_window(LIFT, (800, 600))
     assert window.settings.recent == []

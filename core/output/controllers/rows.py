@@ -5,14 +5,11 @@ A template holds placeholders ``{name}`` of listed names only, and ``{{`` and ``
 
 from __future__ import annotations
 
-import os
 import re
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, field, fields
 from functools import lru_cache
 from itertools import chain, cycle
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -21,7 +18,7 @@ import numpy as np
 from core.errors import MISSING as ABSENT
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
-from core.process import resources
+from core.process import resources, user_folder
 from core.project import parsed
 from core.project.files import read_text
 from core.project.reading_faults import did_you_mean
@@ -484,13 +481,6 @@ def _require_consistent(row: Controller, table: Mapping[str, Any], path: str) ->
 # -- rows of the program and of the user ------------------------------------------------------------------
 
 
-def settings_folder() -> Path:
-    """Folder of KINDYNA's settings, by the conventions of the desktop."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("APPDATA") or Path.home()) / "KINDYNA"
-    return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "KINDYNA"
-
-
 def parse_rows(text: str, source: str) -> dict[str, Controller]:
     """Slug -> row of a file's text. Raises KindynaError with a line for each fault, which names the field."""
     table = parsed(text, source)
@@ -523,7 +513,7 @@ def controllers() -> dict[str, Controller]:
     Raises KindynaError where a row of the user is wrong, FileError where the file cannot be read.
     """
     result = shipped_controllers()
-    user_file = settings_folder() / FILE
+    user_file = user_folder("settings") / FILE
     if user_file.exists():
         result |= parse_rows(read_text(user_file), str(user_file))
     return result

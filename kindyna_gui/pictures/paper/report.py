@@ -27,7 +27,7 @@ from core.errors import FileError
 from core.frozen import frozen
 from core.output.report.document import ENDINGS, PAPERS, Document, html
 from core.output.report.parts import Block, ReportEquations, ReportPicture, ReportTable, Section, Sentences
-from core.process import user_cache
+from core.process import user_folder
 from core.project.files import read_own, write_all
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.paper.pictures import WIDTH as PIXELS
@@ -57,7 +57,7 @@ class Typeset:
 def typeset(mathml: str) -> Typeset:
     """Typeset a MathML element; its outlines are saved in the user's cache, because the typesetter is slow."""
     key = hashlib.sha256(f"{__version__} {SIZE} {mathml}".encode()).hexdigest()
-    path = user_cache() / "equations" / f"{key}.svg"
+    path = user_folder("cache") / "equations" / f"{key}.svg"
     saved = _saved_equation(path)
     if saved is None:
         width, height, outlines = saved = _typeset(mathml)

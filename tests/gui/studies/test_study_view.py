@@ -17,6 +17,7 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Tolerance, edited, get
 from core.design.limits import Waviness
 from core.number_text import NARROW_SPACE
+from core.process import user_folder
 from core.project import save
 from core.study import evaluations
 from core.varying import current_figures, load_study
@@ -26,7 +27,7 @@ from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.help import HelpWindow
 from kindyna_gui.motion.segments_table import LAW, RISE
 from kindyna_gui.pictures.style import LIGHT
-from kindyna_gui.places import example, state_folder
+from kindyna_gui.places import example
 from kindyna_gui.studies.plots import SurveyPlot
 from kindyna_gui.studies.study_view import StudyView
 
@@ -359,7 +360,7 @@ def test_the_board_is_there_again_when_the_design_is_opened_again(open_user: Ope
     again.session.open(tmp_path / "wider.toml")
     settle()
     assert rested(again).board.cards == [], "what was taken away stays away"
-    (kept,) = (each for each in (state_folder() / "boards").iterdir() if "lift.toml" in each.read_text())
+    (kept,) = (each for each in (user_folder("state") / "boards").iterdir() if "lift.toml" in each.read_text())
     kept.write_text('{"cards": [{"design": "no design"}]}')
     again.session.open(tmp_path / "lift.toml")
     settle()

@@ -4,12 +4,11 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication
 from window_user import settle
 
 from kindyna_gui import settings
-from kindyna_gui.settings import Settings
+from kindyna_gui.settings import Settings, settings_file
 from kindyna_gui.window.main_window import open_window
 
 KEYS = (
@@ -30,14 +29,14 @@ VALUES = (
 
 def _forge(value_of: dict[str, str]) -> None:
     """Write the settings' file by hand: a section for each part before the slash."""
-    path = Path(QSettings("KINDYNA", "KINDYNA").fileName())
+    path = Path(settings_file().fileName())
     path.parent.mkdir(parents=True, exist_ok=True)
     sections: dict[str, list[str]] = {}
     for key, value in value_of.items():
         section, _, name = key.partition("/")
         sections.setdefault(section, []).append(f"{name.replace('/', chr(92))}={value}")
     path.write_text("".join(f"[{name}]\n" + "\n".join(lines) + "\n" for name, lines in sections.items()))
-    QSettings("KINDYNA", "KINDYNA").sync()
+    settings_file().sync()
 
 
 def _opens(app: QApplication) -> None:

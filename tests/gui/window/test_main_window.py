@@ -14,7 +14,6 @@ from PySide6.QtCore import (
     QMimeData,
     QPoint,
     QPointF,
-    QSettings,
     Qt,
     QTimer,
     QUrl,
@@ -28,7 +27,7 @@ from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import SaveAnswer, ask_to_save, show_faults
 from kindyna_gui.places import example
-from kindyna_gui.settings import Settings
+from kindyna_gui.settings import Settings, settings_file
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow, open_window
 
@@ -382,7 +381,7 @@ def test_a_layout_of_another_version_is_forgotten(open_user: Open, whole: User) 
     whole.window.docks["motion"].close()
     earlier = whole.window.saveState(2)
     whole.window.close()
-    kept = QSettings("KINDYNA", "KINDYNA")
+    kept = settings_file()
     kept.clear()
     kept.setValue("window/state", earlier)  # where an earlier version of the program had it
     kept.sync()

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QSettings, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -194,7 +194,7 @@ def test_preferences_are_kept_and_reset(user: User) -> None:
 def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
     app: QApplication, user: User, tmp_path: Path
 ) -> None:
-    store = QSettings("KINDYNA", "KINDYNA")
+    store = settings.settings_file()
     for key, value in {
         "units/length": "furlong",
         "look/theme": "purple",

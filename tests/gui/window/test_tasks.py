@@ -3,7 +3,7 @@
 from collections import Counter
 
 import pytest
-from PySide6.QtCore import QByteArray, QEvent, QObject, QPoint, QRect, QSettings, QSize, Qt
+from PySide6.QtCore import QByteArray, QEvent, QObject, QPoint, QRect, QSize, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QInputDialog, QToolBar, QToolButton, QWidget
 from window_user import Open, User, answering, settle, wait_for
@@ -15,7 +15,7 @@ from kindyna_gui.look import apply_preferences
 from kindyna_gui.motion.segments_table import SPAN
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
-from kindyna_gui.settings import Preferences
+from kindyna_gui.settings import Preferences, settings_file
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import CENTRE, VIEWS
 from kindyna_gui.window.main_window import LARGEST, first_size
@@ -394,7 +394,7 @@ def test_each_task_is_found_as_it_was_left_also_in_the_next_session(open_user: O
 @pytest.mark.stress
 def test_settings_that_make_no_sense_are_passed_over(open_user: Open, whole: User) -> None:
     whole.window.close()
-    kept = QSettings("KINDYNA", "KINDYNA")
+    kept = settings_file()
     for key in kept.allKeys():
         kept.setValue(key, "nonsense")
     kept.sync()
@@ -585,7 +585,7 @@ def test_layouts_are_named_and_come_back_and_what_cannot_is_told_in_a_line(open_
     assert window.layouts.current == "kine"
     assert dock.isFloating()
     assert window.settings.named_layouts == ["Two screens / left"]  # for the next run, too
-    kept = QSettings("KINDYNA", "KINDYNA")
+    kept = settings_file()
     (key,) = (key for key in kept.allKeys() if key.startswith("layouts/") and key.endswith("/version"))
     user.choose("View", "Reset layout")
     for value, said in ((999, "newer version"), (window.settings.VERSION, "damaged")):

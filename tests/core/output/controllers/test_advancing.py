@@ -11,7 +11,7 @@ from feeds import FEED
 from sampled import spread, stressed
 
 from core.__main__ import main
-from core.output.controllers.rows import settings_folder
+from core.process import user_folder
 from core.project import load
 
 SPLINE = "clamped-spline"
@@ -148,7 +148,7 @@ def equal_errors(design, kind, counts):
 
 @pytest.mark.parametrize("kind", spread([QUINTIC, LINES, CUBIC], 1))
 def test_the_least_error_of_equal_steps_is_the_least_of_all_their_numbers(tmp_path, capsys, kind):
-    rows = settings_folder() / "controllers.toml"
+    rows = user_folder("settings") / "controllers.toml"
     rows.parent.mkdir(parents=True)
     rows.write_text(
         '[[controllers]]\nslug = "small"\nlabel = "Small"\n'

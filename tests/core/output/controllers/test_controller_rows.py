@@ -6,7 +6,8 @@ import pytest
 
 from core.errors import KindynaError
 from core.output.controllers.layout import FileTable, file_bytes
-from core.output.controllers.rows import controller, controllers, parse_rows, settings_folder
+from core.output.controllers.rows import controller, controllers, parse_rows
+from core.process import user_folder
 from kindyna_gui.__main__ import main
 from kindyna_gui.places import example
 
@@ -37,7 +38,7 @@ def test_these_rows_are_there():
 
 
 def test_twelve_lines_beside_the_settings_are_a_controller_more():
-    folder = settings_folder()
+    folder = user_folder("settings")
     folder.mkdir(parents=True)
     (folder / "controllers.toml").write_text(OWN, "utf-8")
     import numpy as np
@@ -104,7 +105,7 @@ def test_an_extension_of_a_dot_and_some_letters_is_taken(extension):
 
 
 def test_a_handover_with_an_extension_that_leads_elsewhere_writes_nothing(tmp_path, capsys):
-    folder = settings_folder()
+    folder = user_folder("settings")
     folder.mkdir(parents=True)
     (folder / "controllers.toml").write_text(OWN + 'extension = "./../../evil.txt"\n', "utf-8")
     out = tmp_path / "deep" / "er" / "out"

@@ -10,7 +10,7 @@ from sampled import spread, stressed
 
 from core.__main__ import main
 from core.output.controllers.placing import RowPlacer
-from core.output.controllers.rows import settings_folder
+from core.process import user_folder
 from core.project import load
 from core.study import Study
 
@@ -162,7 +162,7 @@ def test_what_cannot_be_is_one_line_and_writes_nothing(tmp_path, capsys, options
 
 
 def test_a_master_too_coarse_for_its_rows_is_refused(tmp_path, capsys):
-    rows = settings_folder() / "controllers.toml"
+    rows = user_folder("settings") / "controllers.toml"
     rows.parent.mkdir(parents=True)
     rows.write_text(
         '[[controllers]]\nslug = "counts"\nlabel = "Counts"\ninterpolation = ["linear"]\ncolumns = ["master", "slave"]\n'
