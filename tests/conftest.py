@@ -69,7 +69,10 @@ def pytest_runtest_teardown() -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """pyqtgraph drops mouse moves less than 10 ms apart, and a test moves faster than that."""
+    """What needs POSIX is left out on Windows. pyqtgraph drops mouse moves less than 10 ms apart, and a test moves faster than that."""
+    needing = item.get_closest_marker("posix")
+    if needing is not None and sys.platform == "win32":
+        pytest.skip(f"POSIX only: {', '.join(needing.args)}")
     if item.path.is_relative_to(GUI_TESTS):
         from kindyna_gui.pictures.plots.library import pg as pyqtgraph
     else:

@@ -459,7 +459,7 @@ def _segment(file: Path, out: Path) -> int:
 
 
 def _graph_setup(file: Path, out: Path) -> int:
-    (file.parent / "file.csv").write_text(_tables()[0])
+    (file.parent / "file.csv").write_text(_tables()[0], "utf-8")
     return _command("graph", "--setup", "FILE", "--at", "3")(file, out)
 
 
@@ -681,7 +681,7 @@ READERS: dict[str, Reader] = {
 def _limited(reader: Reader, file: Path, out: Path, log: Path) -> int:
     """In a child process: the exit code of what is run, with its output in a file."""
     with open(log, "w", encoding="utf-8", errors="backslashreplace") as stream:
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        pages = int(Path("/proc/self/statm").read_text("utf-8").split()[0])
         most = pages * resource.getpagesize() + MEMORY
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
         resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S))
@@ -735,7 +735,13 @@ def outcomes(rows: Sequence[tuple[str, int | str]]) -> list[dict[str, Any]]:
     lines = "".join(json.dumps(row) + "\n" for row in rows)
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
-        [sys.executable, __file__], input=lines, capture_output=True, text=True, env=environment, check=True
+        [sys.executable, __file__],
+        input=lines,
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=True,
+        encoding="utf-8",
     )
     return [json.loads(line) for line in done.stdout.splitlines()]
 

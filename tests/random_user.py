@@ -163,7 +163,7 @@ def resident() -> int:
     """Memory of this process [bytes], without Python's rubbish; 0 where the system does not tell."""
     gc.collect()
     status = Path("/proc/self/statm")
-    return int(status.read_text().split()[1]) * 4096 if status.is_file() else 0
+    return int(status.read_text("utf-8").split()[1]) * 4096 if status.is_file() else 0
 
 
 def use(seed: int, seconds: float, actions: int, warm: int, notes: Callable[[str], None]) -> list[str]:

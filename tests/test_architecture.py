@@ -291,6 +291,116 @@ def test_a_missing_shape_or_unit_is_seen(body: str, missing: list[str]) -> None:
     assert [undocumented(function) for function in public_functions(tree)] == [missing]
 
 
+# -- other systems -----------------------------------------------------------------------------------------
+
+ENCODING_AT = {"read_text": 0, "write_text": 1}
+"""Method of a path -> number of its argument ``encoding``."""
+PROCESS = {"run", "Popen", "check_output"}
+
+
+def opened_by_the_systems_rules(source: str, product: bool = False) -> list[str]:
+    """Calls that open a text without its encoding, or, in the product, write one with the system's ends of lines."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute | ast.Name):
+            continue
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id
+        named = {word.arg: word.value for word in node.keywords}
+        mode = next(iter([*node.args[1:2], *([named["mode"]] if "mode" in named else [])]), None)
+        is_binary = isinstance(mode, ast.Constant) and "b" in str(mode.value)
+        opens = (
+            (name in ENCODING_AT and len(node.args) <= ENCODING_AT[name])
+            or (isinstance(node.func, ast.Name) and name == "open" and node.args and not is_binary)
+            or (name in PROCESS and "text" in named)
+        )
+        if (opens and "encoding" not in named) or (product and name == "write_text" and "newline" not in named):
+            found.append(ast.unparse(node))
+    return found
+
+
+def test_every_text_is_opened_with_its_encoding_and_the_product_writes_its_own_ends_of_lines() -> None:
+    found = {}
+    for room in ("core", "kindyna_gui", ".ci", "tests"):
+        for path in sorted((ROOT / room).rglob("*.py")):
+            text = path.read_text("utf-8")
+            if re.search(r"_text\(|\bopen\(|\btext=", text):  # the walk takes long
+                found[path.relative_to(ROOT).as_posix()] = opened_by_the_systems_rules(text, room != "tests")
+    assert {path: calls for path, calls in found.items() if calls} == {}
+
+
+@pytest.mark.parametrize(
+    ("line", "seen"),
+    [
+        ("path.read_text()", True),
+        ("path.write_text(text)", True),
+        ("open(path)", True),
+        ("open(path, 'w')", True),
+        ("subprocess.run(words, text=True)", True),
+        ("path.write_text(text, 'utf-8')", True),
+        ("path.write_text(text, 'utf-8', newline='\\n')", False),
+        ("path.read_text(encoding='utf-8', errors='replace')", False),
+        ("open(handle, 'rb')", False),
+        ("subprocess.run(words, input=data)", False),
+        ("dialog.open()", False),
+    ],
+)
+def test_a_text_opened_by_the_systems_rules_is_seen(line: str, seen: bool) -> None:
+    assert bool(opened_by_the_systems_rules(line, product=True)) is seen
+
+
+POSIX = re.compile(
+    r"\.(symlink_to|readlink|mkfifo|fork|wait4|geteuid|seteuid|setrlimit|SIGKILL|SIGHUP|AF_UNIX|tzset|umask|chmod)\b"
+    r"|\bos\.link\(|['\"](/dev/\w+|sh|mount|SIGKILL|SIGHUP)['\"]"
+)
+SAID = re.compile(r"\bposix\b|\bskip|\bimportorskip\b")
+
+
+def needing_posix(source: str) -> list[str]:
+    """Tests that need what Windows lacks, by themselves or by what they use of their module, and do not say so."""
+    tree = ast.parse(source)
+    parts = {getattr(node, "name", "") or ast.unparse(node).split(" = ")[0]: node for node in tree.body}
+    if any(SAID.search(ast.unparse(node)) for node in tree.body if isinstance(node, ast.Expr | ast.If)):
+        return []
+    if "pytestmark" in parts and SAID.search(ast.unparse(parts["pytestmark"])):
+        return []
+    used = {
+        name: names_in(node) | {n.arg for n in ast.walk(node) if isinstance(n, ast.arg)} for name, node in parts.items()
+    }
+    needing = {name for name, node in parts.items() if POSIX.search(ast.unparse(node))}
+    saying = {name for name, node in parts.items() if SAID.search(ast.unparse(node))}
+    while more := {name for name in parts if used[name] & needing} - needing:
+        needing |= more
+    tests = {name for name in needing if name.startswith("test_")} - saying
+    return sorted(name for name in tests if not used[name] & saying)
+
+
+def test_tests_that_need_posix_say_so() -> None:
+    found = {}
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        text = path.read_text("utf-8")
+        if POSIX.search(text):
+            found[path.relative_to(ROOT).as_posix()] = needing_posix(text)
+    assert {path: tests for path, tests in found.items() if tests} == {}, "mark them: @pytest.mark.posix('links')"
+
+
+@pytest.mark.parametrize(
+    ("source", "tests"),
+    [
+        ("def test_a(): path.symlink_to('b')", ["test_a"]),
+        (
+            "def _pipe(): os.mkfifo('a')\n@pytest.mark.parametrize('make', [_pipe])\ndef test_a(make): make()",
+            ["test_a"],
+        ),
+        ("@pytest.fixture\ndef pipe(): os.mkfifo('a')\ndef test_a(pipe): pass\ndef test_b(): pass", ["test_a"]),
+        ("@pytest.mark.posix('links')\ndef test_a(): path.symlink_to('b')", []),
+        ("pytestmark = pytest.mark.posix('links')\ndef test_a(): path.symlink_to('b')", []),
+        ("links = pytest.mark.posix('links')\n@links\ndef test_a(): path.symlink_to('b')", []),
+    ],
+)
+def test_a_test_that_needs_posix_is_seen(source: str, tests: list[str]) -> None:
+    assert needing_posix(source) == tests
+
+
 # -- tests -------------------------------------------------------------------------------------------------
 
 PRIVATE = re.compile(r"(?P<owner>[\w.)\]]+)\._[a-z]|^\s*from (?P<module>\S+) import .*\b_[a-z]")

@@ -86,7 +86,7 @@ class Checked:
 def _output(words: Sequence[str], **settings: str) -> list[str]:
     """The last line that Python prints with these words, its compiled modules kept from run to run."""
     env = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | settings
-    told = subprocess.check_output([sys.executable, *words], cwd=ROOT, env=env, text=True)
+    told = subprocess.check_output([sys.executable, *words], cwd=ROOT, env=env, text=True, encoding="utf-8")
     return told.splitlines()[-1].split()
 
 

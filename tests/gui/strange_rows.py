@@ -49,14 +49,14 @@ def law_of(design: Design, number: int) -> str:
 
 
 def test_a_law_is_written_and_read(file: Path) -> None:
-    assert 'law = "trefoil"' in file.read_text()
+    assert 'law = "trefoil"' in file.read_text("utf-8")
     assert project.load(file) == LIFT
 
 
 def test_a_report_prints_the_formula_of_the_law(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "Trefoil" in say(capsys, "report", file, "--samples", "36")
     say(capsys, "report", file, "--samples", "36", "--out", tmp_path / "lift.html")
-    _, _, law = (tmp_path / "lift.html").read_text().partition("Motion law: Trefoil")
+    _, _, law = (tmp_path / "lift.html").read_text("utf-8").partition("Motion law: Trefoil")
     own, _, others = law.partition("Motion law: ")
     assert others.startswith("Modified sine")
     told = re.sub(r"<[^>]*>|\s", "", own)
@@ -118,26 +118,26 @@ def test_a_field_in_the_unit_is_typed_shown_written_and_read(same_window: Open, 
     assert user.design.drive.loads.oil_l_per_min == 2.0
     assert user.steps == ["Change oil to 2 l/min"]
     project.save(user.design, tmp_path / "oil.toml")
-    assert "oil_l_per_min = 2.0" in (tmp_path / "oil.toml").read_text()
+    assert "oil_l_per_min = 2.0" in (tmp_path / "oil.toml").read_text("utf-8")
     assert project.load(tmp_path / "oil.toml") == user.design
     assert si(user.design.drive.loads).oil == pytest.approx(2e-3 / 60.0)
 
 
 def test_a_column_in_the_unit_is_read_converted_and_written(tmp_path: Path) -> None:
     table = tmp_path / "pump.csv"
-    table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n")
+    table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n", "utf-8")
     assert main(["graph", str(table), "--curve", "y=oil_l_per_min", "--out", str(tmp_path / "own.csv")]) == 0
-    assert (tmp_path / "own.csv").read_text().splitlines()[:2] == ["angle_deg,oil_pump_l_per_min", "0.0,0.03"]
+    assert (tmp_path / "own.csv").read_text("utf-8").splitlines()[:2] == ["angle_deg,oil_pump_l_per_min", "0.0,0.03"]
     words = ["--curve", "y=oil_l_per_min,y-unit=m3/h", "--out", str(tmp_path / "hours.csv")]
     assert main(["graph", str(table), *words]) == 0
-    hours = [float(line.split(",")[1]) for line in (tmp_path / "hours.csv").read_text().splitlines()[1:]]
+    hours = [float(line.split(",")[1]) for line in (tmp_path / "hours.csv").read_text("utf-8").splitlines()[1:]]
     assert hours == pytest.approx([0.0018, 0.0036, 0.0018])
 
 
 @pytest.mark.stress
 def test_an_axis_in_the_unit_is_read_without_exponent(same_window: Open, tmp_path: Path) -> None:
     table = tmp_path / "pump.csv"
-    table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n")
+    table.write_text("angle_deg,oil_l_per_min\n0,0.03\n180,0.06\n360,0.03\n", "utf-8")
     view = same_window().see("curves")
     assert isinstance(view, CurvesView)
     view.add_files([table])
@@ -158,7 +158,7 @@ def pressed(tmp_path: Path) -> Path:
 
 
 def test_the_limit_is_written_read_and_judged(pressed: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "squeeze_n = 80000.0" in pressed.read_text()
+    assert "squeeze_n = 80000.0" in pressed.read_text("utf-8")
     assert project.load(pressed) == PRESSED
     assert main(["check", str(pressed)]) == 0
     said = capsys.readouterr().out
@@ -180,10 +180,10 @@ def test_the_quantity_stands_in_tables_and_report_beside_its_limit(
     pressed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     main(["export", str(pressed), "--out", str(tmp_path / "out"), "--samples", "36"])
-    with (tmp_path / "out" / "dynamics.csv").open() as table:
+    with (tmp_path / "out" / "dynamics.csv").open(encoding="utf-8") as table:
         rows = list(csv.DictReader(table))
     assert [float(row["squeeze_n"]) for row in rows] == [2.0 * float(row["contact_force_n"]) for row in rows]
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
     most = summary["extremes"]["squeeze_n"]["max"]["value"]
     assert most == pytest.approx(2.0 * summary["extremes"]["contact_force_n"]["max"]["value"], rel=1e-12)
     (told,) = (row for row in summary["limits"] if row["name"] == "squeeze_n")

@@ -149,9 +149,9 @@ def test_a_design_without_an_answer_leaves_nothing(
 
 
 def test_a_design_with_an_error_is_painted_and_answers_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = PICKER.read_text().replace("base_radius_mm = 50.0", "base_radius_mm = 1.0")
+    text = PICKER.read_text("utf-8").replace("base_radius_mm = 50.0", "base_radius_mm = 1.0")
     path = tmp_path / "steep.toml"
-    path.write_text(text)
+    path.write_text(text, "utf-8")
     code = run("animation", path, "--out", tmp_path / "a.gif", "--frames", 4, "--size", "320x320")
     assert code == (1 if "error" in _check(path, capsys) else 0)
     assert (tmp_path / "a.gif").is_file()
@@ -219,7 +219,7 @@ def test_what_differs_from_the_core_is_told(
     def other(design: object, folder: Path) -> list[str]:
         names = selftest_write(design, folder)
         table = folder / "profile.csv"
-        table.write_text(table.read_text().replace("0.1,", "0.2,", 1))
+        table.write_text(table.read_text("utf-8").replace("0.1,", "0.2,", 1), "utf-8")
         return names
 
     selftest_write = selftest.write_tables
@@ -254,6 +254,8 @@ def test_no_window_is_shown_whatever_the_desktop_says(tmp_path: Path) -> None:
     words = ["animation", str(path), "--frames", "2", "--size", "320x320", "--out", "a.gif"]
     environment = {**os.environ, "QT_QPA_PLATFORM": "xcb", "DISPLAY": ":987"}
     program = [sys.executable, "-m", "kindyna_gui", "--headless", *words]
-    done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        program, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60, encoding="utf-8"
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "a.gif").is_file()

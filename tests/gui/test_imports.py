@@ -105,7 +105,14 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     settings = str(tmp_path_factory.mktemp("settings"))
     env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": settings}
     done = subprocess.run(
-        [sys.executable, "-c", OPEN], cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", OPEN],
+        cwd=ROOT,
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        encoding="utf-8",
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])

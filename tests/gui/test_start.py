@@ -31,7 +31,14 @@ def run(*words: str, folder: Path, code: str | None = None, **environment: str) 
     env = {name: value for name, value in os.environ.items() if name not in NO_DISPLAY} | environment
     start = ["-m", "kindyna_gui", *words] if code is None else ["-c", code, *words]
     return subprocess.run(
-        [sys.executable, *start], cwd=folder, env=env, capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, *start],
+        cwd=folder,
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        encoding="utf-8",
     )
 
 
@@ -65,7 +72,7 @@ def test_without_a_display_the_main_job_is_done(started: tuple[Path, subprocess.
     assert made == PICTURES | TABLES | {"report.txt"}
     assert (folder / "out" / "report.txt").read_text(encoding="utf-8") == rest
     assert json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))["kind"] == "cam"
-    assert len((folder / "out" / "profile.csv").read_text().splitlines()) == 3601
+    assert len((folder / "out" / "profile.csv").read_text("utf-8").splitlines()) == 3601
 
 
 @pytest.mark.stress
@@ -103,10 +110,10 @@ def test_a_bad_file_leaves_nothing_behind(text: str | None, tmp_path: Path, caps
 def test_a_place_that_cannot_be_written_leaves_nothing_behind(
     lift: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "out").write_text("a file stands here")
+    (tmp_path / "out").write_text("a file stands here", "utf-8")
     assert entry.main([str(lift)]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
-    assert (tmp_path / "out").read_text() == "a file stands here"
+    assert (tmp_path / "out").read_text("utf-8") == "a file stands here"
 
 
 def test_a_reader_that_goes_away_is_no_fault(lift: Path, tmp_path: Path) -> None:
@@ -248,6 +255,7 @@ def wayland(tmp_path: Path) -> Iterator[Path]:
         yield tmp_path
 
 
+@pytest.mark.posix("sockets with a path")
 def test_what_counts_as_a_display(wayland: Path) -> None:
     assert obstacle({}, "linux").startswith("no display")
     assert obstacle({}, "darwin") == ""

@@ -36,5 +36,6 @@ def test_one_row_is_all_that_a_law_a_unit_a_quantity_or_a_limit_needs(chosen: st
         text=True,
         timeout=PATIENCE,
         check=False,
+        encoding="utf-8",
     )
     assert done.returncode == 0, done.stdout + done.stderr

@@ -202,7 +202,7 @@ def test_a_design_has_it_in_its_file_and_refuses_it_elsewhere(tmp_path: Path) ->
     changed = edited(design, "motion.segments[1].flat_fraction", 0.4)
     path = tmp_path / "design.toml"
     project.save(changed, path)
-    assert "flat_fraction = 0.4" in path.read_text()
+    assert "flat_fraction = 0.4" in path.read_text("utf-8")
     assert project.load(path) == changed
     names = [each.name for each in equations_of(Study(changed))]
     assert "Motion law: half cycloid with constant acceleration" in names
@@ -210,6 +210,6 @@ def test_a_design_has_it_in_its_file_and_refuses_it_elsewhere(tmp_path: Path) ->
     wrong = edited(design, "motion.segments[2].flat_fraction", 0.4)
     (fault,) = faults(wrong)
     assert (fault.path, fault.allowed) == ("motion.segments[2].flat_fraction", "0, or c1 ... c4")
-    path.write_text(path.read_text().replace('law = "cv1"', 'law = "cv1"\nflat_fraction = 0.4'))
+    path.write_text(path.read_text("utf-8").replace('law = "cv1"', 'law = "cv1"\nflat_fraction = 0.4'), "utf-8")
     with pytest.raises(DesignError, match="cv1 cannot have a constant acceleration"):
         project.load(path)

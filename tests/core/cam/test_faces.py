@@ -204,7 +204,7 @@ def header(design: Design, folder: Path) -> list[str]:
 
     project.save(design, folder / "d.toml")
     main(["export", str(folder / "d.toml"), "--out", str(folder / "out"), "--samples", "12", "--only", "cam"])
-    return (folder / "out" / "profile.csv").read_text().splitlines()[0].split(",")
+    return (folder / "out" / "profile.csv").read_text("utf-8").splitlines()[0].split(",")
 
 
 # -- circles, and a cam of constant breadth -----------------------------------------------------------------

@@ -57,7 +57,7 @@ class Stranger:
         for place in ("sub", "deep/er"):
             (self.elsewhere / place).mkdir(parents=True)
         for name in ("a.txt", "sub/00000.npz", "summary.json", "sub/kindyna-run"):
-            (self.elsewhere / name).write_text("mine")
+            (self.elsewhere / name).write_text("mine", "utf-8")
         self.project.mkdir()
         for name, example in (("lift", "transfer_lift"), ("four", "four_bar")):
             shutil.copy(resources() / "examples" / f"{example}.toml", self.project / f"{name}.toml")
@@ -96,7 +96,7 @@ class Stranger:
         files = [name for name in sorted(self.written) if not name.endswith(".npz") and (self.folder / name).is_file()]
         if files:
             name = self.rng.choice(files)
-            (self.folder / name).write_text("changed by me")
+            (self.folder / name).write_text("changed by me", "utf-8")
             self.written.discard(name)
 
     def target(self, *endings: str) -> Path:
@@ -149,7 +149,7 @@ def commands(at: Stranger) -> Iterator[Told]:
             getattr(at, kind)()
         elif kind == "vary":
             study, out = at.project / "study.toml", at.target(".csv")
-            study.write_text(STUDY.format(radius=rng.choice((400.0 + rng.randrange(30), 400.0))))
+            study.write_text(STUDY.format(radius=rng.choice((400.0 + rng.randrange(30), 400.0))), "utf-8")
             words = ["vary", str(study), "--out", str(out), *rng.choice(([], ["--resume"]))]
             typed = named(out)
             yield words, lambda name, before, typed=typed: typed(name, before) or studies(name, before)
@@ -200,7 +200,7 @@ def lived_through(at: Stranger, steps: Iterator[Told], without: tuple[str, ...] 
     return done
 
 
-@pytest.mark.skipif(os.name != "posix", reason="links")
+@pytest.mark.posix("links")
 def test_a_strangers_folder_survives_some_commands(tmp_path: Path) -> None:
     at = Stranger(tmp_path, Random(3))
     steps = commands(at)
@@ -208,7 +208,7 @@ def test_a_strangers_folder_survives_some_commands(tmp_path: Path) -> None:
 
 
 @pytest.mark.fuzz
-@pytest.mark.skipif(os.name != "posix", reason="links")
+@pytest.mark.posix("links")
 def test_a_strangers_folder_survives_any_commands(tmp_path: Path) -> None:
     end = time.monotonic() + BUDGET_S / 4
     for seed in count():

@@ -143,7 +143,7 @@ def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
 def test_an_export_over_an_export_replaces_it_and_leaves_other_files_alone(tmp_path: Path) -> None:
     out = tmp_path / "out"
     core(tmp_path, "export", EXAMPLES[0], "--samples", "8")
-    (out / "notes.txt").write_text("mine")
+    (out / "notes.txt").write_text("mine", "utf-8")
     core(tmp_path, "export", EXAMPLES[1], "--samples", "8")
     alone = tmp_path / "alone"
     core(tmp_path, "export", EXAMPLES[1], "--samples", "8", "--out", alone)
@@ -360,23 +360,24 @@ def _utf16(folder: Path) -> Path:
     return folder / "a"
 
 
+PIPE = pytest.param(_pipe, "not an ordinary file", 1, marks=pytest.mark.posix("pipes"))
+
+
 @pytest.mark.parametrize(
     ("place", "phrase", "lines"),
     spread([(_not_there, "no such file", 1), (_folder, "folder", 1), (_no_toml, "not TOML", 1), (_empty, "format", None),
-     (_binary, "not UTF-8", 1), (_huge, "larger than", 1), (_pipe, "not an ordinary file", 1), (_utf16, "not UTF-8", 1)], 1),
+     (_binary, "not UTF-8", 1), (_huge, "larger than", 1), PIPE, (_utf16, "not UTF-8", 1)], 1),
 )  # fmt: skip
 def test_what_is_no_design_file_is_refused_in_one_line(
     tmp_path: Path, place: Any, phrase: str, lines: int | None
 ) -> None:
-    if place is _pipe and os.name != "posix":
-        pytest.skip("POSIX only")
     path = place(tmp_path)
     before = content(tmp_path)
     done = core(tmp_path, "check", path)
     assert phrase in check_refused(done, tmp_path, before, lines)
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX only")
+@pytest.mark.posix("permissions")
 def test_an_unreadable_file_is_refused_in_one_line(tmp_path: Path) -> None:
     path = saved(tmp_path, LIFT)
     before = content(tmp_path)
@@ -400,6 +401,7 @@ ONTO_INPUTS: dict[str, tuple[str, ...]] = {
 }
 
 
+@pytest.mark.posix("links")
 @pytest.mark.parametrize("name", spread(list(ONTO_INPUTS), 4))
 def test_no_command_writes_onto_a_file_that_it_reads(tmp_path: Path, name: str) -> None:
     """Under whatever name: of a link, of the facts beside a profile."""
@@ -539,6 +541,7 @@ def _mounted(folder: Path, options: str) -> Iterator[Path]:
     subprocess.run(["umount", "-l", folder], check=True)
 
 
+@pytest.mark.posix("mounting")
 @pytest.mark.parametrize("command", ["export", "report"])
 def test_a_disk_that_may_not_be_written_is_refused_in_one_line(read_only: Path, command: str) -> None:
     done = core(ROOT, command, LIFT_FILE, "--out", read_only / "out", "--samples", "8")
@@ -548,6 +551,7 @@ def test_a_disk_that_may_not_be_written_is_refused_in_one_line(read_only: Path, 
     assert list(read_only.iterdir()) == []
 
 
+@pytest.mark.posix("mounting")
 def test_a_full_disk_keeps_what_was_there(full: Path) -> None:
     assert core(ROOT, "export", LIFT_FILE, "--out", full, "--samples", "8").returncode == 0
     before = content(full)
@@ -556,7 +560,7 @@ def test_a_full_disk_keeps_what_was_there(full: Path) -> None:
 
 
 def test_a_file_in_the_folders_place_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "out").write_text("mine")
+    (tmp_path / "out").write_text("mine", "utf-8")
     line = check_refused(core(tmp_path, "export", LIFT_FILE, "--samples", "8"), tmp_path, {"out": b"mine"})
     assert str(tmp_path / "out") in line or "out" in line
     (tmp_path / "dir").mkdir()
@@ -566,10 +570,13 @@ def test_a_file_in_the_folders_place_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.stress
+@pytest.mark.posix("pipes of a shell")
 def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = f"{sys.executable} -m core report {LIFT_FILE} | head -n 1"
-    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        ["sh", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True, encoding="utf-8"
+    )
     assert done.stdout == "Transfer unit, lift drive\n"
     assert done.stderr == ""
 
@@ -577,7 +584,7 @@ def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is always full")
 def test_what_cannot_be_printed_is_one_line(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    with Path("/dev/full").open("w") as full:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
         done = subprocess.run(
             [sys.executable, "-m", "core", "laws"],
             cwd=tmp_path,
@@ -585,6 +592,7 @@ def test_what_cannot_be_printed_is_one_line(tmp_path: Path) -> None:
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
+            encoding="utf-8",
         )
     assert done.stderr.startswith("standard output: no space left")
     assert len(done.stderr.splitlines()) == 1
@@ -610,6 +618,7 @@ runpy.run_module(package, run_name="__main__", alter_sys=True)
 """
 
 
+@pytest.mark.posix("signals")
 @pytest.mark.parametrize(
     ("module", "command", "code", "line"),
     spread(
@@ -634,6 +643,7 @@ def test_an_interrupt_while_the_program_starts_ends_it_without_a_traceback(
         capture_output=True,
         text=True,
         timeout=120,
+        encoding="utf-8",
     )
     assert (done.returncode, done.stderr) == (code, line)
 

@@ -107,7 +107,7 @@ def test_the_laws_are_printed_with_exactly_these_keys(run: Run) -> None:
 def test_every_coefficient_is_the_published_one(run: Run) -> None:
     told = {row["law"]: row for row in run.json("laws")}
     published = list(
-        csv.DictReader((Path(__file__).parents[1] / "laws" / "law_coefficients.csv").read_text().splitlines())
+        csv.DictReader((Path(__file__).parents[1] / "laws" / "law_coefficients.csv").read_text("utf-8").splitlines())
     )
     assert {row["law"] for row in published} == set(COEFFICIENTS)
     for row in published:
@@ -425,7 +425,7 @@ def test_a_missing_or_broken_design_is_refused(run: Run, tmp_path: Path) -> None
     wanted = [*PICKER, "--constant-velocity", *settings(h1=1, h3=1)]
     assert "missing.toml" in run.refused("blend", *wanted, "--into", tmp_path / "missing.toml")
     broken = tmp_path / "broken.toml"
-    broken.write_text("format = 1\nname = [")
+    broken.write_text("format = 1\nname = [", "utf-8")
     assert "broken.toml" in run.refused("blend", *wanted, "--into", broken)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["broken.toml"]
 

@@ -31,7 +31,7 @@ def test_a_plain_user_is_told_once_what_is_missing_and_keeps_no_environment(
     for name, line in TOOLS.items():
         tool = tmp_path / "bin" / name
         tool.parent.mkdir(exist_ok=True)
-        tool.write_text(f"#!/bin/sh\n{line}\n")
+        tool.write_text(f"#!/bin/sh\n{line}\n", "utf-8")
         tool.chmod(0o755)
     home = tmp_path / "checkout"
     home.mkdir()
@@ -39,7 +39,9 @@ def test_a_plain_user_is_told_once_what_is_missing_and_keeps_no_environment(
         shutil.copy(ROOT / file, home)
     command = ["make", "run", f"PYTHON={python}", "SYSTEM_PACKAGES=libegl1 fonts-nanum"]
     path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
-    run = subprocess.run(command, cwd=home, env={**os.environ, "PATH": path}, capture_output=True, text=True)
+    run = subprocess.run(
+        command, cwd=home, env={**os.environ, "PATH": path}, capture_output=True, text=True, encoding="utf-8"
+    )
     said = run.stdout + run.stderr
     assert run.returncode == 2
     assert f"Missing system packages (to be installed by an administrator): {missing}\n" in said

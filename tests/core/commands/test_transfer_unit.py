@@ -147,13 +147,13 @@ def test_the_part_goes_round_in_space_as_its_drives_carry_it(tmp_path: Path) -> 
         assert np.abs(path[:, axis] - wanted).max() < 1e-9
     assert np.ptp(path, axis=0) == pytest.approx([np.deg2rad(24.0) * 500.0, 40.0, 150.0], abs=1e-9)
     assert main(["curves", FILE, "--out", str(tmp_path / "p.csv"), "--samples", "4"]) == 0
-    head, *rows = (tmp_path / "p.csv").read_text().splitlines()
+    head, *rows = (tmp_path / "p.csv").read_text("utf-8").splitlines()
     assert head == "machine_angle_deg,x_mm,y_mm,z_mm"
     assert [float(x) for x in rows[1].split(",")[1:]] == pytest.approx(path[90], abs=1e-9)
     seen = seen_from(np.eye(3), *ISOMETRIC)
     assert np.abs(seen) == pytest.approx(np.full(3, np.sqrt(2.0 / 3.0)))  # all axes look as long
     assert main(["curves", FILE, "--out", str(tmp_path / "p.svg")]) == 0
-    assert '<g id="PATH"' in (tmp_path / "p.svg").read_text()
+    assert '<g id="PATH"' in (tmp_path / "p.svg").read_text("utf-8")
 
 
 @pytest.mark.parametrize(("value", "problem"), [("[0.0, 0.0, 0.0]", "no direction"), ("[1.0, 2.0]", "no direction")])

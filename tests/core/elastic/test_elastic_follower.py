@@ -237,7 +237,7 @@ def test_the_command_writes_the_spectrum_that_the_study_has(tmp_path: Path, caps
     for residual in own:
         assert f"{math.degrees(residual.steady):.4f}" in printed
         assert f"{residual.steady * 90.0:.4f}" in printed, "at the roller's centre"
-    rows = [line.split(",") for line in table.read_text().splitlines()]
+    rows = [line.split(",") for line in table.read_text("utf-8").splitlines()]
     assert [float(row[0]) for row in rows[1:]] == pytest.approx([100.0, 150.0, 200.0, 250.0, 300.0], rel=1e-15)
     last = dict(zip(rows[0], map(float, rows[-1]), strict=True))
     assert last["residual2_deg"] == pytest.approx(math.degrees(own[1].from_rest), rel=1e-9)

@@ -56,7 +56,8 @@ PUBLISHED = {
     "double harmonic (rise, DRRD)": "double-harmonic",
 }  # fmt: skip
 ROWS = {
-    row["law"]: row for row in csv.DictReader(Path(__file__).with_name("law_coefficients.csv").read_text().splitlines())
+    row["law"]: row
+    for row in csv.DictReader(Path(__file__).with_name("law_coefficients.csv").read_text("utf-8").splitlines())
 }
 
 

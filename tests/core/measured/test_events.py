@@ -14,7 +14,7 @@ HEADER = "angle [deg],lift [mm]\n"
 
 
 def answer(path: Path, values: np.ndarray, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
-    path.write_text(HEADER + "".join(f"{a:g},{y:.9f}\n" for a, y in zip(ANGLES, values, strict=True)))
+    path.write_text(HEADER + "".join(f"{a:g},{y:.9f}\n" for a, y in zip(ANGLES, values, strict=True)), "utf-8")
     assert main(["measured", str(path), "--error", "0.00001", "--json", *words]) == 0
     return json.loads(capsys.readouterr().out)
 

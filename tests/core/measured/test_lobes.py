@@ -28,20 +28,20 @@ def read(folder: Path, text: str, *words: str) -> tuple[Motion, dict]:
     """The motion that the command makes of a table, and what it prints."""
     target = folder / "motion.toml"
     target.unlink(missing_ok=True)
-    (folder / "table.csv").write_text(text)
+    (folder / "table.csv").write_text(text, "utf-8")
     out = folder / "out.json"
-    with out.open("w") as stream, pytest.MonkeyPatch.context() as patch:
+    with out.open("w", encoding="utf-8") as stream, pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.stdout", stream)
         code = main(["measured", str(folder / "table.csv"), "--into", str(target), "--as", "motion", "--json", *words])
     assert code == 0
     motion = project.load(target).drive.motion
     assert motion is not None
-    return motion, json.loads(out.read_text())
+    return motion, json.loads(out.read_text("utf-8"))
 
 
 def refused(folder: Path, capsys: pytest.CaptureFixture[str], text: str, *words: str) -> str:
     """The one line with which the command refuses a table."""
-    (folder / "table.csv").write_text(text)
+    (folder / "table.csv").write_text(text, "utf-8")
     assert main(["measured", str(folder / "table.csv"), *words]) == 2
     told = capsys.readouterr()
     assert told.out == ""
@@ -217,7 +217,7 @@ def test_a_named_law_is_no_scca_that_equals_it(tmp_path: Path, capsys: pytest.Ca
     assert motion is not None
     target, rows = tmp_path / "rocker.toml", np.arange(0.0, 360.0, 0.1)
     project.save(design, target)
-    (tmp_path / "t.csv").write_text(listed(rows, position(motion, rows), 8, "cam angle [deg],lift [deg]"))
+    (tmp_path / "t.csv").write_text(listed(rows, position(motion, rows), 8, "cam angle [deg],lift [deg]"), "utf-8")
     assert (
         main(["measured", str(tmp_path / "t.csv"), "--into", str(target), "--angle-column", "1", "--column", "2"]) == 0
     )

@@ -747,7 +747,8 @@ def test_times_are_counted_by_the_designs_own_speed(tmp_path: Path, capsys: pyte
     seconds = angles / (6.0 * PUSHER.shaft.speed_rpm)
     path.write_text(
         "t [s]\tlift [mm]\n"
-        + "".join(f"{s!r}\t{v!r}\n" for s, v in zip(seconds.tolist(), moved(angles).tolist(), strict=True))
+        + "".join(f"{s!r}\t{v!r}\n" for s, v in zip(seconds.tolist(), moved(angles).tolist(), strict=True)),
+        "utf-8",
     )
     project.save(PUSHER, design)
     assert main(["measured", str(path), "--no-laws", "--no-dwells", "--error", "0"]) == 2
@@ -765,11 +766,11 @@ def test_every_wrong_row_is_a_line_and_nothing_is_written(tmp_path: Path) -> Non
     path, design = lift_file(tmp_path), tmp_path / "design.toml"
     project.save(PUSHER, design)
     before = design.read_bytes()
-    lines = path.read_text().split("\n")
+    lines = path.read_text("utf-8").split("\n")
     lines[4], lines[9], lines[20] = "6.0,x", "16.0", "38.0,nan"
-    path.write_text("\n".join(lines))
+    path.write_text("\n".join(lines), "utf-8")
     words = [sys.executable, "-m", "core", "measured", path, "--error", "0.01", "--into", design]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, encoding="utf-8")
     assert (done.returncode, done.stdout) == (2, "")
     assert [line.partition(": ")[0] for line in done.stderr.splitlines()] == [
         f"lift.csv, line {n}" for n in (5, 10, 21)
@@ -813,7 +814,7 @@ THROUGHOUT = {
 def test_one_fault_of_format_is_one_line(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     wrong, header, words, first = THROUGHOUT[case]
     path = tmp_path / "t.csv"
-    path.write_text("\n".join([header, "0;1", *[wrong] * 300, "300;2", "x;2"]))
+    path.write_text("\n".join([header, "0;1", *[wrong] * 300, "300;2", "x;2"]), "utf-8")
     assert main(["measured", str(path), "--no-laws", "--no-dwells", *words]) == 2
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 2, told

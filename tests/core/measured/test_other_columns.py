@@ -86,7 +86,7 @@ def test_a_column_without_a_unit_by_time_without_a_speed_or_of_text_is_left_alon
 
 def test_the_command_says_of_every_column_what_is_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "all.csv"
-    path.write_text(text(PER_SECOND))
+    path.write_text(text(PER_SECOND), "utf-8")
     assert main(["measured", str(path), "--error", "0", "--speed", str(RPM)]) == 0
     out = capsys.readouterr().out
     assert "residual of velocity" in out
@@ -110,11 +110,11 @@ def test_columns_that_are_named_are_read_whatever_their_header_says(
 ) -> None:
     """Without a unit they are by degrees, which is told; by time they want a speed, and are not left out in silence."""
     path, by_degrees = tmp_path / "all.csv", PER_SECOND / (6.0 * RPM) ** 2
-    path.write_text(text(by_degrees, "angle [deg],one,two,three"))
+    path.write_text(text(by_degrees, "angle [deg],one,two,three"), "utf-8")
     answer = asked(path, capsys, *COLUMNS)
     assert [each["unit"] for each in answer["columns"]] == ["mm", "mm/deg", "mm/deg2"]
     assert "column 3 (two) is assumed to be in mm/deg" in answer["notes"]
-    path.write_text(text(PER_SECOND))
+    path.write_text(text(PER_SECOND), "utf-8")
     answer = asked(path, capsys)
     assert [each["quantity"] for each in answer["columns"]] == ["displacement", "velocity"]
     assert any(note.startswith("column 4 (a [mm/s2]): rates by time; ") for note in answer["notes"])
@@ -128,7 +128,7 @@ def test_a_cell_of_another_column_that_is_no_number_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, lines = tmp_path / "all.csv", text(PER_SECOND).splitlines()
-    path.write_text("\n".join([*lines[:60], lines[60].rpartition(",")[0] + ",ERR", *lines[61:]]))
+    path.write_text("\n".join([*lines[:60], lines[60].rpartition(",")[0] + ",ERR", *lines[61:]]), "utf-8")
     words = ["--speed", f"{RPM:g}"]
     assert (
         "column 4 (a [mm/s2]), line 61: 'ERR' is no number; the cell is left out"
@@ -141,6 +141,6 @@ def test_a_table_of_ten_thousand_columns_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "wide.csv"
-    path.write_text("\n".join(",".join(f"{k + 10000 * row}" for k in range(10000)) for row in range(8)))
+    path.write_text("\n".join(",".join(f"{k + 10000 * row}" for k in range(10000)) for row in range(8)), "utf-8")
     assert main(["measured", str(path)]) == 2
     assert capsys.readouterr().err == "wide.csv: 10000 columns; allowed: at most 1000, with a row for each cam angle\n"

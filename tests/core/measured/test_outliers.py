@@ -95,7 +95,7 @@ def test_two_zeros_side_by_side_are_named_and_the_stroke_is_right(
 ) -> None:
     angles, values = lift()
     values[[100, 101]] = 0.0
-    (tmp_path / "lift.csv").write_text(written(angles, values))
+    (tmp_path / "lift.csv").write_text(written(angles, values), "utf-8")
     assert main(["measured", str(tmp_path / "lift.csv"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["suspects"] == told["left_out"] == [102, 103]
@@ -163,7 +163,7 @@ def test_a_step_with_no_wrong_side_is_refused(case: str, tmp_path: Path, capsys:
         match=f"^{lines}.*: they contradict each other, and it cannot be decided which of them are wrong.*; correct",
     ):
         fit(table, ERROR)
-    (tmp_path / "lift.csv").write_text(written(angles, values))
+    (tmp_path / "lift.csv").write_text(written(angles, values), "utf-8")
     assert main(["measured", str(tmp_path / "lift.csv"), "--error", str(ERROR)]) == 2
     told = capsys.readouterr()
     assert (told.out, told.err.count("\n")) == ("", 1)
@@ -177,7 +177,7 @@ def test_both_readings_of_two_steps_are_shown_and_either_can_be_chosen(
     angles, values = lift()
     values[120:140] += 0.5
     path = tmp_path / "lift.csv"
-    path.write_text(written(angles, values))
+    path.write_text(written(angles, values), "utf-8")
     assert main(["measured", str(path), "--error", str(ERROR)]) == 2
     assert "wrong: lines 122-141 (20 rows) or lines 2-121, 142-361 (340 rows) may be" in capsys.readouterr().err
     assert main(["measured", str(path), "--error", str(ERROR), "--leave-out", "122-141", "--json"]) == 0
@@ -196,7 +196,7 @@ def test_a_run_one_row_longer_than_is_tested_is_refused_whole(
     angles, values = lift(180, error=0.001)
     values[first : first + 8] = 0.0
     path = tmp_path / "lift.csv"
-    path.write_text(written(angles, values))
+    path.write_text(written(angles, values), "utf-8")
     assert main(["measured", str(path)]) == 2
     told = capsys.readouterr().err
     assert told.startswith(f"lines {first + 2}-{first + 9}: they contradict each other")

@@ -52,7 +52,7 @@ SOURCES = {
 def test_the_same_lift_is_read_from_every_source(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     content, words = SOURCES[case]
     path = tmp_path / "lift.txt"
-    path.write_text(content)
+    path.write_text(content, "utf-8")
     answer = told(path, capsys, *words)
     segments = {(s["law"], round(s["rise"], 2)): s for s in answer["segments"] if s["rise"]}  # type: ignore[attr-defined]
     assert set(segments) == {("4-5-6-7", 9.0), ("3-4-5", -9.0)}
@@ -72,7 +72,7 @@ def test_a_cell_that_is_no_number_is_left_out_by_its_line(tmp_path: Path, capsys
     lines = text(ANGLES, position(LIFT, ANGLES), "angle [deg],lift [mm]").splitlines()
     lines[100], lines[200], lines[201] = "99,ERR", "199,", "200,?"
     path = tmp_path / "t.csv"
-    path.write_text("\n".join(lines))
+    path.write_text("\n".join(lines), "utf-8")
     assert main(["measured", str(path)]) == 2
     refused = capsys.readouterr().err.splitlines()
     assert [line.partition(": ")[0] for line in refused] == [f"t.csv, line {n}" for n in (101, 201, 202)]
@@ -89,7 +89,7 @@ def test_spoiled_cells_are_told_with_what_was_expected(tmp_path: Path, capsys: p
     values = np.round(position(LIFT, ANGLES), 4)
     values[100] += 0.5
     path = tmp_path / "t.csv"
-    path.write_text(text(ANGLES, values, "angle [deg],lift [mm]"))
+    path.write_text(text(ANGLES, values, "angle [deg],lift [mm]"), "utf-8")
     (spoiled,) = told(path, capsys)["spoiled"]  # type: ignore[misc]
     assert (spoiled["line"], spoiled["column"]) == (102, "column 2 (lift [mm])")
     assert spoiled["value"] == pytest.approx(values[100])
@@ -99,8 +99,8 @@ def test_spoiled_cells_are_told_with_what_was_expected(tmp_path: Path, capsys: p
 def test_columns_and_their_errors_are_chosen_by_letter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "t.csv"
     lift = position(LIFT, ANGLES)
-    path.write_text("\n".join(["angle [deg],s [mm],x [mm],v [mm/deg]",
-                               *(f"{a:g},{y:.6f},{y + 1:.6f},{3.0 * y:.6f}" for a, y in zip(ANGLES, lift, strict=True))]))  # fmt: skip
+    rows = [f"{a:g},{y:.6f},{y + 1:.6f},{3.0 * y:.6f}" for a, y in zip(ANGLES, lift, strict=True)]
+    path.write_text("\n".join(["angle [deg],s [mm],x [mm],v [mm/deg]", *rows]), "utf-8")
     answer = told(path, capsys, "--columns", "s=x")
     assert [c["name"] for c in answer["columns"]] == ["column 3 (x [mm])"]  # type: ignore[attr-defined]
     answer = told(path, capsys, "--columns", "s=s,v=4", "--error", "s=0.001,v=0.02")
@@ -174,7 +174,9 @@ def test_a_hundred_megabytes_are_fitted_within_700(tmp_path: Path) -> None:
         np.loadtxt(sys.argv[1], delimiter=",", skiprows=1)
         print(ours / (time.process_time() - begin), megabytes)
     """
-    answer = subprocess.run([sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=True)
+    answer = subprocess.run(
+        [sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=True, encoding="utf-8"
+    )
     ratio, megabytes = map(float, answer.stdout.split())
     assert ratio <= 40.0
     assert megabytes <= 700.0
@@ -266,7 +268,7 @@ def test_the_scale_of_a_lobe_table_without_units_is_guessed_and_said(
     unit: float, form: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "lobe.txt"
-    path.write_text(text(ANGLES, position(LIFT, ANGLES) / unit, "LOBE 3\nGRIND 276", form))
+    path.write_text(text(ANGLES, position(LIFT, ANGLES) / unit, "LOBE 3\nGRIND 276", form), "utf-8")
     answer = told(path, capsys)
     notes = answer["notes"]
     assert f"the displacement is {said}" in notes  # type: ignore[operator]

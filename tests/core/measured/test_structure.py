@@ -150,7 +150,7 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
     lines = written(BENT_LIFT, 360, 9, (0, 1, 2)).splitlines()
     doubled = [f"{a},{2.0 * float(s):.9g},{rest}" for a, s, rest in (line.split(",", 2) for line in lines[1:])]
     table, made = tmp_path / "t.csv", tmp_path / "made.toml"
-    table.write_text("\n".join([lines[0], *doubled]))
+    table.write_text("\n".join([lines[0], *doubled]), "utf-8")
 
     def read(*words: str) -> dict[str, Any]:
         assert main(["measured", str(table), "--json", *words]) == 0
@@ -181,7 +181,7 @@ def test_of_columns_that_contradict_each_other_the_user_chooses(
         told = capsys.readouterr().err
         assert said in told
         assert told.count("\n") == 1
-    table.write_text("angle [deg],lift [mm]\n" + "".join(f"{a},{a % 7}\n" for a in range(360)))
+    table.write_text("angle [deg],lift [mm]\n" + "".join(f"{a},{a % 7}\n" for a in range(360)), "utf-8")
     assert main(["measured", str(table), "--trust", "v"]) == 2
     assert "no column's header states velocity" in capsys.readouterr().err
 
@@ -362,7 +362,7 @@ def test_a_stretch_that_wavers_is_made_a_dwell_and_a_stroke_another_law() -> Non
 
 def test_what_a_segment_cannot_be_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "t.csv"
-    path.write_text(written(TWO_DWELLS, 360, digits=6))
+    path.write_text(written(TWO_DWELLS, 360, digits=6), "utf-8")
     for words, told in {
         "100=dwell": "segment at 100 deg: its ends differ by 9 mm; the ends of a dwell have one level",
         "170=cycloidal": "segment at 170 deg: it is a dwell, and cannot be cycloidal",

@@ -59,7 +59,7 @@ def test_a_crank_that_cannot_turn_swings_between_the_dead_centres_of_the_drawn_c
     bar = drawn(four_bar(60.0, 40.0, 50.0, 35.0), 15.0, A=38.6 + 10.4j, B=65 - 35j)
     save(bar, tmp_path / "bar.toml")
     assert main(["export", str(tmp_path / "bar.toml"), "--out", str(tmp_path), "--samples", "720"]) == 0
-    with (tmp_path / "linkage.csv").open() as file:
+    with (tmp_path / "linkage.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0])[:2] == ["cycle_deg", "driver_angle_deg"]
     end = math.degrees(math.acos((60.0**2 + 40.0**2 - 85.0**2) / (2 * 60.0 * 40.0)))  # both rods stretched

@@ -146,13 +146,13 @@ def test_a_motor_on_an_arm_turns_against_it(tmp_path: Path) -> None:
     assert [f.code for f in findings_of(study) if f.severity == "error"] == []
     save(design, tmp_path / "arm.toml")
     assert main(["export", str(tmp_path / "arm.toml"), "--out", str(tmp_path), "--samples", "36"]) == 0
-    with (tmp_path / "linkage.csv").open() as file:
+    with (tmp_path / "linkage.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["link3_deg"]) - float(row["link2_deg"]) for row in rows] == pytest.approx(
         np.rad2deg(wanted[0])[::120 // 36 * 1][: len(rows)] if len(wanted[0]) == len(rows) else
         np.rad2deg(Study(design, 36).linkage.motion.displacement[0]), abs=1e-9,
     )  # fmt: skip
-    with (tmp_path / "dynamics.csv").open() as file:
+    with (tmp_path / "dynamics.csv").open(encoding="utf-8") as file:
         assert "driver_torque_nm" in next(csv.reader(file))
 
 

@@ -50,7 +50,7 @@ def test_a_rod_on_three_cranks_runs_and_its_torque_is_that_of_virtual_work(tmp_p
     assert all(residual.kept for residual in proof.values()), proof
     save(design, tmp_path / "rod.toml")
     assert main(["export", str(tmp_path / "rod.toml"), "--out", str(tmp_path), "--samples", "72"]) == 0
-    with (tmp_path / "dynamics.csv").open() as file:
+    with (tmp_path / "dynamics.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["driver_torque_nm"]) for row in rows] == pytest.approx(torque[::5], abs=1e-11)
     assert [name for name in rows[0] if name.endswith(("_x_n", "_y_n"))] == []

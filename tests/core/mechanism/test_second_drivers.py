@@ -78,7 +78,7 @@ def test_a_geared_five_bar_closes_after_its_turns_and_its_coupler_point_is_where
     save(design, tmp_path / "gears.toml")
     assert load(tmp_path / "gears.toml") == design
     assert main(["export", str(tmp_path / "gears.toml"), "--out", str(tmp_path), "--samples", "240"]) == 0
-    with (tmp_path / "linkage.csv").open() as file:
+    with (tmp_path / "linkage.csv").open(encoding="utf-8") as file:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
     assert len(rows) == 240
     assert rows[60]["driver_angle_deg"] == pytest.approx(90.0 * turns, abs=1e-10)

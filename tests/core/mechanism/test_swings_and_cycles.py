@@ -121,7 +121,7 @@ def table(design: Design, folder: Path, samples: int = 72, code: int = 0) -> lis
     """The rows of linkage.csv."""
     save(design, folder / "design.toml")
     assert main(["export", str(folder / "design.toml"), "--out", str(folder), "--samples", str(samples)]) == code
-    with (folder / "linkage.csv").open() as file:
+    with (folder / "linkage.csv").open(encoding="utf-8") as file:
         return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 

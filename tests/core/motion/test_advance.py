@@ -182,7 +182,7 @@ def test_a_disk_cam_with_an_advance_is_refused_in_one_line(tmp_path: Path) -> No
     rest = tail[tail.index("\n[follower]") :]
     file.write_text(f"{head}advance_mm = 5.0\n\n{segments}{rest}", encoding="utf-8")
     command = [sys.executable, "-m", "core", "check", str(file)]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    run = subprocess.run(command, capture_output=True, text=True, check=False, encoding="utf-8")
     assert run.returncode == 2
     assert run.stderr.count("\n") == 1
     assert run.stderr.startswith("motion.advance_mm = 5.0: a disk cam repeats its motion every turn")

@@ -3,7 +3,6 @@
 import ctypes
 import gc
 import os
-import resource
 import subprocess
 import sys
 from collections.abc import Callable
@@ -23,6 +22,8 @@ from core.study import Study, quantity
 
 ROOT = Path(__file__).parents[3]
 CASES = [case((kind,), 0) for kind in KINDS]
+
+glibc = pytest.mark.skipif(sys.platform != "linux", reason="settings of glibc")
 
 
 @dataclass(frozen=True)
@@ -150,9 +151,12 @@ def test_what_nobody_holds_any_more_is_freed_at_once(make: Callable[[np.ndarray]
     assert gc.collect() == 0
 
 
+@glibc
 def test_a_study_fetches_no_memory_anew() -> None:
     """Without, 66 pages of linkage and profile come anew from the system each time."""
     keep_freed_memory()  # as every command and every window does
+    import resource
+
     angles = Study(LIFT, 3600).angles
     there = replace(angles, cached=False)
 
@@ -225,6 +229,7 @@ print(len(calls), (resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) 
 """
 
 
+@glibc
 @pytest.mark.parametrize(("switch", "settings"), [(None, 3), ("0", 0)])
 def test_the_first_study_of_a_script_sets_the_memory_unless_the_environment_forbids(
     switch: str | None, settings: int
@@ -233,7 +238,13 @@ def test_the_first_study_of_a_script_sets_the_memory_unless_the_environment_forb
     environment |= {} if switch is None else {"KINDYNA_KEEP_MEMORY": switch}
     lift = ROOT / "resources" / "examples" / "transfer_lift.toml"
     run = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(lift)], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", SCRIPT, str(lift)],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        encoding="utf-8",
     )
     calls, pages = run.stdout.split()
     assert int(calls) == settings

@@ -75,7 +75,8 @@ def test_an_eccentric_disk_is_stated_in_closed_form(tmp_path: Path) -> None:
     )
     (tmp_path / "disk.toml").write_text(
         f'format = 1\nname = "Disk"\n[motion]\nstart_mm = 0.0\n{rises}[follower]\nkind = "translating"\nface = "flat"\n'
-        '[cam]\nbase_radius_mm = 40.0\n[shaft]\nrotation = "cw"\nspeed_rpm = 60.0\n[loads]\n'
+        '[cam]\nbase_radius_mm = 40.0\n[shaft]\nrotation = "cw"\nspeed_rpm = 60.0\n[loads]\n',
+        "utf-8",
     )
     sheet = drawing(Study(load(tmp_path / "disk.toml")))
     assert beside(sheet, "Smallest radius") == ["40", "0"]

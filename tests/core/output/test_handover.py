@@ -131,7 +131,7 @@ def test_an_archive_is_replaced_by_a_later_one_and_a_file_that_is_none_is_left_a
 def test_a_folder_that_is_not_empty_is_left_alone(
     made: Handover, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "mine.txt").write_text("mine", "utf-8")
     with pytest.raises(KindynaError, match="this folder is not empty"):
         made.write(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
@@ -189,7 +189,10 @@ def test_a_handover_that_was_changed_is_left_alone_as_archive_and_as_folder(tmp_
     assert content(tmp_path) == before
 
 
-@pytest.mark.parametrize("what", ["comment", "in front", "behind", "twice", "folder", "link", "fifo", "cut"])
+SPECIAL = [pytest.param(what, marks=pytest.mark.posix("links and pipes")) for what in ("link", "fifo")]
+
+
+@pytest.mark.parametrize("what", ["comment", "in front", "behind", "twice", "folder", *SPECIAL, "cut"])
 def test_an_archive_that_holds_anything_else_is_left_alone(tmp_path: Path, what: str) -> None:
     path = tmp_path / "a.zip"
     SMALL.write(path)
@@ -215,6 +218,7 @@ def test_an_archive_that_holds_anything_else_is_left_alone(tmp_path: Path, what:
     assert content(tmp_path) == before
 
 
+@pytest.mark.posix("links")
 @pytest.mark.parametrize("what", ["empty folder", "link", "link to a folder", "link for a file", "link to it all"])
 def test_a_folder_that_holds_anything_else_is_left_alone(tmp_path: Path, what: str) -> None:
     out = tmp_path / "out"

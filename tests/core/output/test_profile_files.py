@@ -383,7 +383,7 @@ def test_an_svg_drawing_is_to_scale_and_says_what_it_is(tmp_path: Path) -> None:
 def test_a_file_that_is_called_as_the_facts_would_be_stays(tmp_path: Path) -> None:
     design = saved(tmp_path, TURNED)
     for data in ('{"file": "cam.csv", "author": "me"}', "mine", "[]", "[" * 10_000):
-        (tmp_path / "cam.csv.json").write_text(data)
+        (tmp_path / "cam.csv.json").write_text(data, "utf-8")
         says = check_refused(
             tmp_path,
             "cam.csv.json: cannot be written: it belongs to another program",
@@ -392,7 +392,7 @@ def test_a_file_that_is_called_as_the_facts_would_be_stays(tmp_path: Path) -> No
             tmp_path / "cam.csv",
         )
         assert "choose another folder or name" in says
-        assert (tmp_path / "cam.csv.json").read_text() == data
+        assert (tmp_path / "cam.csv.json").read_text("utf-8") == data
 
 
 def test_the_facts_stand_beside_the_file_under_its_name(tmp_path: Path) -> None:
@@ -442,7 +442,7 @@ def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "7", "TZ": "Asia/Seoul"}
     out = tmp_path / "elsewhere/one.dxf"
     command = [sys.executable, "-m", "core", "profile", str(design), "--out", str(out), "--samples", "90"]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, encoding="utf-8")
     assert "from the exact curve" in done.stdout
     assert done.stderr == ""
     assert out.read_bytes() == (tmp_path / "one.dxf").read_bytes()

@@ -330,7 +330,7 @@ def test_the_file_is_the_same_again_and_needs_nothing_beside_it(
 def test_what_cannot_be_written_is_told_in_one_line(
     name: str, wrong: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", "utf-8")
     assert (
         main(["report", str(EXAMPLES / "slider_crank.toml"), "--out", str(tmp_path / name), "--without", *PARTS]) == 2
     )

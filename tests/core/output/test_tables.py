@@ -133,7 +133,7 @@ def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> No
     export(Study(LIFT, samples), tmp_path, ["motion", "linkage", "cam"])
     picked = Study(LIFT).at_theta(np.deg2rad(np.arange(0, samples, every) * 360.0 / samples))
     for name in ("profile.csv", "kinematics.csv"):
-        lines = (tmp_path / name).read_text().splitlines()
+        lines = (tmp_path / name).read_text("utf-8").splitlines()
         assert len(lines) == samples + 1
         for slug, texts in zip(
             lines[0].split(",")[1:], zip(*(line.split(",")[1:] for line in lines[1::every]), strict=True), strict=True
@@ -141,7 +141,7 @@ def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> No
             there = [float(text) for text in texts]
             wanted = channel(LIFT, slug).values(picked)
             assert there == pytest.approx(wanted, rel=1e-12, abs=1e-12 * np.abs(wanted).max()), slug
-    assert json.loads((tmp_path / "summary.json").read_text())
+    assert json.loads((tmp_path / "summary.json").read_text("utf-8"))
 
 
 @pytest.mark.stress

@@ -137,7 +137,9 @@ def test_a_browser_shows_each_body_where_the_study_has_it(name: str, angle: floa
     (tmp_path / "page.html").write_text(web_page(Study(design)), "utf-8")
     command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
     address = f"{(tmp_path / 'page.html').as_uri()}#{angle}"
-    done = subprocess.run([*command, "--dump-dom", address], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        [*command, "--dump-dom", address], capture_output=True, text=True, timeout=120, check=True, encoding="utf-8"
+    )
     shown = Page(done.stdout)
     study = Study(design, 720)
     index = round(angle * 2)

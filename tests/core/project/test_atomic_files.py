@@ -22,7 +22,7 @@ from sampled import spread
 from core.errors import FileError, KindynaError
 from core.project import files
 
-posix = pytest.mark.skipif(os.name != "posix", reason="POSIX only")
+posix = pytest.mark.posix("links, permissions, pipes or signals")
 
 
 def content(folder: Path) -> dict[str, bytes | None]:
@@ -306,7 +306,7 @@ def test_keeps_permissions(tmp_path: Path, mode: int) -> None:
     files.write(path, "new")
     files.write_all(tmp_path, {"a": "newer", "b": ""})
     assert stat.S_IMODE(path.stat().st_mode) == mode
-    assert path.read_text() == "newer"
+    assert path.read_text("utf-8") == "newer"
 
 
 @posix
@@ -322,7 +322,7 @@ def test_new_files_heed_the_umask(tmp_path: Path) -> None:
 @posix
 def test_follows_links(tmp_path: Path) -> None:
     (tmp_path / "real").mkdir()
-    (tmp_path / "real" / "a").write_text("old")
+    (tmp_path / "real" / "a").write_text("old", "utf-8")
     (tmp_path / "link").symlink_to("real/a")
     (tmp_path / "new").symlink_to("real/b")
     files.write(tmp_path / "link", "1")
@@ -378,7 +378,7 @@ def test_a_folder_where_a_file_should_be(out: Path) -> None:
 @posix
 def test_write_protected(open_folder: Path) -> None:
     path = open_folder / "a"
-    path.write_text("old")
+    path.write_text("old", "utf-8")
     path.chmod(0o444)
     open_folder.chmod(0o777)
     with as_ordinary_user():
@@ -535,6 +535,7 @@ def writing(folder: Path, call: str, stop: str) -> "subprocess.Popen[str]":
         text=True,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        encoding="utf-8",
     )
 
 
@@ -542,7 +543,7 @@ def writing(folder: Path, call: str, stop: str) -> "subprocess.Popen[str]":
 @pytest.mark.parametrize("call", spread(WRITES, 1))
 def test_the_next_write_sweeps_up_what_a_killed_one_left(out: Path, call: str) -> None:
     (out / "sub").mkdir()
-    (out / ".0123456789abcdef.tmp").write_text("of another program")
+    (out / ".0123456789abcdef.tmp").write_text("of another program", "utf-8")
     before = content(out)
     writing(out, call, "os.kill(os.getpid(), signal.SIGKILL)").communicate()
     left = content(out).keys() - before.keys()
@@ -574,7 +575,7 @@ def test_a_write_that_runs_is_not_swept_up(out: Path, call: str) -> None:
 )
 def test_files_of_the_user_that_are_named_like_leftovers_stay(out: Path, tmp_path: Path, lock: str) -> None:
     run = "0123456789abcdef"
-    (tmp_path / "elsewhere").write_text(f"KINDYNA write {run}\n.kindyna-{run}-1.tmp")
+    (tmp_path / "elsewhere").write_text(f"KINDYNA write {run}\n.kindyna-{run}-1.tmp", "utf-8")
     path = out / f".kindyna-{run}.tmp"
     if lock == "a link":
         path.symlink_to("../elsewhere")
@@ -583,8 +584,10 @@ def test_files_of_the_user_that_are_named_like_leftovers_stay(out: Path, tmp_pat
     elif lock == "a folder":
         path.mkdir()
     elif lock != "none":
-        path.write_text({"of the user": "mine", "empty": ""}.get(lock, "KINDYNA write 1\n") + f"\n.kindyna-{run}-1.tmp")
-    (out / f".kindyna-{run}-1.tmp").write_text("mine")
+        path.write_text(
+            {"of the user": "mine", "empty": ""}.get(lock, "KINDYNA write 1\n") + f"\n.kindyna-{run}-1.tmp", "utf-8"
+        )
+    (out / f".kindyna-{run}-1.tmp").write_text("mine", "utf-8")
     (out / f".kindyna-{run}-2.tmp").symlink_to("c.csv")
     before = {name: data for name, data in content(tmp_path).items() if name != "out/b.csv"}
     files.write_all(out, {"b.csv": "new", "sub/d.csv": ""})
@@ -598,10 +601,10 @@ def test_files_of_the_user_that_are_named_like_leftovers_stay(out: Path, tmp_pat
 def test_a_list_of_leftovers_takes_no_link_and_nothing_that_it_does_not_name(out: Path) -> None:
     run = "0123456789abcdef"
     lines = [f"KINDYNA write {run}", "b.csv", "../out/c.csv", *(f".kindyna-{run}-{n}.tmp" for n in (1, 2, 3))]
-    (out / f".kindyna-{run}.tmp").write_text("\n".join(lines))
-    (out / f".kindyna-{run}-1.tmp").write_text("left behind")
+    (out / f".kindyna-{run}.tmp").write_text("\n".join(lines), "utf-8")
+    (out / f".kindyna-{run}-1.tmp").write_text("left behind", "utf-8")
     (out / f".kindyna-{run}-2.tmp").symlink_to("c.csv")
-    (out / f".kindyna-{run}-4.tmp").write_text("not listed")
+    (out / f".kindyna-{run}-4.tmp").write_text("not listed", "utf-8")
     files.write(out / "a", "")
     assert sorted(path.name for path in out.iterdir()) == [
         f".kindyna-{run}-2.tmp", f".kindyna-{run}-4.tmp", "a", *OLD,
@@ -615,7 +618,7 @@ def test_names_that_the_program_chose_go_through_no_link(tmp_path: Path, what: s
     out.mkdir()
     mine.mkdir()
     for name in ("a.csv", "notes"):
-        (mine / name).write_text("mine")
+        (mine / name).write_text("mine", "utf-8")
     link, target = {
         "file": ("a.csv", "../mine/notes"),
         "dangling": ("a.csv", "../mine/new"),
@@ -630,20 +633,20 @@ def test_names_that_the_program_chose_go_through_no_link(tmp_path: Path, what: s
     assert content(tmp_path) == before
     (tmp_path / "link").symlink_to("out")
     files.write_into(tmp_path / "link", {"b.csv": "new"})
-    assert (out / "b.csv").read_text() == "new", "the folder itself was typed"
+    assert (out / "b.csv").read_text("utf-8") == "new", "the folder itself was typed"
 
 
 @posix
 def test_a_name_that_was_typed_is_followed_and_what_comes_beside_it_is_not(tmp_path: Path) -> None:
     (tmp_path / "typed.csv").symlink_to("real.csv")
     files.write_into(tmp_path, {"typed.csv": "1", "typed.csv.json": "2"}, typed="typed.csv")
-    assert (tmp_path / "real.csv").read_text() == "1"
+    assert (tmp_path / "real.csv").read_text("utf-8") == "1"
     (tmp_path / "typed.csv.json").unlink()
     (tmp_path / "typed.csv.json").symlink_to("notes")
     assert "link" in refusal(
         lambda: files.write_into(tmp_path, {"typed.csv": "3", "typed.csv.json": "4"}, typed="typed.csv")
     )
-    assert (tmp_path / "real.csv").read_text() == "1"
+    assert (tmp_path / "real.csv").read_text("utf-8") == "1"
 
 
 @posix

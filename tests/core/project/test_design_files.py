@@ -561,7 +561,7 @@ def test_any_damage_is_told(data: st.DataObject) -> None:
 )
 @pytest.mark.parametrize("table", ["cam", "motion", None])
 def test_each_fault_is_one_short_line(entry: str, table: str | None) -> None:
-    text = LIFT.read_text()
+    text = LIFT.read_text("utf-8")
     text = text.replace(f"[{table}]\n", f"[{table}]\n{entry}\n") if table else f"{entry}\n{text}"
     for line in told(text).values():
         assert len(line) < 400
@@ -616,7 +616,7 @@ def test_deep_tables_are_faults_like_others() -> None:
 
 
 def test_dots_elsewhere_are_no_key() -> None:
-    text = LIFT.read_text()
+    text = LIFT.read_text("utf-8")
     assert project.loads(f"# {'.' * 99}\n{text}") == project.load(LIFT)
     numbers = f"x = [\n  {', '.join(['0.5'] * 99)}\n]\n"
     assert set(told(numbers + text)) == {"x"}
@@ -625,7 +625,7 @@ def test_dots_elsewhere_are_no_key() -> None:
 
 
 def many_segments(number: int, law: str = "dwell") -> str:
-    head, tail = LIFT.read_text().split("[[motion.segments]]", 1)
+    head, tail = LIFT.read_text("utf-8").split("[[motion.segments]]", 1)
     segment = f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = {360.0 / number!r}\n'
     return head + segment * number + tail[tail.index("[follower]") :]
 
@@ -642,7 +642,7 @@ def test_many_segments() -> None:
 
 def test_load_names_the_file(tmp_path: Path) -> None:
     path = tmp_path / "broken.toml"
-    path.write_text("name = ")
+    path.write_text("name = ", "utf-8")
     with pytest.raises(DesignError, match=re.escape(f"{path}: not TOML: ")):
         project.load(path)
     with pytest.raises(FileError, match="no such file"):
@@ -668,10 +668,10 @@ def test_save_keeps_the_old_file_rather_than_write_one_that_cannot_be_read(
     tmp_path: Path, path: str, value: Any
 ) -> None:
     file = tmp_path / "lift.toml"
-    file.write_text("old")
+    file.write_text("old", "utf-8")
     with pytest.raises(DesignError):
         project.save(put(project.load(LIFT), path, value), file)
-    assert file.read_text() == "old"
+    assert file.read_text("utf-8") == "old"
     assert list(tmp_path.iterdir()) == [file]
 
 

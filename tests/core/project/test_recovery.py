@@ -42,6 +42,7 @@ def writer(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
         text=True,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        encoding="utf-8",
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "written\n"
@@ -56,16 +57,14 @@ def test_a_living_process_keeps_its_work(tmp_path: Path, writer: "subprocess.Pop
     assert list(tmp_path.iterdir()) == [], "closed in order: nothing stays"
 
 
-@pytest.mark.skipif(os.name != "posix", reason="POSIX only")
-@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGABRT])
-def test_the_work_of_a_dead_process_is_found_once(
-    tmp_path: Path, writer: "subprocess.Popen[str]", by: signal.Signals
-) -> None:
-    writer.send_signal(by)
+@pytest.mark.posix("signals")
+@pytest.mark.parametrize("by", ["SIGKILL", "SIGABRT"])
+def test_the_work_of_a_dead_process_is_found_once(tmp_path: Path, writer: "subprocess.Popen[str]", by: str) -> None:
+    writer.send_signal(signal.Signals[by])
     writer.wait()
     (found,) = find(tmp_path)
     assert found.unsaved == Unsaved(DESIGN, Path("/a/b.toml"), DRAFT, 17.5, 2)
-    assert loads(found.file.read_text()) == loads(DESIGN), "it can be opened as any design"
+    assert loads(found.file.read_text("utf-8")) == loads(DESIGN), "it can be opened as any design"
     assert find(tmp_path) == [], "it is being dealt with"
     found.release()
     (again,) = find(tmp_path)
@@ -81,7 +80,7 @@ def test_written_again_cleared_and_closed(tmp_path: Path) -> None:
     for design in ("a = 1", "b = 2"):
         file.write(Unsaved(design, None))
     (path,) = (tmp_path / "state" / "recovery").glob("*.toml")
-    assert path.read_text().endswith("\nb = 2")
+    assert path.read_text("utf-8").endswith("\nb = 2")
     file.clear()
     assert not path.exists()
     file.clear()
@@ -110,7 +109,7 @@ def test_the_latest_comes_first_and_leftovers_go(tmp_path: Path) -> None:
         file.close()
     (tmp_path / "0.lock").touch()
     (tmp_path / ".kindyna-0123456789abcdef-1.tmp").touch()
-    (tmp_path / "damaged.toml").write_text("name = 1")
+    (tmp_path / "damaged.toml").write_text("name = 1", "utf-8")
     found = find(tmp_path)
     assert [each.unsaved.design for each in found] == ["n = 1", "n = 2", "n = 0", "name = 1"]
     for each in found:

@@ -111,7 +111,7 @@ def tables(design: Design, folder: Path) -> dict[str, np.ndarray]:
     assert main(["export", str(folder / "design.toml"), "--out", str(folder), "--samples", "24"]) in (0, 1)
     columns: dict[str, np.ndarray] = {}
     for name in ("linkage.csv", "dynamics.csv"):
-        with (folder / name).open() as file:
+        with (folder / name).open(encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         columns |= {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
     return columns

@@ -197,7 +197,7 @@ def test_its_table_and_its_ranks(tmp_path, capsys):
     assert table.dtype.names == ("cam_angle_deg", "motor_torque_nm", "motor_speed_rpm", "motor_power_w")
     power = table["motor_torque_nm"] * table["motor_speed_rpm"] * math.pi / 30.0
     assert np.abs(table["motor_power_w"] - power).max() <= 1e-12 * np.abs(power).max()
-    assert json.loads((out / "summary.json").read_text())["servo"]["inertia_ratio"] == pytest.approx(16.0)
+    assert json.loads((out / "summary.json").read_text("utf-8"))["servo"]["inertia_ratio"] == pytest.approx(16.0)
     capsys.readouterr()
     assert main(["laws", str(design), "--by", "motor_rms", "--json"]) in (0, 1)
     rows = [row for row in json.loads(capsys.readouterr().out) if row.get("motor_rms_nm") is not None]

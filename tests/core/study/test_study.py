@@ -258,7 +258,12 @@ print("LOADED", *sorted({".".join(name.split(".")[:2 if name.startswith("core.")
 def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path) -> None:
     """Neither for a cam nor for a linkage."""
     done = subprocess.run(
-        [sys.executable, "-c", HEADLESS, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=True
+        [sys.executable, "-c", HEADLESS, str(tmp_path)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+        encoding="utf-8",
     )
     loaded = set(done.stdout.splitlines()[-1].split()[1:])
     assert "core" in loaded
@@ -279,7 +284,7 @@ print("LOADED", *sorted({name.split(".")[0] for name in sys.modules}))
 def test_the_claims_of_a_paper_in_a_report_load_no_scipy(tmp_path: Path) -> None:
     """One of them reads the lift's motion from a table of its values, and searches that for wrong rows."""
     words = [sys.executable, "-c", REPORTED, str(tmp_path / "lift.html")]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True, encoding="utf-8")
     assert "FILEIO.C" in (tmp_path / "lift.html").read_text("utf-8")
     assert "scipy" not in done.stdout.splitlines()[-1].split()
 
@@ -297,7 +302,9 @@ print("SEARCHED", collected.count(2), gc.isenabled(), gc.get_freeze_count() > 10
 
 def test_checking_searches_no_module_for_garbage() -> None:
     """What is imported stays as long as the process: it is not gone through, neither then nor later."""
-    done = subprocess.run([sys.executable, "-c", CHECKED], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", CHECKED], cwd=ROOT, capture_output=True, text=True, check=True, encoding="utf-8"
+    )
     assert done.stdout.splitlines()[-1] == "SEARCHED 0 True True"
 
 
@@ -312,7 +319,9 @@ print("LOADED", *sorted(sys.modules))
 
 def test_checking_a_lift_loads_nothing_of_other_questions() -> None:
     """Nor do rooms that offer them, until one is read."""
-    done = subprocess.run([sys.executable, "-c", NEEDED], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", NEEDED], cwd=ROOT, capture_output=True, text=True, check=True, encoding="utf-8"
+    )
     loaded = set(done.stdout.splitlines()[-1].split()[1:])
     other = {
         "core.design": "load_edits unfinished motion_edits",

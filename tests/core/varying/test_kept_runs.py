@@ -26,7 +26,7 @@ of = "max"
 """
 CACHE = ".kindyna-studies"
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="links")
+pytestmark = pytest.mark.posix("links")
 
 
 @pytest.fixture
@@ -37,20 +37,20 @@ def project(tmp_path: Path) -> Path:
     shutil.copy(resources() / "examples" / "transfer_lift.toml", folder / "lift.toml")
     (tmp_path / "precious").mkdir()
     for name in ("a.txt", "b.npz", "00000.npz", "kindyna-run"):
-        (tmp_path / "precious" / name).write_text(f"{name} of the user\n")
+        (tmp_path / "precious" / name).write_text(f"{name} of the user\n", "utf-8")
     return folder
 
 
 def vary(project: Path, *options: str, radius: float = 400.0) -> bytes:
     """The table of a study."""
-    (project / "study.toml").write_text(STUDY.format(radius=radius))
+    (project / "study.toml").write_text(STUDY.format(radius=radius), "utf-8")
     assert main(["vary", str(project / "study.toml"), "--out", str(project / "table.csv"), *options]) == 0
     return (project / "table.csv").read_bytes()
 
 
 def runs(folder: Path) -> list[Path]:
     """The folders below another that hold a block of the program's."""
-    return [path.parent for path in folder.glob("*/kindyna-run") if path.read_text().startswith("KINDYNA")]
+    return [path.parent for path in folder.glob("*/kindyna-run") if path.read_text("utf-8").startswith("KINDYNA")]
 
 
 # -- what is the user's stays ----------------------------------------------------------------------------------
@@ -70,7 +70,7 @@ def folders_named_like_runs(project: Path) -> None:
 def files_named_like_runs(project: Path) -> None:
     (project / CACHE).mkdir()
     for number in range(1, 13):
-        (project / CACHE / f"{number:024}").write_text("of the user")
+        (project / CACHE / f"{number:024}").write_text("of the user", "utf-8")
 
 
 def runs_with_a_file_of_the_users(project: Path) -> None:
@@ -79,10 +79,10 @@ def runs_with_a_file_of_the_users(project: Path) -> None:
     (run,) = runs(project / CACHE)
     for number in range(1, 13):
         other = shutil.copytree(run, run.with_name(f"{number:024}"))
-        (other / "notes.npz").write_text("of the user")
-        text = (other / "kindyna-run").read_text()
+        (other / "notes.npz").write_text("of the user", "utf-8")
+        text = (other / "kindyna-run").read_text("utf-8")
         own = text if number % 2 else text.replace(run.name, other.name).replace("00000.npz", "../../lift.toml")
-        (other / "kindyna-run").write_text(own)
+        (other / "kindyna-run").write_text(own, "utf-8")
     shutil.rmtree(run)
 
 
@@ -93,7 +93,7 @@ def a_link_in_place_of_all_runs(project: Path) -> None:
 
 
 def a_file_in_place_of_all_runs(project: Path) -> None:
-    (project / CACHE).write_text("of the user")
+    (project / CACHE).write_text("of the user", "utf-8")
 
 
 @pytest.mark.parametrize(
@@ -129,9 +129,11 @@ def test_a_run_whose_place_is_taken_is_kept_in_the_users_cache(project: Path, ow
     whole = vary(project)
     (run,) = runs(project / CACHE)
     if kind == "another file":
-        (run / "00001.npz").write_text("of the user")
+        (run / "00001.npz").write_text("of the user", "utf-8")
     elif kind == "list of another":
-        (run / "kindyna-run").write_text((run / "kindyna-run").read_text().replace("KINDYNA", "KINDYMA"))
+        (run / "kindyna-run").write_text(
+            (run / "kindyna-run").read_text("utf-8").replace("KINDYNA", "KINDYMA"), "utf-8"
+        )
     elif kind == "block that is a link":
         (run / "00000.npz").unlink()
         (run / "00000.npz").symlink_to(project.parent / "precious" / "00000.npz")
@@ -142,7 +144,7 @@ def test_a_run_whose_place_is_taken_is_kept_in_the_users_cache(project: Path, ow
         elif kind == "folder":
             shutil.copytree(project.parent / "precious", run)
         else:
-            run.write_text("of the user")
+            run.write_text("of the user", "utf-8")
     before = content(project.parent)
     for options in ((), ("--resume",), ()):
         assert vary(project, *options) == whole
@@ -157,7 +159,7 @@ def test_a_design_that_ships_with_the_program_has_nothing_left_beside_it(
     before = set(resources().rglob("*"))
     (tmp_path / "link").symlink_to(resources() / "examples")
     folder = str(resources() / "examples") if through == "its own name" else "link"
-    (tmp_path / "study.toml").write_text(STUDY.format(radius=400.0).replace("lift", f"{folder}/transfer_lift"))
+    (tmp_path / "study.toml").write_text(STUDY.format(radius=400.0).replace("lift", f"{folder}/transfer_lift"), "utf-8")
     assert main(["vary", str(tmp_path / "study.toml"), "--out", str(tmp_path / "a.csv")]) == 0
     assert set(resources().rglob("*")) == before
     assert len(runs(own_settings / ".cache" / "KINDYNA" / "studies")) == 1
@@ -171,7 +173,7 @@ def test_eight_runs_are_kept_and_the_oldest_goes_with_what_its_list_names_alone(
         (newest,) = set(runs(project / CACHE)).difference(made)
         made.append(newest)
         if number == 1:
-            (newest / "notes.txt").write_text("of the user")
+            (newest / "notes.txt").write_text("of the user", "utf-8")
         os.utime(newest, (number, number))
     left = {path.name for path in (project / CACHE).iterdir()}
     assert left == {path.name for path in [made[1], *made[2:]]}
@@ -236,9 +238,10 @@ def test_a_damaged_block_is_computed_again(project: Path, name: str, change: Cal
 def test_a_damaged_list_of_blocks_gives_the_same_table(project: Path, change: str) -> None:
     whole = vary(project)
     (path,) = (project / CACHE).glob("*/kindyna-run")
-    text = path.read_text()
+    text = path.read_text("utf-8")
     path.write_text(
-        {"flip": text.replace("00000.npz", "00001.npz"), "cut": text[:-3], "twice": text * 2, "empty": ""}[change]
+        {"flip": text.replace("00000.npz", "00001.npz"), "cut": text[:-3], "twice": text * 2, "empty": ""}[change],
+        "utf-8",
     )
     assert vary(project, "--resume") == whole
     assert vary(project, "--resume") == whole
@@ -247,7 +250,7 @@ def test_a_damaged_list_of_blocks_gives_the_same_table(project: Path, change: st
 def test_only_what_is_damaged_is_computed_again(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     values = ", ".join(str(400.0 + 0.01 * number) for number in range(2100))
     text = STUDY.format(radius=300.0).replace("[300.0, 430.0, 460.0]", f"[{values}]")
-    (project / "study.toml").write_text(text)
+    (project / "study.toml").write_text(text, "utf-8")
     words = ["vary", str(project / "study.toml"), "--out", str(project / "table.csv"), "--json"]
     assert main(words) == 0
     whole = (project / "table.csv").read_bytes()

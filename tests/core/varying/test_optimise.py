@@ -309,7 +309,9 @@ def test_a_search_that_is_stopped_stops_all_starts():
 def test_the_statistics_of_scipy_are_not_loaded():
     code = "import sys; from core.__main__ import main; main(sys.argv[1:]); print('scipy.stats' in sys.modules)"
     words = [sys.executable, "-c", code, "optimise", str(resources() / "studies" / "lift_smallest_cam.toml"), "--json"]
-    told = subprocess.run(words, capture_output=True, text=True, check=True, cwd=resources().parent).stdout
+    told = subprocess.run(
+        words, capture_output=True, text=True, check=True, cwd=resources().parent, encoding="utf-8"
+    ).stdout
     assert told.endswith("}\nFalse\n")
 
 
@@ -428,7 +430,7 @@ choices = ["modified-sine", "cycloidal", "modified-trapezoid"]
 quantity = "acceleration_mm_s2"
 of = "abs"
 """
-    (tmp_path / "study.toml").write_text(text)
+    (tmp_path / "study.toml").write_text(text, "utf-8")
     assert main(["optimise", str(tmp_path / "study.toml"), "--into", str(tmp_path / "best.toml"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["answer"] == {
@@ -438,12 +440,14 @@ of = "abs"
     assert [each.curve.law for each in load(tmp_path / "best.toml").drive.motion.segments[1::2]] == [
         "modified-trapezoid"
     ] * 2
-    (tmp_path / "study.toml").write_text(text + '[[limits]]\nquantity = "pressure_angle_deg"\nof = "max"\nmax = 5.0\n')
+    (tmp_path / "study.toml").write_text(
+        text + '[[limits]]\nquantity = "pressure_angle_deg"\nof = "max"\nmax = 5.0\n', "utf-8"
+    )
     assert main(["optimise", str(tmp_path / "study.toml"), "--into", str(tmp_path / "none.toml"), "--json"]) == 2
     assert "no design satisfies the limits" in capsys.readouterr().err
     assert not (tmp_path / "none.toml").exists()
     far = text + '[[vary]]\nfield = "follower.pivot_x_mm"\nlow = 3000.0\nhigh = 3100.0\n'
-    (tmp_path / "study.toml").write_text(far)
+    (tmp_path / "study.toml").write_text(far, "utf-8")
     assert main(["optimise", str(tmp_path / "study.toml"), "--into", str(tmp_path / "none.toml")]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1

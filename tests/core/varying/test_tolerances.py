@@ -108,18 +108,18 @@ def test_the_command_writes_its_three_files(tmp_path, capsys):
     save(replace(design, tolerances=rows, waviness=Waviness(0.01, 10, 20)), tmp_path / "lift.toml")
     assert main(["tolerance", str(tmp_path / "lift.toml"), "--out", str(tmp_path / "out"), "--machines", "200"]) == 0
     assert "200 of 200 machines keep all limits: 100.00%" in capsys.readouterr().out
-    told = json.loads((tmp_path / "out" / "summary.json").read_text())
+    told = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
     assert (told["share"], told["seed"], told["high"]) == (1.0, 0, 1.0)
     assert told["low"] == pytest.approx(200 / (200 + 1.96**2), abs=1e-4)
     waves = told["waviness"]
     assert waves["lift_error_mm"] == pytest.approx(0.01 / math.cos(math.radians(waves["pressure_angle_deg"])))
-    with open(tmp_path / "out" / "bands.csv", newline="") as file:
+    with open(tmp_path / "out" / "bands.csv", newline="", encoding="utf-8") as file:
         bands = list(csv.DictReader(file))
     row = {name: float(cell) for name, cell in bands[60].items()}
     levels = [row[f"pressure_angle_deg_{level}"] for level in ("p0.135", "p5", "p50", "p95", "p99.865")]
     assert levels == sorted(levels)
     assert levels[0] < levels[-1]
-    with open(tmp_path / "out" / "sensitivity.csv", newline="") as file:
+    with open(tmp_path / "out" / "sensitivity.csv", newline="", encoding="utf-8") as file:
         lines = [each for each in csv.DictReader(file) if each["quantity"] == "pressure_angle_deg_max"]
     assert sum(float(each["part_of_tolerance"]) for each in lines) == pytest.approx(1.0)
     assert float(lines[0]["part_of_tolerance"]) >= float(lines[1]["part_of_tolerance"])
@@ -134,7 +134,7 @@ def test_what_changes_a_quantity_by_rounding_alone_has_no_share(tmp_path):
     fields = ("follower.direction_deg", "cam.base_radius_mm", "loads.preload_n")
     save(replace(design, tolerances=tuple(Tolerance(field, 0.5) for field in fields)), tmp_path / "cam.toml")
     assert main(["tolerance", str(tmp_path / "cam.toml"), "--out", str(tmp_path / "out"), "--machines", "50"]) == 0
-    with open(tmp_path / "out" / "sensitivity.csv", newline="") as file:
+    with open(tmp_path / "out" / "sensitivity.csv", newline="", encoding="utf-8") as file:
         rows = {(row["field"], row["quantity"]): row for row in csv.DictReader(file)}
     torque = {field: rows[field, "drive_torque_nm_abs"] for field in fields}
     assert [float(torque[field]["per_unit"]) == 0.0 for field in fields] == [True, True, False]
@@ -169,7 +169,7 @@ def test_waves_of_a_shaft_are_told_drive_by_drive(tmp_path, capsys):
     save(replace(unit, waviness=Waviness(0.01, 20, 20)), tmp_path / "unit.toml")
     assert main(["tolerance", str(tmp_path / "unit.toml"), "--out", str(tmp_path), "--machines", "20"]) == 0
     assert "waves of Lift: " in capsys.readouterr().out
-    told = json.loads((tmp_path / "summary.json").read_text())["waviness"]
+    told = json.loads((tmp_path / "summary.json").read_text("utf-8"))["waviness"]
     assert list(told) == ["Feed", "Clamp", "Lift", "Torque"]
     lift = replace(only(unit, 2), waviness=Waviness(0.01, 20, 20))
     assert told["Lift"] == waves_of(Study(lift)).summary()
@@ -198,10 +198,10 @@ def test_waves_make_an_elastic_follower_vibrate_at_its_own_frequency():
 
 def test_tolerances_that_cannot_be_are_faults_of_the_design(tmp_path, capsys):
     text = dumps(tappet()) + '\n[[tolerances]]\nfield = "cam.base_radios_mm"\nplus = 0.1\n'
-    (tmp_path / "d.toml").write_text(text)
+    (tmp_path / "d.toml").write_text(text, "utf-8")
     assert main(["tolerance", str(tmp_path / "d.toml"), "--out", str(tmp_path / "out")]) == 2
     assert "tolerances[0].field" in capsys.readouterr().err
-    (tmp_path / "d.toml").write_text(dumps(tappet()))
+    (tmp_path / "d.toml").write_text(dumps(tappet()), "utf-8")
     assert main(["tolerance", str(tmp_path / "d.toml"), "--out", str(tmp_path / "out")]) == 2
     assert "give at least one [[tolerances]]" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -60,7 +60,7 @@ QUICK = (
 @pytest.fixture
 def place(tmp_path):
     shutil.copy(resources() / "examples" / "transfer_lift.toml", tmp_path / "lift.toml")
-    (tmp_path / "study.toml").write_text(TABLE.format(points=300))
+    (tmp_path / "study.toml").write_text(TABLE.format(points=300), "utf-8")
     return tmp_path
 
 
@@ -69,7 +69,7 @@ def vary(place, *options, study="study.toml"):
 
 
 def rows(path):
-    with open(path, newline="") as file:
+    with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
@@ -101,10 +101,10 @@ def test_grids_bounds_and_whole_ranges(place):
     text = 'design = "lift.toml"\n[[vary]]\nfield = "cam.base_radius_mm"\nlow = 400.0\nhigh = 500.0\n{}\n' + (
         '[[quantities]]\nquantity = "energy_j"\n'
     )
-    (place / "study.toml").write_text(text.format("steps = 5"))
+    (place / "study.toml").write_text(text.format("steps = 5"), "utf-8")
     space = Run(load_study(place / "study.toml")).space
     assert space.columns(1, 5)["cam.base_radius_mm"].tolist() == [425.0, 450.0, 475.0, 500.0]
-    (place / "study.toml").write_text(text.format(""))
+    (place / "study.toml").write_text(text.format(""), "utf-8")
     assert Run(load_study(place / "study.toml")).count == 64
 
 
@@ -116,7 +116,8 @@ def test_faults_of_a_study_are_all_named(place):
         .replace("cam.base_radius_mm", "cam.base_radios_mm")
         .replace("cycloidal", "cyclodal")
         .replace('of = "abs"\nmax = 9e3', 'of = "most"')
-        .replace("seed = 7", "seed = 7\nrobust = 0.9973")
+        .replace("seed = 7", "seed = 7\nrobust = 0.9973"),
+        "utf-8",
     )
     with pytest.raises(DesignError) as error:
         load_study(place / "study.toml")
@@ -138,8 +139,8 @@ def test_faults_of_a_study_are_all_named(place):
     ],
 )
 def test_what_cannot_be_is_one_line_and_nothing_is_written(place, capsys, old, new, words):
-    text = (place / "study.toml").read_text()
-    (place / "study.toml").write_text(text.replace(old, new))
+    text = (place / "study.toml").read_text("utf-8")
+    (place / "study.toml").write_text(text.replace(old, new), "utf-8")
     assert vary(place) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -194,7 +195,7 @@ def started(place, *options):
 
 def whole_table(place):
     """Its bytes; the table and what is kept for it are taken away again."""
-    (place / "study.toml").write_text(QUICK)
+    (place / "study.toml").write_text(QUICK, "utf-8")
     assert vary(place) == 0
     data = (place / "table.csv").read_bytes()
     start_again(place)
@@ -249,7 +250,9 @@ def test_killed_fifty_times_at_any_moment(place):
 def test_parquet_holds_the_same_table(place):
     from pyarrow import parquet
 
-    (place / "study.toml").write_text(TABLE.format(points=40).replace("800.0", "1.0"))  # some without an assembly
+    (place / "study.toml").write_text(
+        TABLE.format(points=40).replace("800.0", "1.0"), "utf-8"
+    )  # some without an assembly
     assert vary(place) == 0
     assert main(["vary", str(place / "study.toml"), "--out", str(place / "t.parquet"), "--resume"]) == 0
     table = parquet.read_table(place / "t.parquet").to_pylist()
@@ -264,7 +267,7 @@ def test_parquet_holds_the_same_table(place):
 def test_a_cluster_one_of_whose_processes_dies_gives_the_same_bytes(place):
     from distributed import LocalCluster
 
-    (place / "study.toml").write_text(QUICK)
+    (place / "study.toml").write_text(QUICK, "utf-8")
     assert vary(place) == 0
     whole = (place / "table.csv").read_bytes()
     (place / "table.csv").unlink()

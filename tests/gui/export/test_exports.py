@@ -69,12 +69,12 @@ def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monk
     user.session.edit("motion.stroke", 160.0, "a")
     user.choose(*EXPORT, "Tables...")
     wanted = files(Study(user.design, samples))
-    assert {path.name: path.read_text() for path in folder.iterdir()} == wanted
+    assert {path.name: path.read_text("utf-8") for path in folder.iterdir()} == wanted
     assert user.window.status.currentMessage() == f"Wrote {', '.join(wanted)} into {folder}"
 
 
 def test_tables_that_cannot_be_written_are_told(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", "utf-8")
     monkeypatch.setattr(export_tables, "ask_tables", lambda *_: TablesRequest(tmp_path / "file", 72))
     user.choose(*EXPORT, "Tables...")
     assert [what for what, _ in user.faults] == ["The tables cannot be exported."]
@@ -83,7 +83,7 @@ def test_tables_that_cannot_be_written_are_told(user: User, tmp_path: Path, monk
 def test_the_report_is_the_cores(user: User, tmp_path: Path) -> None:
     suggested = user.picks("report_to_save", tmp_path / "r.txt")
     user.choose(*EXPORT, "Report as text...")
-    assert (tmp_path / "r.txt").read_text() == report(Study(user.design))
+    assert (tmp_path / "r.txt").read_text("utf-8") == report(Study(user.design))
     assert suggested[0].name == "Transfer_unit__lift_drive.txt"
 
 
@@ -113,6 +113,7 @@ def test_the_web_page_is_the_cores(user: User, tmp_path: Path) -> None:
     assert suggested[0].name == "Transfer_unit__lift_drive.html"
 
 
+@pytest.mark.posix("a script in the place of ffmpeg")
 def test_frames_go_into_a_folder_and_a_film_by_ffmpeg(
     app: QApplication, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -125,11 +126,12 @@ def test_frames_go_into_a_folder_and_a_film_by_ffmpeg(
         shoot(LIFT, replace(SMALL, ending=".mp4"))
     stand_in = tmp_path / "ffmpeg"  # writes down how many bytes come, into the file that the real one would write
     stand_in.write_text(
-        f"#!{sys.executable}\nimport sys\nopen(sys.argv[-1], 'w').write(str(len(sys.stdin.buffer.read())))\n"
+        f"#!{sys.executable}\nimport sys\nopen(sys.argv[-1], 'w').write(str(len(sys.stdin.buffer.read())))\n",
+        "utf-8",
     )
     stand_in.chmod(0o755)
     assert shoot(LIFT, replace(SMALL, ending=".mp4")) == str(SMALL.frames * SMALL.width * SMALL.height * 3).encode()
-    stand_in.write_text(f"#!{sys.executable}\nimport sys\nsys.exit('unknown encoder')\n")
+    stand_in.write_text(f"#!{sys.executable}\nimport sys\nsys.exit('unknown encoder')\n", "utf-8")
     with pytest.raises(KindynaError, match="unknown encoder"):
         shoot(LIFT, replace(SMALL, ending=".mp4"))
 

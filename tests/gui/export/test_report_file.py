@@ -142,7 +142,7 @@ def test_company_and_logo_stand_on_the_first_page_and_a_broken_logo_stops_nothin
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     least = ("--without", *PARTS, "--company", "Cams & Sons")
-    (tmp_path / "logo.svg").write_text(SVG)
+    (tmp_path / "logo.svg").write_text(SVG, "utf-8")
     picture = QImage(60, 20, QImage.Format.Format_RGB32)
     picture.fill(0xFF123456)
     assert picture.save(str(tmp_path / "logo.png"))
@@ -177,6 +177,7 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.mark.stress
+@pytest.mark.posix("time.tzset")
 def test_the_same_design_gives_the_same_bytes_at_any_time_and_place(
     written: bytes, tmp_path: Path, elsewhere: None
 ) -> None:
@@ -226,7 +227,7 @@ def test_a_picture_is_drawn_lower_rather_than_leaving_half_a_page_empty(app: QAp
 @pytest.mark.skipif(shutil.which("qpdf") is None, reason="no qpdf on the PATH")
 def test_qpdf_finds_nothing_wrong_with_the_pdf(written: bytes, tmp_path: Path) -> None:
     (tmp_path / "r.pdf").write_bytes(written)
-    checked = subprocess.run(["qpdf", "--check", tmp_path / "r.pdf"], capture_output=True, text=True)
+    checked = subprocess.run(["qpdf", "--check", tmp_path / "r.pdf"], capture_output=True, text=True, encoding="utf-8")
     assert checked.returncode == 0, checked.stdout + checked.stderr
     assert "No syntax or stream encoding errors found" in checked.stdout
 
@@ -352,6 +353,6 @@ def test_an_equation_is_typeset_once_and_then_read_from_the_cache(
     folder = saved.parent
     saved.unlink()
     folder.rmdir()
-    folder.write_text("a file of the user where the folder would be")
+    folder.write_text("a file of the user where the folder would be", "utf-8")
     assert drawn_equation(mathml) == first
-    assert folder.read_text().startswith("a file of the user")
+    assert folder.read_text("utf-8").startswith("a file of the user")

@@ -32,8 +32,8 @@ def by_another(path: Path, rod: float = 812.5) -> str:
 
 def in_place(path: Path) -> None:
     """As programs do that write into the file itself."""
-    text = path.read_text().replace("rod_mm = 845.0", "rod_mm = 812.5")
-    with open(path, "r+") as file:
+    text = path.read_text("utf-8").replace("rod_mm = 845.0", "rod_mm = 812.5")
+    with open(path, "r+", encoding="utf-8") as file:
         file.write(text)
         file.truncate()
 
@@ -41,15 +41,15 @@ def in_place(path: Path) -> None:
 def by_a_new_file(path: Path) -> None:
     """As editors do."""
     other = path.with_suffix(".swp")
-    other.write_text(path.read_text().replace("rod_mm = 845.0", "rod_mm = 812.5"))
+    other.write_text(path.read_text("utf-8").replace("rod_mm = 845.0", "rod_mm = 812.5"), "utf-8")
     os.replace(other, path)
 
 
 def by_moving_away(path: Path) -> None:
     """As editors do that keep the old file."""
-    text = path.read_text()
+    text = path.read_text("utf-8")
     path.rename(path.with_suffix(".bak"))
-    path.write_text(text.replace("rod_mm = 845.0", "rod_mm = 812.5"))
+    path.write_text(text.replace("rod_mm = 845.0", "rod_mm = 812.5"), "utf-8")
 
 
 def test_overwrite_only_when_chosen(open_user: Open, mine: Path) -> None:
@@ -59,7 +59,7 @@ def test_overwrite_only_when_chosen(open_user: Open, mine: Path) -> None:
     box = user.clicks("Cancel")
     user.choose("File", "Save")
     assert box == ["mine.toml has been changed by another program since it was read."]
-    assert mine.read_text() == theirs
+    assert mine.read_text("utf-8") == theirs
     assert user.session.modified
     user.clicks("Overwrite")
     user.choose("File", "Save")
@@ -85,7 +85,7 @@ def test_save_as_leaves_the_other_file_alone(open_user: Open, mine: Path, tmp_pa
     user.clicks("Save as...")
     user.picks("design_to_save", tmp_path / "other.toml")
     user.choose("File", "Save")
-    assert mine.read_text() == theirs
+    assert mine.read_text("utf-8") == theirs
     assert load(tmp_path / "other.toml").drive.cam.base_radius_mm == 410.0
     assert user.session.path == tmp_path / "other.toml"
     assert user.window.disk.isHidden()
@@ -116,7 +116,7 @@ def test_leaving_with_save_asks_too(open_user: Open, mine: Path) -> None:
     user.clicks("Save", "Cancel")
     user.window.close()
     assert user.window.isVisible(), "nothing was decided: the window stays"
-    assert mine.read_text() == theirs
+    assert mine.read_text("utf-8") == theirs
 
 
 @pytest.mark.parametrize("change", spread([in_place, by_a_new_file, by_moving_away], 1))
@@ -151,10 +151,10 @@ def test_touched_or_saved_here_is_no_change(open_user: Open, mine: Path) -> None
 
 def test_changed_and_changed_back(open_user: Open, mine: Path) -> None:
     user: User = open_user(mine)
-    text = mine.read_text()
+    text = mine.read_text("utf-8")
     by_another(mine)
     wait_for(user.window.disk.isVisible)
-    mine.write_text(text)
+    mine.write_text(text, "utf-8")
     wait_for(user.window.disk.isHidden)
 
 
@@ -202,7 +202,7 @@ def test_save_does_not_bring_a_file_back_that_is_gone_without_a_word(
 def test_a_file_that_is_no_design_any_more(open_user: Open, mine: Path) -> None:
     user: User = open_user(mine)
     before = user.design
-    mine.write_text("nonsense")
+    mine.write_text("nonsense", "utf-8")
     wait_for(user.window.disk.isVisible)
     user.choose("File", "Reload")
     assert user.faults[0][0] == "mine.toml cannot be reloaded."
@@ -236,4 +236,4 @@ def test_save_as_onto_its_own_file_asks_as_save_does(
     asked = user.clicks("Cancel")
     user.choose("File", "Save as...")
     assert asked == ["mine.toml has been changed by another program since it was read."]
-    assert mine.read_text() == theirs
+    assert mine.read_text("utf-8") == theirs

@@ -18,7 +18,8 @@ from core.project import load
 from core.project.recovery import find
 from kindyna_gui.places import example
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="POSIX only")
+if sys.platform == "win32":
+    pytest.skip("POSIX only: signals", allow_module_level=True)
 
 PROGRAM = Path(__file__).parents[2] / "working_window.py"
 AT_ONCE = (signal.SIGTERM, signal.SIGHUP)
@@ -66,7 +67,7 @@ class Worker:
     def kill(self) -> float:
         """Kill it; when."""
         at = time.monotonic()
-        assert self.process.poll() is None, (self.home / "stderr").read_text()
+        assert self.process.poll() is None, (self.home / "stderr").read_text("utf-8")
         self.process.send_signal(self.by)
         assert self.process.wait(PATIENCE) == -self.by
         return at
@@ -122,11 +123,11 @@ def is_saved(state: dict[str, Any]) -> bool:
     """Whether a state asks for no saving: as its file has it, or as it was begun."""
     if state["modified"]:
         return False
-    return state["path"] is None or Path(state["path"]).read_text() == state["design"]
+    return state["path"] is None or Path(state["path"]).read_text("utf-8") == state["design"]
 
 
 def is_in_a_file(home: Path, state: dict[str, Any]) -> bool:
-    return state["draft"] is None and any(path.read_text() == state["design"] for path in home.glob("*.toml"))
+    return state["draft"] is None and any(path.read_text("utf-8") == state["design"] for path in home.glob("*.toml"))
 
 
 def kill_many(folder: Path, number: int, seed: int) -> list[str]:
@@ -223,6 +224,7 @@ def test_the_next_start_offers_it(tmp_path: Path) -> None:
         text=True,
         timeout=PATIENCE,
         check=False,
+        encoding="utf-8",
     )
     assert done.returncode == 0, done.stderr
     shown = json.loads(done.stdout.splitlines()[-1])

@@ -23,7 +23,7 @@ LeftBehind = Callable[[Unsaved], Path]
 def mine(tmp_path: Path) -> Path:
     """A design file of the user's own."""
     path = tmp_path / "mine.toml"
-    path.write_text(dumps(LIFT))
+    path.write_text(dumps(LIFT), "utf-8")
     return path
 
 
@@ -150,11 +150,11 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     draft = user.session.incomplete
     assert draft is not None, "the motion does not make a turn"
     state = user.session.state()
-    wait_for(lambda: bool(kept()) and "span_deg = 300.0" in kept()[0].read_text())
-    text = kept()[0].read_text()
+    wait_for(lambda: bool(kept()) and "span_deg = 300.0" in kept()[0].read_text("utf-8"))
+    text = kept()[0].read_text("utf-8")
     user.session.stack.setIndex(0)
     wait_for(lambda: not kept())
-    recovery_folder().joinpath("dead.toml").write_text(text)
+    recovery_folder().joinpath("dead.toml").write_text(text, "utf-8")
     seen: list[tuple[str, ...]] = []
     user.clicks("Recover", before=lambda box: seen.extend(rows(box.findChild(QTableWidget))))
     offer(user)
@@ -174,11 +174,11 @@ def test_an_unfinished_motion_of_one_of_several_drives(open_user: Open) -> None:
     assert session.incomplete is not None, "the motion does not make a turn"
     state = session.state()
     wait_for(lambda: bool(kept()))
-    text = kept()[0].read_text()
+    text = kept()[0].read_text("utf-8")
     session.stack.setIndex(0)
     wait_for(lambda: not kept())
     assert session.choose_drive(0)
-    recovery_folder().joinpath("dead.toml").write_text(text)
+    recovery_folder().joinpath("dead.toml").write_text(text, "utf-8")
     user.clicks("Recover")
     offer(user)
     assert session.state() == state
@@ -214,7 +214,7 @@ def test_damaged_work_is_kept_until_it_is_discarded(open_user: Open, left_behind
 
 def test_where_nothing_can_be_written(open_user: Open, mine: Path) -> None:
     recovery_folder().parent.mkdir(parents=True, exist_ok=True)
-    recovery_folder().write_text("a file where the folder should be")
+    recovery_folder().write_text("a file where the folder should be", "utf-8")
     user: User = open_user(mine)
     user.enter("follower.rod_mm", "850")
     wait_for(lambda: user.window.status.currentMessage().startswith("Unsaved work cannot be written"))

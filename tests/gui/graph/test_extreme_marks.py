@@ -49,10 +49,10 @@ def plot_view(user: User, name: str) -> PlotView:
 
 def locking(folder: Path) -> Path:
     """A four-bar whose crank comes to dead centres, with masses on coupler and rocker."""
-    text = example("four_bar").read_text()
+    text = example("four_bar").read_text("utf-8")
     text = text.replace("A = [30.0, 0.0]", "A = [60.0, 0.0]").replace("B = [90.0, 0.0], C", "B = [50.0, 0.0], C")
     path = folder / "locking.toml"
-    path.write_text(text + "\n[loads]\n" + MASS.format(3) + MASS.format(4))
+    path.write_text(text + "\n[loads]\n" + MASS.format(3) + MASS.format(4), "utf-8")
     return path
 
 

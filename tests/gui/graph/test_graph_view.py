@@ -379,7 +379,9 @@ def test_the_numbers_are_the_cores(graph: GraphView, tmp_path: Path, monkeypatch
     study = Study(LIFT)
     names = ["cam_angle_deg", "displacement_mm", "velocity_mm_s", "acceleration_mm_s2", "contact_force_n", "radius_mm"]
     rows = {row.slug: row for row in channels(LIFT)}
-    assert path.read_text() == csv(names, [grid(study.samples), *(rows[name].values(study) for name in names[1:])])
+    assert path.read_text("utf-8") == csv(
+        names, [grid(study.samples), *(rows[name].values(study) for name in names[1:])]
+    )
 
 
 @pytest.mark.parametrize("form", spread(["straight", "polar"], 1))

@@ -233,7 +233,7 @@ def test_the_numbers_are_those_of_the_core(show: Show, tmp_path: Path, picks: Ca
     view.status_message.connect(told.append)
     suggested = picks("table_to_save", tmp_path / "p.csv")
     act(view, "Export numbers...")
-    text = (tmp_path / "p.csv").read_text()
+    text = (tmp_path / "p.csv").read_text("utf-8")
     assert suggested[0].name == "pressure_angle.csv"
     assert told == [f"Wrote {tmp_path / 'p.csv'}"]
     whole = files(Study(LIFT), ("cam",))["profile.csv"]

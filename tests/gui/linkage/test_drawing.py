@@ -121,11 +121,11 @@ def test_a_four_bar_with_coupler_point_mass_and_load_in_25_actions(open_user: Op
     with answering(TablesDialog, answer):
         pen.user.choose("Graph", "Export numbers...")
     assert pen.actions <= 25, pen.actions
-    header, *rows = (tmp_path / "curve" / "linkage.csv").read_text().splitlines()
+    header, *rows = (tmp_path / "curve" / "linkage.csv").read_text("utf-8").splitlines()
     column = header.split(",").index("C_x_mm")
     wanted = next(body for body in Study(file, len(rows)).linkage.bodies.values() if "C" in body.points).position("C")
     assert [float(row.split(",")[column]) for row in rows] == pytest.approx(wanted.real * 1e3, abs=1e-9)
-    forces = (tmp_path / "curve" / "dynamics.csv").read_text().splitlines()[0].split(",")
+    forces = (tmp_path / "curve" / "dynamics.csv").read_text("utf-8").splitlines()[0].split(",")
     assert {"driver_torque_nm", "B_x_n", "O1_x_n"} <= set(forces), forces
 
 

@@ -86,6 +86,7 @@ def test_a_placement_is_kept_beside_the_design_and_a_wrong_one_is_named(
             read_underlay(design)
 
 
+@pytest.mark.posix("links")
 @pytest.mark.parametrize("what", ["of the user", "a link", "a link to nothing", "a folder", "written by hand"])
 def test_a_file_in_the_place_of_a_placement_that_the_window_has_not_written_stays(tmp_path: Path, what: str) -> None:
     design, path = tmp_path / "four.toml", tmp_path / "four.underlay.toml"
@@ -93,10 +94,10 @@ def test_a_file_in_the_place_of_a_placement_that_the_window_has_not_written_stay
     if what == "a folder":
         path.mkdir()
     elif what.startswith("a link"):
-        (tmp_path / "notes.toml").write_text('file = "b.dxf"\n' if what == "a link" else "mine")
+        (tmp_path / "notes.toml").write_text('file = "b.dxf"\n' if what == "a link" else "mine", "utf-8")
         path.symlink_to("notes.toml" if what == "a link" else "nowhere")
     else:
-        path.write_text('# mine\nfile = "b.dxf"\n' if what == "written by hand" else "mine")
+        path.write_text('# mine\nfile = "b.dxf"\n' if what == "written by hand" else "mine", "utf-8")
     before = content(tmp_path)
     for underlay in (None, *([] if what == "written by hand" else [placed])):
         with suppress(FileError):

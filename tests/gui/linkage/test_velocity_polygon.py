@@ -328,7 +328,9 @@ def test_the_command_draws_centres_and_polygon(tmp_path: Path, app: object, caps
 def test_without_the_window_the_numbers_are_written_and_pictures_left_out(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "core", "centres", str(example("four_bar")), "--angle", "20", "--out", "out"]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
-    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, encoding="utf-8"
+    )
     assert (done.returncode, done.stderr) == (0, "pictures left out: they need kindyna --headless\n")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["centres.json"]
     rows = json.loads(done.stdout)["velocity_differences"]

@@ -290,7 +290,7 @@ def test_without_a_file_nothing_opens(lift: User, monkeypatch: pytest.MonkeyPatc
 def test_the_file_is_asked_for_where_the_last_one_was(
     lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "a.txt").write_text(table())
+    (tmp_path / "a.txt").write_text(table(), "utf-8")
     asked: list[tuple[str, str]] = []
 
     def pick(parent: QWidget, title: str, folder: str, filters: str) -> tuple[str, str]:
@@ -451,7 +451,7 @@ def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
     assert dialog.reading.fit.residuals.size == ANGLES.size - 2
     assert dialog.put_button.isEnabled()
     assert not dialog.leave.isVisible()
-    (tmp_path / "lift.csv").write_text(table())
+    (tmp_path / "lift.csv").write_text(table(), "utf-8")
     click(dialog.again)
     assert dialog.reading.fit is not None
     assert dialog.put_button.isEnabled()
@@ -604,7 +604,7 @@ def test_a_grinders_lift_table_becomes_a_cam_whose_dwell_stands_still(
     lifts = np.round(position(wanted, angles) / 25.4e-4)
     path = tmp_path / "lobe.txt"
     rows = "".join(f"{a:.0f}   {y:.0f}\n" for a, y in zip(angles, lifts, strict=True))
-    path.write_text(f"INTAKE LOBE 3, GRIND 276\nBase circle 34.0, checked 12/03\n\n{rows}")
+    path.write_text(f"INTAKE LOBE 3, GRIND 276\nBase circle 34.0, checked 12/03\n\n{rows}", "utf-8")
     monkeypatch.setattr(dialogs, "file_to_open", lambda *_: path)
     user = open_user(example("tappet_flat"))
     user.choose("File", "Import measured motion...")

@@ -131,7 +131,7 @@ def test_the_chart_and_the_other_figures_as_files(tmp_path: Path, capsys: pytest
     names = ("stability", "windup_averages", "windup", "coefficients")
     assert {f"{name}{ending}" for name in names for ending in (".svg", ".png")} <= {p.name for p in tmp_path.iterdir()}
     for name in names:
-        drawn = (tmp_path / f"{name}.svg").read_text()
+        drawn = (tmp_path / f"{name}.svg").read_text("utf-8")
         assert drawn.count("<path") + drawn.count("<polyline") > 5
         image = QImage(str(tmp_path / f"{name}.png"))
         row = image.height() // 3

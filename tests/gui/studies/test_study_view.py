@@ -360,8 +360,8 @@ def test_the_board_is_there_again_when_the_design_is_opened_again(open_user: Ope
     again.session.open(tmp_path / "wider.toml")
     settle()
     assert rested(again).board.cards == [], "what was taken away stays away"
-    (kept,) = (each for each in (user_folder("state") / "boards").iterdir() if "lift.toml" in each.read_text())
-    kept.write_text('{"cards": [{"design": "no design"}]}')
+    (kept,) = (each for each in (user_folder("state") / "boards").iterdir() if "lift.toml" in each.read_text("utf-8"))
+    kept.write_text('{"cards": [{"design": "no design"}]}', "utf-8")
     again.session.open(tmp_path / "lift.toml")
     settle()
     assert rested(again).board.cards == [], "what cannot be read is left alone"
@@ -674,7 +674,8 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     (tmp_path / "study.toml").write_text(
         'design = "lift.toml"\nseed = 41\n'
         f'[[vary]]\nfield = "{X}"\nlow = 800\nhigh = 900\nsteps = 5\n[[limits]]\nquantity = "pressure_angle_deg"\n'
-        'of = "max"\nmax = 30.0\n[[goals]]\nquantity = "contact_force_n"\nof = "max"\n'
+        'of = "max"\nmax = 30.0\n[[goals]]\nquantity = "contact_force_n"\nof = "max"\n',
+        "utf-8",
     )
     user = open_user(example("four_bar"), whole=True, size=(1280, 720))
     user.window.show_task("study")
@@ -694,7 +695,9 @@ def test_a_study_file_is_opened_with_its_design(open_user: Open, tmp_path: Path)
     view.open.opened.emit(tmp_path / "study.toml")
     rested(user)
     assert get(user.design, BASE) == 410.0, "the design at hand stays, as the study names its file"
-    (tmp_path / "study.toml").write_text('design = "lift.toml"\n[[vary]]\nfield = "cam.bore"\nlow = 3\nhigh = 1\n')
+    (tmp_path / "study.toml").write_text(
+        'design = "lift.toml"\n[[vary]]\nfield = "cam.bore"\nlow = 3\nhigh = 1\n', "utf-8"
+    )
     view.open.opened.emit(tmp_path / "study.toml")
     ((what, lines),) = user.faults
     assert what == "study.toml cannot be opened."

@@ -58,7 +58,7 @@ def test_a_step_that_fails_is_named(
 ) -> None:
     monkeypatch.setattr("kindyna_gui.window.tutorial_steps.PATIENCE", 0.3)
     file = tmp_path / "own.toml"
-    file.write_text(STEP.format(do=do, until=until))
+    file.write_text(STEP.format(do=do, until=until), "utf-8")
     code, lines = play(capsys, str(file), "--play")
     assert code == 1
     assert said in lines[-1]
@@ -78,7 +78,7 @@ def test_a_file_that_is_no_lesson_is_refused(
     text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "own.toml"
-    file.write_text(text)
+    file.write_text(text, "utf-8")
     code, lines = play(capsys, str(file), "--play")
     assert code == 2
     assert said in lines[-1]

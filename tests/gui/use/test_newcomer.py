@@ -151,15 +151,15 @@ def test_the_first_five_minutes(user: User, tmp_path: Path, monkeypatch: pytest.
 
     play(EXPORT)
     wanted = files(Study(longer))
-    assert (tmp_path / "out" / "profile.csv").read_text() == wanted["profile.csv"]
-    assert {path.name: path.read_text() for path in (tmp_path / "out").iterdir()} == wanted
+    assert (tmp_path / "out" / "profile.csv").read_text("utf-8") == wanted["profile.csv"]
+    assert {path.name: path.read_text("utf-8") for path in (tmp_path / "out").iterdir()} == wanted
 
     play(SAVE)
-    assert (tmp_path / "mine.toml").read_text() == dumps(longer)
+    assert (tmp_path / "mine.toml").read_text("utf-8") == dumps(longer)
     play(UNDO)
     assert user.design == lift
     assert seen(user) == before
     assert user.window.isWindowModified(), "what was saved had the longer stroke"
     play(SAVE)
-    assert (tmp_path / "mine.toml").read_text() == dumps(lift)
+    assert (tmp_path / "mine.toml").read_text("utf-8") == dumps(lift)
     assert not user.window.isWindowModified()

@@ -21,7 +21,7 @@ def use(seed: int, notes: Path, most: Sequence[str], patience: float) -> None:
     """Run one user; fails with what it says, or with its last actions where its process dies or hangs."""
     command = [sys.executable, "-X", "faulthandler", str(PROGRAM), str(seed), "--notes", str(notes), *most]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=patience)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=patience, encoding="utf-8")
         code, said = done.returncode, done.stdout + done.stderr
     except subprocess.TimeoutExpired as error:
         code, said = None, "".join(t.decode() for t in (error.stdout, error.stderr) if isinstance(t, bytes))

@@ -30,7 +30,7 @@ def display() -> Iterator[str]:
     server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
     os.close(write)
     try:
-        with os.fdopen(read) as answer:
+        with os.fdopen(read, encoding="utf-8") as answer:
             number = answer.readline().strip()
         if not number:
             pytest.skip("Xvfb does not start here")
@@ -72,6 +72,7 @@ def test_the_users_way_on_a_real_window(display: str, tmp_path: Path) -> None:
         text=True,
         timeout=PATIENCE,
         check=False,
+        encoding="utf-8",
     )
     if "no Qt platform plugin could be initialized" in done.stderr:
         pytest.skip("the libraries of a real window are missing")

@@ -32,7 +32,7 @@ def user(whole: User) -> User:
 def memory() -> int:
     """Resident memory of this process [bytes]; 0 where the system does not tell."""
     status = Path("/proc/self/statm")
-    return int(status.read_text().split()[1]) * 4096 if status.is_file() else 0
+    return int(status.read_text("utf-8").split()[1]) * 4096 if status.is_file() else 0
 
 
 def turn(user: User, frames: int, first: int = 0) -> None:

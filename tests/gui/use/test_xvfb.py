@@ -90,7 +90,7 @@ def display() -> Iterator[str]:
         stderr=subprocess.DEVNULL,
     )
     os.close(write)
-    with os.fdopen(read) as told:
+    with os.fdopen(read, encoding="utf-8") as told:
         number = told.readline().strip()
     try:
         if not number:
@@ -131,6 +131,7 @@ def run(program: str, display: str, home: Path, patience: int) -> subprocess.Com
         capture_output=True,
         text=True,
         timeout=patience,
+        encoding="utf-8",
     )
     if "could not load the Qt platform plugin" in done.stderr.lower() or "no window" in done.stdout:
         pytest.skip("the libraries of X are missing")

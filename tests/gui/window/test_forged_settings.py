@@ -35,7 +35,7 @@ def _forge(value_of: dict[str, str]) -> None:
     for key, value in value_of.items():
         section, _, name = key.partition("/")
         sections.setdefault(section, []).append(f"{name.replace('/', chr(92))}={value}")
-    path.write_text("".join(f"[{name}]\n" + "\n".join(lines) + "\n" for name, lines in sections.items()))
+    path.write_text("".join(f"[{name}]\n" + "\n".join(lines) + "\n" for name, lines in sections.items()), "utf-8")
     settings_file().sync()
 
 

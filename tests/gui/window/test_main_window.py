@@ -218,13 +218,13 @@ def test_a_file_that_is_there_with_its_ending_is_not_replaced_unasked(
 ) -> None:
     """The file dialog looks for the name as it was typed, without the ending."""
     theirs = tmp_path / "lift.toml"
-    theirs.write_text("theirs")
+    theirs.write_text("theirs", "utf-8")
     monkeypatch.setattr(dialogs, "design_to_save", DESIGN_TO_SAVE)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "lift"), ""))
     asked = user.clicks("No")
     user.choose("File", "Save as...")
     assert "lift.toml already exists" in asked[0]
-    assert theirs.read_text() == "theirs"
+    assert theirs.read_text("utf-8") == "theirs"
     user.clicks("Yes")
     user.choose("File", "Save as...")
     assert load(theirs) == user.design

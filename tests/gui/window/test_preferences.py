@@ -214,7 +214,7 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
     )
     window.close()
     window.deleteLater()
-    (tmp_path / "logo.png").write_text("no picture")
+    (tmp_path / "logo.png").write_text("no picture", "utf-8")
 
     def name_logo(dialog: PreferencesDialog) -> None:
         dialog.logo.setText(str(tmp_path / "logo.png"))

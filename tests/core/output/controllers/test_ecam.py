@@ -27,7 +27,7 @@ def exported(tmp_path, capsys, name, *options):
 
 def of_a_knife():
     """What a design holds beside its motion."""
-    text = example("tappet_knife").read_text()
+    text = example("tappet_knife").read_text("utf-8")
     return text[text.index("[follower]") :]
 
 
