@@ -76,7 +76,7 @@ help:
 	make stress   the long tests, and a search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
 	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600); seek in 300 random designs, 3,000 at once
 	make soak     run the window for minutes and look for leaks
-	make wheel    build dist/kindyna-*.whl, and test one in an empty environment
+	make wheel    build the wheel and the source distribution in dist, and test them in an empty environment
 	make clean    remove the environment, caches and dist
 	END
 
@@ -182,8 +182,8 @@ soak: .venv/.ready
 	@.venv/bin/python -m pytest -q -m soak $(ARGS)
 
 wheel: .venv/.ready
-	@.venv/bin/python -m pip wheel -qq --disable-pip-version-check --no-deps -w dist .
-	ls dist/kindyna-*.whl
+	@rm -rf dist
+	.venv/bin/python -m hatchling build -d dist
 	.venv/bin/python -m pytest -q -m wheel tests/core/public $(ARGS)
 
 clean:

@@ -74,7 +74,7 @@ def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.Arg
 def main(
     argv: Sequence[str] | None = None,
     painter: Painter | None = None,
-    program: str = f"python -m {__package__}",
+    program: str = f"python -m {(__package__ or '').partition('.')[0]}",
     extra: Mapping[str, Command] = MappingProxyType({}),
 ) -> int:
     """Run one command; returns the exit code. Without a painter no images are written; extra: further commands."""
