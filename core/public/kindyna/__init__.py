@@ -15,9 +15,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from core import __version__ as __version__
-from core.errors import KindynaError
 
 if TYPE_CHECKING:
+    from core.errors import KindynaError
     from kindyna._design import Design, FindResult, Optimum, Study, design, example, examples, measured, open
     from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult
 
@@ -27,6 +27,7 @@ __all__ = [
 ]  # fmt: skip
 
 _MODULES = {
+    "_columns": ("KindynaError",),
     "_design": ("Design", "FindResult", "Optimum", "Study", "design", "example", "examples", "measured", "open"),
     "_results": ("Channel", "Explanation", "Extreme", "Finding", "ManyResult"),
 }

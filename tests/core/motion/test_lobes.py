@@ -369,7 +369,7 @@ def test_bad_values_are_one_line_with_the_field(
     lobe: str, field: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "bad.toml"
-    path.write_text(text(lobe))
+    path.write_text(text(lobe), "utf-8")
     assert main(["check", str(path)]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1, lines
@@ -429,7 +429,7 @@ def test_every_command_works_on_a_lobe(follower: str, tmp_path: Path) -> None:
         else REST.replace('"flat"', '"roller"').replace("18.0", "18.0\nroller_radius_mm = 9.0")
     )
     path = tmp_path / "lobe.toml"
-    path.write_text(text(A + ROWS, rest))
+    path.write_text(text(A + ROWS, rest), "utf-8")
     for command in (
         ["check", str(path)],
         ["export", str(path), "--out", str(tmp_path / "out"), "--samples", "720"],

@@ -197,7 +197,8 @@ def test_a_type_checker_sees_its_types(with_libraries: Path, tmp_path: Path) -> 
 def test_it_is_small_and_says_what_it_is(wheel: Path) -> None:
     assert wheel.stat().st_size < 4_000_000
     archive = zipfile.ZipFile(wheel)
-    assert [name for name in archive.namelist() if "test" in name.lower()] == ["kindyna_gui/selftest.py"]
+    parts = {part for name in archive.namelist() for part in name.split("/")}
+    assert [part for part in parts if part.startswith(("tests", "test_", "conftest"))] == []
     said = email.message_from_bytes(archive.read("kindyna-0.1.0.dist-info/METADATA"))
     assert (said["Author"], said["License-Expression"]) == ("KINDYNA developers", "MIT")
     assert {"frames", "docs"} <= set(said.get_all("Provides-Extra", []))
@@ -214,22 +215,22 @@ def test_its_selftest_runs_beside_another_core(
     assert done.stdout.count("ok ") == len(list((ROOT / "resources/examples").glob("*.toml")))
 
 
-NAMES_OF_THE_CHECKOUT = [(r"^(\s*from )core\b", r"\1kindyna.core"), (r'"core(\.\w)', r'"kindyna.core\1'),
-                         (r'"core"', '"kindyna"'), (r"python -m core\b|-m core\b", "-m kindyna")]  # fmt: skip
+IN_THE_WHEEL = [(r"^(\s*from )core\b", r"\1kindyna.core"), (r'"core(\.\w)', r'"kindyna.core\1'), (r'"core"', '"kindyna"'),
+                (r"-m core\b", "-m kindyna")]  # fmt: skip
+"""Name of a module in the tests -> its name in the wheel."""
 
 
-def test_the_tests_of_the_commands_pass_with_it(with_libraries: Path, beside: Path) -> None:
-    """Beside another core, with the names that the wheel has."""
+def test_the_tests_of_commands_and_jobs_pass_with_it(with_libraries: Path, beside: Path) -> None:
+    others = shutil.ignore_patterns("__pycache__", "gui", "benchmarks", "test_make.py")
+    shutil.copytree(ROOT / "tests", beside / "tests", ignore=others)
     shutil.copytree(ROOT / "resources", beside / "resources")
     shutil.copy(ROOT / "pyproject.toml", beside)
-    for path in [*(ROOT / "tests").glob("*.py"), *(ROOT / "tests/core/commands").glob("*.py")]:
-        if path.name not in ("test_architecture.py", "test_make.py"):
-            text = path.read_text("utf-8")
-            for here, there in NAMES_OF_THE_CHECKOUT:
-                text = re.sub(here, there, text, flags=re.MULTILINE)
-            copy = beside / path.relative_to(ROOT)
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_text(text, "utf-8")
-    done = run(beside, [], with_libraries, "-m", "pytest", "-q", "-n", "2", "tests/core/commands")
+    for path in (beside / "tests").rglob("*.py"):
+        text = path.read_text("utf-8")
+        for here, there in IN_THE_WHEEL:
+            text = re.sub(here, there, text, flags=re.MULTILINE)
+        path.write_text(text, "utf-8")
+    tests = ["tests/core/commands", "tests/core/public/test_jobs.py"]
+    done = run(beside, [], with_libraries, "-m", "pytest", "-q", "-n", "2", *tests)
     assert done.returncode == 0, done.stdout
     assert int(re.findall(r"(\d+) passed", done.stdout)[-1]) > 200
