@@ -21,7 +21,7 @@ def scripts() -> dict[str, str]:
 
 with TemporaryDirectory() as folder:
     for name, text in scripts().items():
-        Path(folder, f"{name.lower()}_page.py").write_text(text, "utf-8")
+        Path(folder, f"{name.lower()}_page.py").write_text(text, "utf-8", newline="\n")
     options = ["--strict", "--allow-redefinition", "--config-file", str(ROOT / "pyproject.toml")]
     sys.argv[1:] = [*options, *map(str, sorted(Path(folder).iterdir()))]
     main(clean_exit=True)
