@@ -8,7 +8,7 @@ from textwrap import indent
 from typing import Any
 
 from cells import members
-from markup import code, contents, table, words, write_page
+from markup import code, contents, table, text, words, write_page
 from numpydoc.docscrape_sphinx import SphinxDocString
 
 import kindyna as kd
@@ -24,13 +24,8 @@ def library(folder: Path) -> None:
     entries = (entry("function", name, items[name], str(signature(items[name]))) for name in functions)
     write_page(folder / "functions.rst", f"{heading('Functions')}\n{''.join(entries)}")
     rows = [(f"[`{name}`](#kindyna.{name})", summary(items[name])) for name in (*functions, *kinds)]
-    texts = [
-        "# The library",
-        str(kd.__doc__).replace("``", "`"),
-        table("name | what it is", rows),
-        contents(("functions", *kinds)),
-    ]
-    write_page(folder / "index.md", "\n\n".join(texts))
+    listed = table("name | what it is", rows) + contents(("functions", *kinds), ":hidden:")
+    write_page(folder / "index.md", text("library", listed))
 
 
 def heading(title: str) -> str:

@@ -6,7 +6,7 @@ from contextlib import chdir
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from cells import Kernel, notebook, shown
+from cells import FENCE, Kernel, notebook, shown
 from core_tables import fields, reference
 from library import library
 from markup import contents, text, write_page
@@ -45,7 +45,7 @@ def guide(folder: Path) -> None:
     try:
         for name, (_, complete) in PAGES.items():
             page = text(name, fields()) if name == "fields" else complete(help_text(name), window)
-            write_page(folder / f"{name}.md", without_window_addresses(page))
+            write_page(folder / f"{name}.md", with_outputs(without_window_addresses(page), name))
     finally:
         dismiss(window)
     for picture in (resources() / "help").glob("*.png"):
@@ -59,34 +59,33 @@ def without_window_addresses(page: str) -> str:
     return re.sub(r"\[([^\]]+)\]\(kindyna:[^)]*\)", r"\1", page)
 
 
-# -- notebooks --------------------------------------------------------------------------------------------------
-
-
-def notebooks(folder: Path) -> None:
-    """The notebooks with their outputs."""
-    names = sorted(
-        (resources() / "notebooks").glob("*.ipynb"),
-        key=lambda path: (*(path.stem != name for name in NOTEBOOKS), path.stem),
-    )
-    for path in names:
-        parts, kernel = [], Kernel()
-        with TemporaryDirectory() as scratch, chdir(scratch):
-            for number, cell in enumerate(notebook(path), 1):
-                if cell.kind == "markdown":
-                    parts.append(cell.text)
-                else:
-                    parts += [
-                        f"```python\n{cell.text}\n```",
-                        raw(shown(*kernel.run(cell.text, f"{path.name}[{number}]"))),
-                    ]
-        write_page(folder / f"{path.stem}.md", "\n\n".join(parts) + f"\n\n{{download}}`The notebook <{path.name}>`\n")
-        shutil.copy(path, folder)
-    write_page(folder / "index.md", f"# Notebooks\n\n{contents(path.stem for path in names)}")
+def with_outputs(page: str, place: str) -> str:
+    """The page with the output of each block of Python below it; files that it writes are in a folder that is removed."""
+    kernel = Kernel()
+    with TemporaryDirectory() as scratch, chdir(scratch):
+        return FENCE.sub(lambda block: f"{block[0]}\n\n{raw(shown(*kernel.run(block[1], place)))}\n", page)
 
 
 def raw(html: str) -> str:
     """HTML between blocks of Markdown."""
     return f"````{{raw}} html\n{html}\n````" if html else ""
+
+
+# -- notebooks --------------------------------------------------------------------------------------------------
+
+
+def notebooks(folder: Path) -> None:
+    """The notebooks with their outputs."""
+    found = {path.stem: path for path in (resources() / "notebooks").glob("*.ipynb")}
+    names = sorted(found, key=lambda name: (NOTEBOOKS.index(name) if name in NOTEBOOKS else len(NOTEBOOKS), name))
+    for name in names:
+        cells = [
+            cell.text if cell.kind == "markdown" else f"```python\n{cell.text}\n```" for cell in notebook(found[name])
+        ]
+        page = with_outputs("\n\n".join(cells), found[name].name)
+        write_page(folder / f"{name}.md", f"{page}\n\nFor Jupyter: {{download}}`{name}.ipynb <{name}.ipynb>`\n")
+        shutil.copy(found[name], folder)
+    write_page(folder / "index.md", f"# Notebooks\n\n{contents(names)}")
 
 
 # -- gallery ----------------------------------------------------------------------------------------------------
@@ -98,21 +97,18 @@ def gallery(folder: Path) -> None:
     for title, examples in subjects():
         index.append(f"## {title}")
         for row in examples:
-            design, kernel = kd.example(row.file), Kernel()
-            lines = example_lines(row.file, design)
-            with TemporaryDirectory() as scratch, chdir(scratch):
-                output = shown(*kernel.run(lines, row.file))
-            write_page(folder / f"{row.file}.toml", design.toml)
+            design = kd.example(row.file)
+            lines = f"```python\n{example_lines(row.file, design)}\n```"
             page = [
                 f"# {row.name}",
                 row.text,
-                f"```python\n{lines}\n```",
-                raw(output),
+                with_outputs(lines, row.file),
                 FILE.format(slug=row.file, toml=design.toml),
             ]
             write_page(folder / f"{row.file}.md", "\n\n".join(page))
+            write_page(folder / f"{row.file}.toml", design.toml)
             if DRAWN:
-                write_page(folder / f"{row.file}.svg", kernel.names["picture"].svg)
+                write_page(folder / f"{row.file}.svg", design.study().picture(at_deg=45.0).svg)
                 index.append(f"[![{row.name}]({row.file}.svg)]({row.file}.md)")
             index.append(f"**[{row.name}]({row.file}.md)**: {row.text}")
     slugs = [row.file for _, examples in subjects() for row in examples]
