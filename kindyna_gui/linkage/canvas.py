@@ -174,7 +174,8 @@ class Canvas(QGraphicsView):
 
     def update_style(self) -> None:
         """Apply a change of theme or font; the zoom does not change."""
-        self._scene.update_style()
+        if not self._scene.update_style():
+            return
         if self.fitted:
             self.fit()
         else:

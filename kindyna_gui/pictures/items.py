@@ -168,10 +168,13 @@ class Tag(QGraphicsItem):
         """Set the colour of the text."""
         self._text.setBrush(brush(colour))
 
-    def update_font(self) -> None:
-        """Use the font size that is set now."""
+    def update_font(self) -> bool:
+        """Use the font size that is set now; returns whether it is another one."""
+        if self._text.font() == font(self._pixels):
+            return False
         self._text.setFont(font(self._pixels))
         self._lay()
+        return True
 
     def shift(self, x: float, y: float) -> None:
         """Shift the text from its position [pixels, y downwards]."""

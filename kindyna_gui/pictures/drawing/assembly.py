@@ -400,7 +400,7 @@ class Assembly(QGraphicsScene):
         self.overlay.lay(visible, scale)
         self.overlay.show_angle(degrees(self._machine))
 
-    def update_style(self) -> None:
+    def update_style(self) -> bool:
         """Take over the current fonts and remove all figures, so that they are drawn again in the current theme."""
         for item in self.items():
             if isinstance(item, Tag):
@@ -410,6 +410,7 @@ class Assembly(QGraphicsScene):
         for cell in cells:
             self.removeItem(cell.root)
             self.removeItem(cell.tag)
+        return True
 
     def lay_labels(self) -> None:
         """Do nothing: the names of the drives keep their positions."""

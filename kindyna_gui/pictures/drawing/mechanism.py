@@ -550,11 +550,10 @@ class MechanismScene(QGraphicsScene):
         if self._region is not None:
             self.show_region(*self._region)
 
-    def update_style(self) -> None:
-        """Take over the current fonts, before the labels are placed again."""
-        for item in self.items():
-            if isinstance(item, Tag):
-                item.update_font()
+    def update_style(self) -> bool:
+        """Take over the current fonts; returns whether the labels must be placed again."""
+        changes = [item.update_font() for item in self.items() if isinstance(item, Tag)]
+        return any(changes)
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
         self._region = (visible, scale)

@@ -205,10 +205,12 @@ class CurvePlot(TurnCurves, FixedPlot):
         if not self._named:
             self._axes["top"].setHeight(UNNAMED)
 
-    def update_style(self) -> None:
-        super().update_style()
+    def _draw_in_style(self) -> None:
         self._background_state = ()
-        self.draw_again()
+        if self._curves:
+            self.draw_again()
+        else:
+            self._lay()
 
     def cache_axes(self) -> None:
         """Cache the axes as pixels, so that the cursor moves over them without drawing them again."""
@@ -251,7 +253,8 @@ class CurvePlot(TurnCurves, FixedPlot):
         curves = read_curves(study, channels, self._theme)
         dashed = reference_curves(reference, curves)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point(), reference_name)
+        name = reference_name if dashed else ""
+        marks = (tuple(segments), tuple(limits), symbol_of(channels[0].unit.symbol), point(), name)
         samples = line_of(study)
         shaded = [(curve, bands[curve.channel.slug]) for curve in curves if curve.channel.slug in bands]
         reference_samples = line_of(reference) if reference is not None and dashed else None
@@ -301,8 +304,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         for limit, (value, text, brief, field) in zip(self._limits, shown, strict=True):
             figure = with_unit(short(value, 4), self.display_unit.symbol)
             limit.set_value(value, text.format(figure), (brief, brief.rpartition(": ")[2], figure), field)
-        self._reference_name = reference_name if dashed else ""
-        self._listed = {}
+        self._reference_name, self._listed = name, {}
         self._name_curves()
         self._find_extremes()
         self._lay_out()
@@ -328,8 +330,7 @@ class CurvePlot(TurnCurves, FixedPlot):
         if self._curves and self._request is not None:
             self._drawn_marks = ()
             study, channels, reference, bands = self._request
-            name = self._reference_name or PINNED
-            self.set_curves(study, channels, reference, bands=bands, reference_name=name)
+            self.set_curves(study, channels, reference, bands=bands, reference_name=self._reference_name)
             self.show_extremes(ranges)
 
     # -- extremes -------------------------------------------------------------------------------------------

@@ -93,6 +93,8 @@ class Axis(pg.AxisItem):
 
     def update_font(self) -> None:
         """Use the font size that is set now."""
+        if self.style["tickFont"] == font(SMALL):
+            return
         self._sizes = {}
         self.setStyle(tickFont=font(SMALL))
         self.redraw_title(str)
@@ -114,8 +116,10 @@ class Axis(pg.AxisItem):
 
     def redraw_title(self, colour: Callable[[str], str]) -> None:
         """Draw the title again in the current font size; ``colour`` maps its colour before to the new one."""
-        (text, before), self._title = self._title, ("", "")
-        self.show_title(text, colour(before))
+        text, before = self._title
+        if text:
+            self._title = ("", "")
+            self.show_title(text, colour(before))
 
     def resizeEvent(self, event: object = None) -> None:
         """Keep the title on the right inside the axis, where pyqtgraph would let it hang over the end."""
@@ -430,6 +434,10 @@ class FixedPlot(pg.GraphicsView):
                 update_font()
         self._size_axes()
         self._fit_legend()
+        self._draw_in_style()
+
+    def _draw_in_style(self) -> None:
+        """Lay out the contents, in the current theme and font size."""
         self._lay()
 
     def getViewBox(self) -> pg.ViewBox:

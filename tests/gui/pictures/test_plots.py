@@ -213,6 +213,20 @@ def test_a_curve_whose_values_and_axis_stay_is_not_drawn_again(monkeypatch: pyte
     assert line not in drawn
 
 
+def test_after_a_change_of_the_look_the_same_request_draws_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The view refreshes once its plots have taken over theme and font size; nothing is pinned, so the name is empty."""
+    plot, study, rows = plot_of(LIFT, "velocity_mm_s"), Study(LIFT, SAMPLES), [channel(LIFT, "velocity_mm_s")]
+    plot.set_curves(study, rows, reference_name="")
+    laid: list[CurveLine] = []
+    lay = CurveLine.lay
+    monkeypatch.setattr(CurveLine, "lay", lambda line, *rest: (laid.append(line), lay(line, *rest)))
+    plot.update_style()
+    assert laid
+    laid.clear()
+    plot.set_curves(study, rows, reference_name="")
+    assert not laid
+
+
 def test_a_jump_is_a_jump() -> None:
     """The lift's jerk jumps where its dwells end: between two neighbouring samples and nowhere else."""
     y = curves(plot_of(LIFT, "jerk_mm_s3"))[0].y
