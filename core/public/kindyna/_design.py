@@ -73,7 +73,14 @@ class Design:
         return values[path]
 
     def fields(self) -> dict[str, float | int | str | bool | None]:
-        """Return path -> value of every number, word and flag that can be edited; None for an optional one that is not given."""
+        """Return path -> value of every number, word and flag that can be edited; None for an optional one that is not given.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> kd.example("transfer_lift").fields()["follower.rod_mm"]
+        845.0
+        """
         return {path: value for path, value in self._values().items() if not isinstance(value, tuple)}
 
     def edit(self, values: Mapping[str, Any]) -> Design:
@@ -95,6 +102,13 @@ class Design:
             A value is not of the kind of its field, or not finite.
         KindynaError
             The new design has faults; ``faults`` lists all of them.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> d = kd.example("transfer_lift").edit({"motion.segments[1].span_deg": 50.0, "motion.segments[1].law": "cycloidal"})
+        >>> d["motion.segments[1].law"], round(d["motion.segments[2].span_deg"], 6)
+        ('cycloidal', 198.5)
         """
         known = self._require_fields("values", values)
         present = dict(self._entries())
@@ -140,6 +154,14 @@ class Design:
         ------
         KindynaError
             There is no such drive, or none of the drives has a solution.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> kd.example("transfer_lift").study(samples=1440).angle_deg[:3].tolist()
+        [0.0, 0.25, 0.5]
+        >>> kd.example("transfer_unit").study(drive="Lift")
+        <kindyna.Study 360 angles of 'Transfer unit, drive Lift'>
         """
         count = whole("samples", samples)
         if not LEAST_SAMPLES <= count <= MOST_SAMPLES:
@@ -177,6 +199,13 @@ class Design:
             A limit or an option has a wrong value.
         KindynaError
             There is no such limit, or no value satisfies every limit; the text has the best one.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> f = kd.example("transfer_lift").find("base-radius", limits={"pressure_angle_return_deg": 20})
+        >>> f.answer["cam.base_radius_mm"], f.curve.shape
+        (378.45..., (44, 2))
         """
         from core.commands.find import FindArguments, search  # a design is edited and studied without it
         from core.find import SEARCHES
@@ -222,6 +251,14 @@ class Design:
             The design lacks a path.
         TypeError, ValueError
             The numbers have no common shape (m,), or there is no such quantity.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import kindyna as kd
+        >>> m = kd.example("transfer_lift").many({"cam.base_radius_mm": np.linspace(390, 420, 1000)}, ["drive_torque_nm:abs"])
+        >>> m.value["drive_torque_nm:abs"].shape, round(m.value["drive_torque_nm:abs"].min())
+        ((1000,), 7503)
         """
         self._require_fields("values", values)
         inputs = {path: vector(path, numbers) for path, numbers in values.items()}
@@ -249,6 +286,14 @@ class Design:
             A value is of the wrong kind.
         KindynaError
             A field does not accept a value, a quantity does not exist, or there are too many designs; ``faults`` lists all that is wrong.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> fields = {"cam.base_radius_mm": (390, 420, 3), "motion.segments[1].law": ["modified-sine", "cycloidal"]}
+        >>> m = kd.example("transfer_lift").vary(fields, ["pressure_angle_deg:max"])
+        >>> m.inputs["cam.base_radius_mm"].tolist()
+        [390.0, 390.0, 405.0, 405.0, 420.0, 420.0]
         """
         from core.varying.space import Space, study_values
         from core.varying.space import workers as processes
@@ -293,6 +338,17 @@ class Design:
         KindynaError
             A field does not accept a bound, a figure does not exist (``faults`` lists all that is wrong), or no design satisfies every
             limit; the text has the best one.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> o = kd.example("rocker_cam").optimise(
+        ...     vary={"cam.base_radius_mm": (40, 90)},
+        ...     minimise="drive_torque_nm:abs",
+        ...     limits={"pressure_angle_deg:max": {"max": 35}},
+        ... )
+        >>> round(o.answer["cam.base_radius_mm"], 2), round(o.goal, 3)
+        (57.55, 5.492)
         """
         from core.commands.studies import OptimiseArguments, best_design, optimum_data
         from kindyna._varied import limit_ends, varied_range, varied_study
@@ -327,6 +383,13 @@ class Design:
         ------
         KindynaError
             One of them has no solution.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> d = kd.example("transfer_lift")
+        >>> d.compare(d.edit({"cam.base_radius_mm": 430.0}))["inputs"]
+        [{'path': 'cam.base_radius_mm', 'a': 400.0, 'b': 430.0}]
         """
         from json import loads as parsed
 

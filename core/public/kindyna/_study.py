@@ -58,6 +58,13 @@ class StudyResults(Generic[D]):
         Returns
         -------
         Study
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> s = kd.example("transfer_lift").study().at([10.0, 20.0])
+        >>> s["displacement_mm"].tolist()
+        [150.0, 150.0]
         """
         return type(self)(self._design, Columns(self._columns.full, vector("angles_deg", angles_deg)))
 
@@ -77,6 +84,12 @@ class StudyResults(Generic[D]):
             The design lacks the channel.
         KindynaError
             The channel is an angle that wraps, which has no extremes.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> kd.example("transfer_lift").study().extreme("pressure_angle_deg")
+        Extreme(value=17.60..., angle_deg=58.47..., unit='°')
         """
         return self._columns.extreme(name, of)
 
@@ -92,6 +105,13 @@ class StudyResults(Generic[D]):
         ------
         KeyError
             The design lacks a channel.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> columns = kd.example("transfer_lift").study().to_dict("cam_angle_deg", "drive_torque_nm")
+        >>> {name: values.shape for name, values in columns.items()}
+        {'cam_angle_deg': (360,), 'drive_torque_nm': (360,)}
         """
         return {name: self[name] for name in names or self.channels}
 
@@ -109,6 +129,13 @@ class StudyResults(Generic[D]):
             pandas is not installed; the extra ``frames`` installs it.
         KeyError
             The design lacks a channel.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> frame = kd.example("transfer_lift").study().to_frame("drive_torque_nm")
+        >>> frame.index.name, frame.shape
+        ('cam_angle_deg', (360, 1))
         """
         index, columns = self._columns.angle, self.to_dict(*names)
         return frame({name: columns[name] for name in columns if name != index}, self.angle_deg, index)
@@ -131,6 +158,13 @@ class StudyResults(Generic[D]):
             The cam has no such flank.
         KindynaError
             The design has no cam.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> s = kd.example("groove").study()
+        >>> s.profile().shape, s.profile("outer").shape
+        ((360, 2), (360, 2))
         """
         flanks = {row.name: row for row in self._one_drive("profile").cam.flanks}
         if text("flank", flank) not in flanks:
@@ -155,6 +189,12 @@ class StudyResults(Generic[D]):
         ------
         KeyError
             There is no such link, or it has no such point.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> kd.example("four_bar").study().point(3, "C")[0].round(3).tolist()
+        [28.289, 60.184]
         """
         bodies = self._one_drive("point").linkage.bodies
         body = link if isinstance(link, str) else body_name(whole("link", link))
@@ -196,6 +236,13 @@ class StudyResults(Generic[D]):
         ------
         KindynaError
             The design lacks the quantity, or it has no value at this angle.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> e = kd.example("four_bar").study().explain("transmission_B_deg", at_deg=40)
+        >>> str(e).splitlines()[0], e.source
+        ('Transmission angle at B at 40°: 57.8965400 °', 'angle between the links at the joint')
         """
         from core.output.explain import explained
 
@@ -227,6 +274,15 @@ class StudyResults(Generic[D]):
             An option has a wrong value.
         KindynaError
             There is no such format, the design lacks what it needs, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> s = kd.example("rocker_cam").study()
+        >>> [path.name for path in s.export("cam.dxf", tolerance=0.002, as_="arcs")]
+        ['cam.dxf', 'cam.dxf.json']
+        >>> [path.name for path in s.export("tables", only=["motion"])]
+        ['kinematics.csv', 'summary.json']
         """
         from kindyna._files import export_study  # no reader of results needs the formats of files
 
@@ -258,6 +314,13 @@ class StudyResults(Generic[D]):
             An option has a wrong value.
         KindynaError
             There is no such controller or table, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> table = kd.example("rocker_cam").study().ecam("sew-tab", out="sew.txt", error=0.002)
+        >>> table["rows"], table["certified"], table["deviation_deg"] < 0.002
+        (125, True, True)
         """
         from kindyna._files import ecam_table  # no reader of results needs the formats of files
 
