@@ -171,7 +171,7 @@ class DrivesView(View):
         design = self.session.full_design
         if number < len(design.drives):
             drive = design.drives[number]
-            phase, side = f"{short(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
+            phase, side = f"{short(drive.phase)}°", "mirrored" if drive.mirrored else ""
         else:
             phase, side = f"{short(design.balancer.phase_deg)}°", ""
         for column, text in enumerate((row.name, phase, side)):

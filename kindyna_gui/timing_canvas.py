@@ -28,6 +28,7 @@ from core.design import (
     events_at,
     join_room,
     path_in,
+    phase_path,
     phase_room,
     turn_drive,
     turn_join,
@@ -140,7 +141,7 @@ class DraggedDrive:
     def path(self) -> str:
         """Path of the field that the drag changes."""
         return (
-            f"drives[{self.drive}].phase_deg"
+            phase_path(self.design, self.drive)
             if self.join is None
             else f"drives[{self.drive}].motion.joins[{self.join}]"
         )
@@ -156,7 +157,7 @@ def _chart_content(design: Design | None) -> object:
     """The parts of a design that the chart shows, to compare two designs."""
     if design is None:
         return None
-    drives = tuple((drive.phase_deg, drive.mirrored, drive.motion) for drive in design.drives)
+    drives = tuple((drive.phase, drive.mirrored, drive.motion) for drive in design.drives)
     return design.speed_rpm, drive_names(design), drives, design.timing
 
 
@@ -335,7 +336,7 @@ class TimingCanvas(QWidget):
         design = self._design
         assert design is not None
         if join is None:
-            return DraggedDrive(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
+            return DraggedDrive(drive, None, design, design.drives[drive].phase, phase_room(design, drive))
         at = self.chart.bands[drive].joins[join]
         return DraggedDrive(drive, join, design, at, join_room(design, drive, join))
 
@@ -443,7 +444,7 @@ class TimingCanvas(QWidget):
         drive, join = grip
         assert self._design is not None
         band = self.chart.bands[drive]
-        at = self._design.drives[drive].phase_deg % 360.0 if join is None else band.joins[join]
+        at = self._design.drives[drive].phase % 360.0 if join is None else band.joins[join]
         position = event.position() if join is None else self.chart.join_position(drive, join)
         self.typed.ask(drive, join, self.chart.value(at), self.unit, position)
 
@@ -520,7 +521,7 @@ class TimingCanvas(QWidget):
             return path_in(self._design, grip[0], inside)
         if row is not None:
             return f"timing[{row}].least_deg"
-        return "" if grip is None else path_in(self._design, grip[0], "phase_deg")
+        return "" if grip is None else phase_path(self._design, grip[0])
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)
@@ -559,7 +560,7 @@ class TimingCanvas(QWidget):
             timing = self._design.timing[row]
             what = f"{event_text(timing.second)} after {event_text(timing.first)}: {self.chart.condition_text(row)}"
         elif grip is not None:
-            phase = self._design.drives[grip[0]].phase_deg % 360.0
+            phase = self._design.drives[grip[0]].phase % 360.0
             what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.degrees_and_ms(phase)}"
         else:
             return HOW

@@ -77,7 +77,7 @@ def search_for(design: Design, path: str) -> str:
     """Search of Find that varies a field; empty if there is none."""
     from core.find import available_searches, available_shaft_searches, varied_fields
 
-    if path.endswith(".phase_deg"):
+    if path.endswith((".phase_deg", ".centre_deg")):
         return next((search for search in available_shaft_searches(design) if search == "phases"), "")
     searches = () if design.listed else available_searches(design)
     return next((search for search in searches if varied_fields(design, search) == (path,)), "")

@@ -94,6 +94,11 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "vibration": _row(
             "how an elastic follower vibrates in its dwells, and its response spectrum over speeds", "cams", "vibration"
         ),
+        "valve": _row(
+            "the valves of a valve train on the crank: events, overlap, velocities, radii, and a lift table",
+            "valves",
+            "valve",
+        ),
         "centres": _row("instant centres and velocities of a linkage at one position", "linkages", "centres"),
         "compare": _row(
             "comparison of two designs: inputs that differ, results of both, new and removed findings",

@@ -28,6 +28,8 @@ from core.design.camshaft import (
     only,
     path_in,
     path_of,
+    phase_path,
+    phase_value,
     remove_drive,
     rename_drive,
     reorder_timing,
@@ -36,8 +38,10 @@ from core.design.camshaft import (
     strokes,
     with_only,
     with_phase,
+    with_phase_value,
     with_timing,
 )
+from core.design.curves import nose_deg
 from core.design.design import SECTIONS, STAGES, Design, Drive, TimingRow, require_linkage, with_drive, with_table
 from core.design.edits import (
     edited,
@@ -58,6 +62,7 @@ from core.design.edits import (
     with_stroke,
     without_segment,
 )
+from core.design.engine import FLAT, PARALLEL, Engine, Valve
 from core.design.fields import Info, info_of, unit_of
 from core.design.follower_kinds import FOLLOWER_KINDS, FollowerKind, kind_of
 from core.design.followers import (

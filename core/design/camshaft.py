@@ -13,7 +13,9 @@ from dataclasses import replace
 from itertools import chain, count
 from math import fsum
 
-from core.design.design import Design, Drive, TimingRow
+from core.design.curves import nose_deg
+from core.design.design import SHARED, Design, Drive, TimingRow
+from core.design.lobe import CRANK_PER_CAM
 from core.design.motions import Motion
 from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
@@ -31,6 +33,7 @@ RESERVED = ("motor", BALANCER)
 """Slugs that no drive may have, since columns of the shaft's table have them."""
 
 _OPPOSITE = {"ccw": "cw", "cw": "ccw"}
+_DECIMALS = 10  # of a centre, far below the accuracy of a search
 _ON_SHAFT = ("name", "phase_deg", "mirrored", "carries")  # fields of a drive that a single drive does not have
 
 
@@ -56,6 +59,11 @@ def drive_at(path: str) -> tuple[int, str] | None:
     """
     name, number, inside = row_at(path, "drives")
     return (number, inside) if name and inside and inside not in _ON_SHAFT else None
+
+
+def is_shared(path: str) -> bool:
+    """Whether a path belongs to a table that several drives share."""
+    return path.startswith(tuple(f"{name}." for name in SHARED))
 
 
 def path_of(index: int, path: str) -> str:
@@ -102,8 +110,9 @@ def only(design: Design, index: int) -> Design:
     paths = (path for path in design.assumed if path.startswith(path_of(index, "")))
     marks = [found[1] for path in paths if (found := drive_at(path)) is not None]
     marks += [path for path in design.assumed if path in ("shaft.rotation", "shaft.speed_rpm")]
+    marks += [path for path in design.assumed if path.startswith("engine.")]
     single = replace(drive, name=None, phase_deg=0.0, mirrored=False, carries=())
-    return Design(drive.name or "", _shaft_of(design, drive), (single,), tuple(marks))
+    return Design(drive.name or "", _shaft_of(design, drive), (single,), tuple(marks), engine=design.engine)
 
 
 def in_machine(design: Design, single: Design) -> Design:
@@ -135,10 +144,12 @@ def with_only(design: Design, index: int, single: Design) -> Design:
         assert turning is not None
         shaft = replace(design.shaft, rotation=turning.rotation, speed_rpm=turning.speed_rpm)
         changed = turning_together(replace(changed, shaft=shaft))
+    if single.engine != design.engine:
+        changed = replace(changed, engine=single.engine)
     if single.assumed == before.assumed and single.name == before.name:
         return changed
     marks = [path for path in design.assumed if (found := drive_at(path)) is None or found[0] != index]
-    new = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
+    new = [path_of(index, path) for path in single.assumed if not is_shared(path)]
     at = next((i for i, path in enumerate(design.assumed) if path not in marks), len(marks))
     return _renamed(replace(changed, assumed=(*marks[:at], *new, *marks[at:])), before.name, single.name)
 
@@ -179,7 +190,7 @@ def as_list(design: Design, name: str = "") -> Design:
         raise DesignError(
             [Fault("shaft", "(nothing)", "several drives need a shaft that turns them", "a table [shaft]")]
         )
-    marks = tuple(path if path.startswith("shaft.") else path_of(0, path) for path in design.assumed)
+    marks = tuple(path if is_shared(path) else path_of(0, path) for path in design.assumed)
     return replace(design, drives=(replace(design.drive, name=name or design.name),), assumed=marks)
 
 
@@ -188,10 +199,10 @@ def add_drive(design: Design, single: Design, name: str = "") -> Design:
     design = as_list(design)
     index = len(design.drives)
     drive = replace(single.drive, name=free_name(design, name or single.name), phase_deg=0.0, mirrored=False)
-    marks = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
-    return _in_file_order(
-        turning_together(replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks)))
-    )
+    marks = [path_of(index, path) for path in single.assumed if not is_shared(path)]
+    engine = design.engine or single.engine
+    longer = replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks), engine=engine)
+    return _in_file_order(turning_together(longer))
 
 
 def copy_drive(design: Design, index: int) -> Design:
@@ -228,10 +239,34 @@ def rename_drive(design: Design, index: int, name: str) -> Design:
     return _renamed(with_drives(design, drives), old, name)
 
 
+def phase_path(design: Design, index: int) -> str:
+    """Path of the field that determines the phase of a drive: the centre of its valve, else the phase itself."""
+    return path_of(index, "phase_deg" if design.drives[index].valve is None else "valve.centre_deg")
+
+
+def phase_value(design: Design, index: int, phase_deg: float) -> float:
+    """Value of the field at ``phase_path`` with which a drive has a phase; a centre is the one nearest to the present centre."""
+    drive = design.drives[index]
+    if drive.valve is None or drive.motion is None:
+        return phase_deg
+    centre = CRANK_PER_CAM * (phase_deg + nose_deg(drive.motion)) - drive.valve.cylinder_deg
+    cycle = 360.0 * CRANK_PER_CAM
+    return round(centre - cycle * round((centre - drive.valve.centre_deg) / cycle), _DECIMALS) + 0.0
+
+
 def with_phase(design: Design, index: int, phase_deg: float) -> Design:
-    """Design with another phase of one drive."""
-    drives = list(design.drives)
-    drives[index] = replace(drives[index], phase_deg=phase_deg)
+    """Design with another phase of one drive; a drive that moves a valve has another centre."""
+    return with_phase_value(design, index, phase_value(design, index, phase_deg))
+
+
+def with_phase_value(design: Design, index: int, value: float) -> Design:
+    """Design with another value of the field at ``phase_path``."""
+    drives, drive = list(design.drives), design.drives[index]
+    valve = drive.valve
+    if valve is None:
+        drives[index] = replace(drive, phase_deg=value)
+    else:
+        drives[index] = replace(drive, valve=replace(valve, centre_deg=value))
     return with_drives(design, drives)
 
 
@@ -333,7 +368,7 @@ def events(design: Design) -> Mapping[str, float]:
     for name, drive in zip(drive_names(design), design.drives, strict=True):
         for stroke in strokes(drive.motion) if drive.motion is not None else ():
             for end, angle in zip(ENDS, (stroke.start, stroke.end), strict=True):
-                angles[f"{name}.{stroke.name}.{end}"] = (angle + drive.phase_deg) % 360.0
+                angles[f"{name}.{stroke.name}.{end}"] = (angle + drive.phase) % 360.0
     return angles
 
 

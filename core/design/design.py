@@ -7,6 +7,8 @@ from dataclasses import fields, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
+from core.design.curves import nose_deg
+from core.design.engine import Engine, Valve
 from core.design.fields import FileLayout, flag, number, placed
 from core.design.follower_kinds import FOLLOWER_KINDS, kind_of
 from core.design.followers import OF_SECOND, CamDetails, Face
@@ -22,8 +24,10 @@ from core.numerics.lazy import first_value, lazy
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
-SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
+SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "engine", "valve", "loads", "limits", "servo")
 """Tables of a file in their order; no design has all of them. The motions of second drivers follow them."""
+SHARED = ("shaft", "engine")
+"""Tables that several drives share."""
 MOTIONS = "motions."
 """Prefix of the name of a second driver's motion."""
 
@@ -47,6 +51,7 @@ class Drive:
     mirrored : whether it is designed as seen from the other end of the shaft, which then turns in the opposite sense
     carries : direction in space of its motion, where several drives carry one part; else empty
     servo : motor of the drive; None where it has none
+    valve : valve that it moves; None where it has none
     """
 
     motion: Motion | None = placed(_SEPARATE)
@@ -61,6 +66,19 @@ class Drive:
     )
     carries: tuple[float, ...] = placed(FileLayout(each=float), ())
     servo: Servo | None = placed(_SEPARATE, None)
+    valve: Valve | None = placed(_SEPARATE, None)
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Fields that follow from others, and that a file does not contain."""
+        return () if self.valve is None else ("phase_deg",)
+
+    @property
+    def phase(self) -> float:
+        """Machine angle at cam angle 0 [deg], on a shaft of several drives: by the centre of its valve, else ``phase_deg``."""
+        if self.valve is None or self.motion is None or self.name is None:
+            return self.phase_deg
+        return (0.5 * (self.valve.centre_deg + self.valve.cylinder_deg) - nose_deg(self.motion)) % 360.0
 
     @property
     def carried_per_motion(self) -> float | None:
@@ -90,6 +108,7 @@ class Drive:
             "loads": self.loads,
             "limits": None if self.cam is None else self.limits,
             "servo": self.servo,
+            "valve": self.valve,
         }
         tables = {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
         return tables | {f"{MOTIONS}{row.name}": row.motion for row in self.motions}
@@ -102,7 +121,9 @@ class Drive:
     @property
     def sections(self) -> tuple[str, ...]:
         """Names of the tables that it may have, in their order."""
-        excluded = {"shaft", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {self.table}
+        excluded = {"shaft", "engine", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {
+            self.table
+        }
         return (*(name for name in SECTIONS if name not in excluded), *(f"{MOTIONS}{m.name}" for m in self.motions))
 
     @property
@@ -232,6 +253,7 @@ class Design:
     timing : sequence conditions
     balancer : the balance cam, None where there is none
     tolerances, waviness : permitted deviations of the built machine
+    engine : crank of a valve train; None where there is none
     """
 
     name: str
@@ -242,6 +264,7 @@ class Design:
     balancer: Balancer | None = None
     tolerances: tuple[Tolerance, ...] = ()
     waviness: Waviness | None = None
+    engine: Engine | None = None
 
     @property
     def listed(self) -> bool:
@@ -266,7 +289,8 @@ class Design:
 
         With a list of drives: ``shaft``, ``drives[0]`` with its name and phase, ``drives[0].motion`` …, ``timing[0]`` ….
         """
-        shaft = {} if self.shaft is None else {"shaft": self.shaft}
+        shared = {"shaft": self.shaft, "engine": self.engine}
+        shaft = {name: part for name, part in shared.items() if part is not None}
         if self.listed:
             parts: dict[str, Any] = shaft
             for i, drive in enumerate(self.drives):
@@ -280,9 +304,9 @@ class Design:
     def sections(self) -> tuple[str, ...]:
         """Names of the tables that its file may have, in their order."""
         if self.listed:
-            return tuple(dict.fromkeys(("shaft", *self.tables, "balancer")))
+            return tuple(dict.fromkeys((*SHARED, *self.tables, "balancer")))
         named = self.drive.sections
-        return (*(n for n in SECTIONS if n in ("shaft", *named)), *(n for n in named if n not in SECTIONS))
+        return (*(n for n in SECTIONS if n in (*SHARED, *named)), *(n for n in named if n not in SECTIONS))
 
     @property
     def speed_rpm(self) -> float:
@@ -338,7 +362,7 @@ def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **part
 
 def with_table(design: Design, name: str, part: Any) -> Design:
     """Design with one table of its file replaced, or removed where the part is None."""
-    if name in ("shaft", "balancer"):
+    if name in (*SHARED, "balancer"):
         return replace(design, **{name: part})
     return replace(design, drives=(with_drive_table(design.drive, name, part),))
 

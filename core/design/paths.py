@@ -12,7 +12,7 @@ from functools import lru_cache
 from math import nan
 from typing import Any, TypeVar
 
-from core.design.design import MOTIONS, Design, with_drive_table, with_table
+from core.design.design import MOTIONS, SHARED, Design, with_drive_table, with_table
 from core.design.fields import LAW, FileEntry, Info, slots, slots_of
 from core.design.motions import Segment, curve_of
 from core.design.parts import Shaft
@@ -208,7 +208,7 @@ def get(design: Design, path: str) -> Any:
         Where the design has no such path.
     """
     (name, index), *steps = _steps(path)
-    if not steps and index is None and name in ("name", "assumed", "shaft", "drives", "timing", "balancer"):
+    if not steps and index is None and name in ("name", "assumed", *SHARED, "drives", "timing", "balancer"):
         return getattr(design, name)
     part, rest, _ = _table(design, path)
     value, _ = _lens(part, rest, path)

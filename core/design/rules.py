@@ -10,7 +10,9 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design.camshaft import RESERVED, drive_names, drive_of, events, named_event, only, path_of, slug
-from core.design.design import Design, Drive
+from core.design.design import SHARED, Design, Drive
+from core.design.engine import Engine
+from core.design.engine_rules import rod_is_long, valve_faults
 from core.design.fields import slots
 from core.design.follower_kinds import FOLLOWER_KINDS
 from core.design.followers import FORM, CamDetails, Conjugate, Open, Roller
@@ -250,6 +252,7 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
         RollerCam: (_bore_and_hub,),
         DiskCam: (_bore_and_hub,),
         LinkageCam: (_bore_and_hub,),
+        Engine: (rod_is_long,),
     }
 )
 
@@ -308,12 +311,11 @@ def _list_faults(design: Design) -> list[Fault]:
     for i, drive in enumerate(design.drives):
         result += part_faults(drive, f"drives[{i}]")
         single = _drive_faults(only(design, i))
-        result += [
-            replace(fault, path=path_of(i, fault.path)) for fault in single if not fault.path.startswith("shaft")
-        ]
+        result += [replace(fault, path=path_of(i, fault.path)) for fault in single if not fault.path.startswith(SHARED)]
     for i, row in enumerate(design.timing):
         result += part_faults(row, f"timing[{i}]")
     result += [] if design.balancer is None else part_faults(design.balancer, "balancer")
+    result += [] if design.engine is None else part_faults(design.engine, "engine")
     return [*result, *_names_differ(design), *_directions(design), *_events_exist(design)]
 
 
@@ -402,6 +404,7 @@ def _drive_faults(design: Design) -> list[Fault]:
         *_form_agrees(design),
         *_speeds_agree(design),
         *servo,
+        *valve_faults(design),
     ]
 
 

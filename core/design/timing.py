@@ -51,7 +51,7 @@ def machine_joins(design: Design, index: int) -> tuple[float, ...]:
     return (
         ()
         if drive.motion is None
-        else tuple(balance(drive.phase_deg, (-angle,)) % 360.0 for angle in join_angles(drive.motion))
+        else tuple(balance(drive.phase, (-angle,)) % 360.0 for angle in join_angles(drive.motion))
     )
 
 
@@ -133,10 +133,11 @@ def turn_join(design: Design, index: int, join: int, angle: float) -> Design:
         segments = (*motion.segments[1:], motion.segments[0])
         assert drive.motion is not None
         motion = replace(motion, start=drive.motion.start, segments=segments)
-        drive = replace(drive, phase_deg=balance(drive.phase_deg, (-angle,)) % 360.0)
+        phase = balance(drive.phase, (-angle,)) % 360.0
     drives = list(design.drives)
     drives[index] = replace(drive, motion=motion)
-    return with_drives(design, drives)
+    changed = with_drives(design, drives)
+    return with_phase(changed, index, phase) if join == 0 else changed
 
 
 def _with_join_inside(design: Design, index: int, join: int) -> tuple[Motion, int]:
@@ -161,7 +162,7 @@ def _with_join_inside(design: Design, index: int, join: int) -> tuple[Motion, in
 def moving(design: Design, index: int) -> tuple[tuple[float, float], ...]:
     """Ranges of machine angles [deg] in which a drive moves, adjacent ones joined; they start in 0 ... 360 and may end above 360."""
     drive = design.drives[index]
-    rows = list(_machine_ranges(strokes(drive.motion), drive.phase_deg)) if drive.motion is not None else []
+    rows = list(_machine_ranges(strokes(drive.motion), drive.phase)) if drive.motion is not None else []
     return _joined(rows)
 
 

@@ -20,9 +20,12 @@ from core.design import (
     numbered,
     only,
     path_of,
-    with_phase,
+    phase_path,
+    phase_value,
+    with_phase_value,
 )
 from core.design.camshaft import drive_of
+from core.design.lobe import CRANK_PER_CAM
 from core.design.parts import LINEAR, ROTARY
 from core.errors import KindynaError
 from core.find.balancer import FORCE, LEAST_RISE, PRELOAD, RATE, RISE, ShaftRequest, find_balancer, shaft_solution
@@ -351,10 +354,11 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
         for row, at in zip(design.timing, distances(design), strict=True)
     ]
     for i, number in enumerate(numbers):
-        path, present = f"drives[{number}].phase_deg", design.drives[number].phase_deg
+        path, present = phase_path(design, number), phase_value(design, number, design.drives[number].phase)
+        per_phase = 1.0 if design.drives[number].valve is None else CRANK_PER_CAM
         for side, bound in ((1.0, request.low(path)), (-1.0, request.high(path))):
             if math.isfinite(bound):
-                spare = math.radians((side * (present - bound) + 180.0) % 360.0 - 180.0)
+                spare = math.radians((side * (present - bound) / per_phase + 180.0) % 360.0 - 180.0)
                 spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
     loads = [study.drive_load(name) for name in study.loading_drives]
     shifts = best_phases(loads, spacings, request.aim).rotations
@@ -363,8 +367,9 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
     def shifted(shifts: np.ndarray) -> tuple[Design, dict[str, float]]:
         changed, answer = replace(design, balancer=None), {}
         for number, shift in zip(numbers[1:], shifts[1:].tolist(), strict=True):
-            phase = (design.drives[number].phase_deg + math.degrees(shift)) % 360.0
-            changed, answer[f"drives[{number}].phase_deg"] = with_phase(changed, number, phase), phase
+            phase = (design.drives[number].phase + math.degrees(shift)) % 360.0
+            answer[phase_path(design, number)] = value = phase_value(design, number, phase)
+            changed = with_phase_value(changed, number, value)
         return changed, answer
 
     if next_findings := checked.new(shifted(shifts)[0]):  # as far towards them as the machine has no new finding
@@ -377,8 +382,9 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
     changed = replace(changed, balancer=design.balancer)
     steps = np.arange(CURVE) * (2.0 * math.pi / (CURVE - 1))
     line = aim_along(loads, shifts, 1, steps, request.aim)
-    first = design.drives[numbers[1]].phase_deg + np.rad2deg(shifts[1] + steps)
-    curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
+    first = design.drives[numbers[1]].phase + np.rad2deg(shifts[1] + steps)
+    values = (phase_value(design, numbers[1], phase) for phase in np.mod(first, 360.0).tolist())
+    curve = sorted(zip(values, line.tolist(), strict=True))
     reached, before = _phase_readings(changed), _phase_readings(design)
     limits = {f"timing[{i}].least_deg": row.least_deg for i, row in enumerate(design.timing)}
     title, figure = f"phases of least {request.aim}", REACHED[request.aim]
@@ -387,7 +393,7 @@ def _phases(design: Design, request: ShaftRequest) -> Solution:
     def at(values: Mapping[str, float]) -> Judgement:
         shifted_design = replace(design, balancer=None)
         for number in numbers[1:]:
-            shifted_design = with_phase(shifted_design, number, values[f"drives[{number}].phase_deg"])
+            shifted_design = with_phase_value(shifted_design, number, values[phase_path(design, number)])
         late = tuple(
             f"{row.second} comes too early after {row.first}"
             for row, distance in zip(design.timing, distances(shifted_design), strict=True)
@@ -428,7 +434,7 @@ SHAFT_SEARCHES: Mapping[str, ShaftRow] = MappingProxyType(
             "Best phases", ("drives[",), (), _phases,
             "the phases of least peak torque that keep the timing; --for rms or fluctuation: least of these",
             lambda design: len(design.drives) > 1,
-            lambda design: dict.fromkeys(f"drives[{i}].phase_deg{end}" for i in range(1, len(design.drives)) for end in ENDS),
+            lambda design: dict.fromkeys(f"{phase_path(design, i)}{end}" for i in range(1, len(design.drives)) for end in ENDS),
             MappingProxyType(
                 {"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}
             ),

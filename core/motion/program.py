@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from core.design import Motion
+from core.design.curves import segment_shape, with_joined_ends
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.laws import Piece, PieceTable
-from core.motion.curves import segment_shape, with_joined_ends
 from core.numerics.derivatives import Derivatives, distinct, unit
 from core.numerics.lazy import Lazy
 from core.numerics.roots import two_sum

@@ -28,11 +28,11 @@ from core.design import (
     stretched,
     with_motion,
 )
+from core.design.curves import segment_shape, with_joined_ends
 from core.design.edits import balance, is_dwell
 from core.design.motion_edits import with_marks_of
 from core.errors import DesignError, Fault
 from core.laws import LAWS, PieceTable, find_law
-from core.motion.curves import segment_shape, with_joined_ends
 
 LEAST_CUT = 1e-3
 """Least span [deg] of both parts of a split segment; where one would be shorter, the segment is split at its middle."""

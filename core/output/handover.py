@@ -128,7 +128,7 @@ def _drives(study: Study) -> Iterator[tuple[str, float, Study]]:
         yield "", 0.0, study
         return
     yield from (
-        (name, drive.phase_deg, drive_study)
+        (name, drive.phase, drive_study)
         for (name, drive_study), drive in zip(study.drives.items(), study.design.drives, strict=True)
         if name not in study.camshaft.failures
     )

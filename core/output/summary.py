@@ -365,7 +365,7 @@ def _drives(camshaft: Camshaft[Study]) -> list[dict[str, Any]]:
             {
                 "name": name,
                 "slug": slug,
-                "phase_deg": drive.phase_deg,
+                "phase_deg": drive.phase,
                 "mirrored": drive.mirrored,
                 "kind": drive.kind,
                 "missing": None if error is None else str(error),

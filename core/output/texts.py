@@ -24,9 +24,9 @@ from core.blend import (
 )
 from core.contour import Jump, TracedMotion
 from core.design import UNITS, Design, Motion, NamedCurve, Segment, require_motion
+from core.design.curves import segment_shape
 from core.frozen import frozen
 from core.laws import LAWS, PieceTable
-from core.motion.curves import segment_shape
 from core.motion.extremes import true_stroke
 from core.number_text import result_text
 from core.output.lines import columns, digits

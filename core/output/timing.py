@@ -50,7 +50,7 @@ def _band(design: Design, index: int, name: str) -> MotionBand:
     if drive.motion is None:
         return MotionBand(name, np.empty(0), np.empty(0), 0.0, "", (), ())
     joins = machine_joins(design, index)
-    angles, level, stroke = _curve(drive.motion, drive.phase_deg, joins)
+    angles, level, stroke = _curve(drive.motion, drive.phase, joins)
     return MotionBand(name, angles, level, stroke, drive.motion.unit, joins, moving(design, index))
 
 

@@ -199,7 +199,7 @@ def _drives(examples: Examples) -> FigureTable:
     shaft = examples.shaft(UNIT)
     strokes = torque.directions(examples)["strokes"]
     names = tuple(strokes)
-    phases = np.array([drive.phase_deg for drive in shaft.design.drives])
+    phases = np.array([drive.phase for drive in shaft.design.drives])
     stroke, span = (np.array([strokes[name][i] for name in names]) for i in (0, 2))
     return FigureTable(
         ("drive", "phase_deg", "stroke", "unit", "moves_deg"),

@@ -19,6 +19,7 @@ from core.design import (
     Design,
     Drive,
     Driver,
+    Engine,
     LinkageLoads,
     Loads,
     Motion,
@@ -38,6 +39,7 @@ from core.design import (
     path_of,
     with_guesses_marked,
 )
+from core.design.design import SHARED
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
 from core.design.followers import FACE, FORM, FORMS, Roller, Rolling
 from core.design.rules import count_fault
@@ -190,12 +192,18 @@ def _read_one_drive(
 ) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
     reader = new_reader(likely_unit(table))
-    key_faults, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEADER, *KINDS, *_TOLERANCES])
+    key_faults, classes, parts = _read_drive(reader, table, kind, SHARED, [*_HEADER, *KINDS, *_TOLERANCES])
     mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
-        parts["motion"], mechanism, parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, servo=parts["servo"]
+        parts["motion"],
+        mechanism,
+        parts["cam"],
+        parts["loads"],
+        parts["limits"] or NO_LIMITS,
+        servo=parts["servo"],
+        valve=parts["valve"],
     )
-    design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
+    design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table), engine=parts["engine"])
     key_faults += reader.with_rules(
         rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
     )
@@ -226,7 +234,7 @@ def _read_drive(
     classes = {
         name: part_class
         for name, part_class in table_classes(kind, row, face, reader.unit).items()
-        if name != "shaft" or name in shared
+        if name not in SHARED or name in shared
     }
     known = [*(key for key in header if key not in KINDS), *classes]
     key_faults = [
@@ -235,7 +243,7 @@ def _read_drive(
     ]
     parts = {}
     # the shaft comes first, since its speed is that of the driver, and the driver defines the unit of the motion
-    for name in dict.fromkeys(("shaft", kind, "motion", "cam", "loads", "limits", "servo")):
+    for name in dict.fromkeys(("shaft", kind, "motion", "cam", "engine", "valve", "loads", "limits", "servo")):
         if name not in classes:
             continue
         if name == "motion" and linked is not None:
@@ -311,7 +319,7 @@ def _linked_motion(reader: Reader, table: Tables) -> Motion | None:
 
 # -- several drives on a shaft ----------------------------------------------------------------------------
 
-_SHAFT_KEYS = (*_HEADER, "shaft", "drives", "timing", "balancer", *_TOLERANCES)
+_SHAFT_KEYS = (*_HEADER, *SHARED, "drives", "timing", "balancer", *_TOLERANCES)
 _DRIVE_KEYS = tuple(slot.key for slot in slots(Drive))
 
 
@@ -324,6 +332,7 @@ def _read_drives(
     ]
     reader, rows = Reader(""), table[kind]
     shaft = reader.table(table, "shaft", Shaft, needed=True)
+    engine = reader.table(table, "engine", Engine, needed=False)
     if not isinstance(rows, list | tuple) or not rows:
         list_faults.append(Fault(kind, rows, "must be a list of tables, one at least", f"[[{kind}]]"))
         return Design("", shaft, ()), [*list_faults, *reader.faults]
@@ -335,8 +344,8 @@ def _read_drives(
         drive_reader = new_reader(likely_unit(row))
         drive, key_faults, unclear = _read_listed_drive(row, drive_reader, shaft)
         drives.append(drive)
-        alone = only(Design("", shaft, (drive,)), 0)
-        rule_faults = (fault for fault in rules(alone) if not fault.path.startswith("shaft"))
+        alone = only(Design("", shaft, (drive,), engine=engine), 0)
+        rule_faults = (fault for fault in rules(alone) if not fault.path.startswith(SHARED))
         inner = drive_reader.with_rules(
             rule_faults, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)}
         )
@@ -344,7 +353,7 @@ def _read_drives(
         unsure += [f"{kind}[{i}].{name}" for name in unclear]
     timing = reader.rows(table, "timing", TimingRow)
     balancer = reader.table(table, "balancer", Balancer, needed=False)
-    design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer)
+    design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer, engine=engine)
     if len(drives) < len(rows):
         return design, [*list_faults, *reader.faults, *drive_faults]
     broken = {fault.path for fault in drive_faults}
@@ -392,8 +401,12 @@ def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive
         parts["loads"],
         parts["limits"] or NO_LIMITS,
         servo=parts["servo"],
+        valve=parts["valve"],
         **values,
     )
+    if drive.valve is not None and "phase_deg" in row:
+        problem = "cannot be combined with valve.centre_deg, which gives the phase"
+        reader.faults.append(Fault("phase_deg", row["phase_deg"], problem, "one of them"))
     unclear = [name for name, part_class in classes.items() if part_class is None] + ([] if kinds else ["linkage"])
     return drive, key_faults, unclear
 

@@ -20,6 +20,7 @@ from core.design import (
     MOTION,
     OUTPUT_LOADS,
     Design,
+    Engine,
     FollowerKind,
     Limits,
     Linkage,
@@ -30,6 +31,7 @@ from core.design import (
     RollerCam,
     Servo,
     Shaft,
+    Valve,
     all_paths,
     drive_at,
     get,
@@ -322,13 +324,17 @@ def face_word(table: Tables, row: FollowerKind | None) -> str | None:
     return word if row is not None and isinstance(word, str) and word in row.faces else None
 
 
+ENGINE: Mapping[str, type] = MappingProxyType({"engine": Engine, "valve": Valve})
+"""Tables of valve trains -> class."""
+
+
 def table_classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -> dict[str, type | None]:
     """Class of each table of the file; None where the kind of follower or its face is unknown.
 
     unit: that of a motion without a mechanism.
     """
     if kind == MOTION:
-        return {"motion": Motion, "shaft": Shaft, "loads": OUTPUT_LOADS[unit], "servo": Servo}
+        return {"motion": Motion, "shaft": Shaft, **ENGINE, "loads": OUTPUT_LOADS[unit], "servo": Servo}
     if kind == "linkage":
         return {
             "motion": Motion,
@@ -336,6 +342,7 @@ def table_classes(kind: str, row: FollowerKind | None, face: str | None, unit: s
             "linkage": Linkage,
             "cam": LinkageCam,
             "shaft": Shaft,
+            **ENGINE,
             "loads": LinkageLoads,
             "limits": Limits,
             "servo": Servo,
@@ -348,6 +355,7 @@ def table_classes(kind: str, row: FollowerKind | None, face: str | None, unit: s
         "follower": follower,
         "cam": cam_class,
         "shaft": Shaft,
+        **ENGINE,
         "loads": loads,
         "limits": Limits,
         "servo": Servo,

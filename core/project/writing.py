@@ -45,6 +45,8 @@ def to_table(design: Design, folder: str | None = None) -> dict[str, Any]:
     if not design.listed:
         return table | _tables(design.tables, design.drive, folder) | _tolerance_tables(design)
     table["shaft"] = _table(design.shaft, "")
+    if design.engine is not None:
+        table["engine"] = _table(design.engine, "")
     table["drives"] = [_table(drive, "") | _tables(drive.tables, drive, folder) for drive in design.drives]
     if design.timing:
         table["timing"] = [_table(row, "") for row in design.timing]

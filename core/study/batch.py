@@ -12,10 +12,10 @@ import numpy as np
 from core import dynamics
 from core.design import Design, Motion, edited, only, part_faults, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
+from core.design.curves import has_common_pieces
 from core.design.topology import GROUP, INPUT
 from core.errors import NoSolution
 from core.mechanism import plan_of
-from core.motion.curves import has_common_pieces
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
 from core.shaft import LoadCurve, combined_load, combined_loads
@@ -73,6 +73,7 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         return (
             design.balancer is None
             and request.statistic != LIFE
+            and not any(_moves_its_phase(design, path) for path in paths)
             and all(
                 is_batchable(only(design, i), [*paths_inside(design, paths, i)], energy)
                 for i in _loading_drives(design)
@@ -208,6 +209,12 @@ def _drive_results(
 # -- several drives ----------------------------------------------------------------------------------------
 
 
+def _moves_its_phase(design: Design, path: str) -> bool:
+    """Whether a number of a motion changes the phase of its drive, which is determined by the nose of the motion."""
+    number, inside = drive_at(path) or (0, "")
+    return inside.startswith(_MOTION) and design.drives[number].valve is not None
+
+
 def _loading_drives(design: Design) -> list[int]:
     """Numbers of the drives that load the shaft."""
     return [i for i, drive in enumerate(design.drives) if drive.loads_shaft]
@@ -248,7 +255,7 @@ def _drives_results(
             curves, reason = _constant_load(drive) if is_constant else _drive_loads(drive, drive_infos, numbers)
             _add_reasons(results.reason, reason)
             path = path_of(number, "phase_deg")
-            phase = rows[paths.index(path)] if path in infos else design.drives[number].phase_deg
+            phase = rows[paths.index(path)] if path in infos else design.drives[number].phase
             positions = [ShaftPosition(angle) for angle in np.deg2rad(np.broadcast_to(phase, m) % 360.0).tolist()]
             if is_constant and path not in infos:
                 constant_loads.append((curves[0], positions[0]))

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from core.design import Motion
+from core.design.curves import has_common_pieces
 from core.mechanism.drivers import with_margin
 from core.motion import TURN, Angles, CompiledMotion, MotionState
-from core.motion.curves import has_common_pieces
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import map_columns, one_design
 

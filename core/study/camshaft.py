@@ -102,7 +102,7 @@ class Camshaft(Generic[D]):
     def positions(self) -> Mapping[str, ShaftPosition]:
         """Name -> position of the drive on the shaft."""
         rows = zip(self.drives.items(), self.design.drives, strict=True)
-        return {name: _position(study, drive.phase_deg) for (name, study), drive in rows}
+        return {name: _position(study, drive.phase) for (name, study), drive in rows}
 
     def drive_study(self, name: str) -> D:
         """Study of a drive at these machine angles."""

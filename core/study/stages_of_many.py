@@ -14,6 +14,7 @@ import numpy as np
 
 from core import cam, dynamics
 from core.design import FRAME_LINK, Design, Motion, get, put
+from core.design.curves import with_all_pieces
 from core.errors import collecting_failures
 from core.followers import BUILDERS
 from core.mechanism import CrankMotion, DriverRange, DriverRanges, SolutionPlan, at_driver, motion_extent
@@ -21,7 +22,6 @@ from core.mechanism.branches import Branch
 from core.mechanism.driver_ranges import PATH, SIDED, near_zero
 from core.mechanism.mechanism import solve
 from core.motion import TURN, Angles, MotionState, program
-from core.motion.curves import with_all_pieces
 from core.motion.extremes import Extreme, Extremes
 from core.motion.program import SubdividedTurn
 from core.numerics.derivatives import Derivatives, cross, replace_nan

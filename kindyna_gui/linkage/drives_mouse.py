@@ -12,7 +12,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QApplication
 
-from core.design import FRAME_LINK, drive_names, entries, phase_room, split_unit, turn_drive
+from core.design import FRAME_LINK, drive_names, entries, phase_path, phase_room, split_unit, turn_drive
 from core.followers.dragging import joints_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import name_of
@@ -140,7 +140,7 @@ class DrivesMouse:
             return
         target = None
         if number is not None and number < len(design.drives):
-            target = MouseTarget(drive_names(design)[number], f"drives[{number}].phase_deg")
+            target = MouseTarget(drive_names(design)[number], phase_path(design, number))
         open_menu(target, self._view, host, on_screen)
 
     # -- turning a drive ----------------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ class DrivesMouse:
         self._player.play(False)
         self._session.begin_drag(self._view)
         self._work, self._typed = self._session.work, ""
-        self._drag = DraggedDrive(number, None, design, design.drives[number].phase_deg, phase_room(design, number))
+        self._drag = DraggedDrive(number, None, design, design.drives[number].phase, phase_room(design, number))
         self.drag_changed(True)
         return True
 

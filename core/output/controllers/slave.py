@@ -412,7 +412,7 @@ def drive_slave(design: Design, drive: str, request: EcamRequest) -> tuple[Slave
     single = only(design, number)
     if request.segment is not None and request.shift_deg:
         raise KindynaError("--shift: cannot be combined with --segment; allowed: one of them")
-    shift = request.shift_deg + design.drives[number].phase_deg
+    shift = request.shift_deg + design.drives[number].phase
     result = slave_axis(Study(single), request.of, Alignment(shift, request.reverse), request.segment)
     return result, single.name, single.speed_rpm
 

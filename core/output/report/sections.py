@@ -47,7 +47,7 @@ def drives(camshaft: Camshaft[Study]) -> list[Section]:
         if study.loads_shaft and name not in camshaft.failures:
             torque = peaks(camshaft.drive_load(name))
             figures = [Number(v) for end in (torque.low, torque.high) for v in (end.value, math.degrees(end.theta))]
-        rows.append((printable(name), input_text(drive.phase_deg), "mirrored" if drive.mirrored else "", *figures))
+        rows.append((printable(name), input_text(drive.phase), "mirrored" if drive.mirrored else "", *figures))
     header = ("Drive", "phase °", "", "lowest N·m", "at °", "highest N·m", "at °")
     keys = (f"{camshaft.slugs[name]}_torque_nm" for name in camshaft.drives)
     return section("Drives, by machine angle", table(header, rows, slug="drives", keys=keys))

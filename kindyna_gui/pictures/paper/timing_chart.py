@@ -380,7 +380,7 @@ class TimingChart:
         for stroke in strokes(drive.motion):
             span = stroke.end - stroke.start
             name = stroke.name.replace(".", " ")
-            begin = (stroke.start + drive.phase_deg) % 360.0
+            begin = (stroke.start + drive.phase) % 360.0
             low, high = max(_within(begin, begin + span), key=lambda part: part[1] - part[0])
             middle, room = (low + high) / 2.0, (high - low) * self.degree
             for text in (f"{name}  {self.text(span)}", name, stroke.name.rpartition(".")[2]):

@@ -16,12 +16,12 @@ from PySide6.QtGui import QPainter, QPolygonF
 from core.cam import PRESSURE_LIMITS
 from core.design import Curve as DesignCurve
 from core.design import Design, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, TableCurve, curve_of
+from core.design.curves import segment_shape
 from core.design.fields import in_sentence
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws import PieceTable, find_law
 from core.mechanism.kinematics import REVOLUTE
-from core.motion.curves import segment_shape
 from core.motion.extremes import Extremes
 from core.output.channels import channels, existing
 from core.stress import RollerLife

@@ -18,6 +18,7 @@ from sampled import spread
 from core import project
 from core.__main__ import main
 from core.design import Design, Motion, NamedCurve, Segment, SplineCurve
+from core.design.curves import segment_shape
 from core.errors import DesignError
 from core.measured import (
     ALL_DETECTED,
@@ -37,7 +38,6 @@ from core.measured import (
     with_measured_motion,
 )
 from core.motion import program
-from core.motion.curves import segment_shape
 from core.output.export import table as exported
 from core.output.measured_text import fit_data, fit_text, notes, wrong_row_lines
 from core.study import Study

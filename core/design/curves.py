@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from math import comb
 from operator import add
 from types import MappingProxyType
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import (
+from core.design.motions import (
     AT_REST,
     JOINED,
     ComputedCurve,
@@ -27,7 +28,7 @@ from core.design import (
 )
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, trimmed
+from core.laws import NoSpline, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, trimmed
 from core.numerics.derivatives import QUARTER
 from core.numerics.lazy import part_mapper
 from core.numerics.roots import BracketEnds, bracketed_root
@@ -280,3 +281,36 @@ def _with_all_pieces(curve: Curve, varied: Curve) -> Curve:
 def segment_shape(segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     """Curve of a segment; ``whole_turn``: the motion has no other segment. Raises DesignError, NoSpline."""
     return SHAPES[type(segment.curve)](segment.curve, segment, whole_turn, path)
+
+
+# -- the nose of a motion -----------------------------------------------------------------------------------------
+
+_LEVEL = 1e-12  # of the stroke: a level this near to the greatest one is it
+
+
+@lru_cache(maxsize=64)
+def nose_deg(motion: Motion) -> float:
+    """Cam angle of the greatest displacement [deg]; the middle of the first dwell at it. 0 where a curve has no solution."""
+    if motion.lobe is not None:
+        return motion.lobe.nose_at_deg
+    angles, levels = [], []
+    at = level = 0.0
+    try:
+        for i, segment in enumerate(motion.segments):
+            shape = segment_shape(with_joined_ends(motion, i), len(motion.segments) == 1, f"motion.segments[{i}]")
+            starts = np.array([piece.start for piece in shape.pieces])
+            angles += (at + starts * segment.span_deg).tolist()
+            levels += (level + shape.gain * PieceTable(shape.pieces).at(starts)[0]).tolist()
+            at, level = at + segment.span_deg, level + segment.rise
+    except (DesignError, NoSpline):
+        return 0.0
+    top, bottom = max(levels), min(levels)
+    is_top = [top - value <= _LEVEL * (top - bottom) for value in levels]
+    if all(is_top):
+        return 0.0
+    first = next(k for k in range(len(levels)) if is_top[k] and not is_top[k - 1])
+    last = first
+    while is_top[(last + 1) % len(levels)]:
+        last = (last + 1) % len(levels)
+    span = (angles[last] - angles[first]) % 360.0
+    return (angles[first] + 0.5 * span) % 360.0

@@ -1,4 +1,4 @@
-"""core.motion.curves: curves with numbers of their own, against fifty-digit solutions that share nothing with the code."""
+"""core.design.curves: curves with numbers of their own, against fifty-digit solutions that share nothing with the code."""
 
 import math
 import random

@@ -1,0 +1,43 @@
+"""Rules of the engine of a valve train, and of the valve that a drive moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from core.design.design import Design
+from core.design.edits import stroke
+from core.design.engine import Engine
+from core.errors import MISSING, Fault
+
+
+def rod_is_long(engine: Engine, path: str) -> Iterator[Fault]:
+    """The rod turns past every position of the crank."""
+    least = 0.5 * engine.stroke_mm + abs(engine.pin_offset_mm)
+    if engine.rod_mm <= least:
+        yield Fault(f"{path}.rod_mm", engine.rod_mm, "not longer than crank and pin offset together", f"> {least:g} mm")
+
+
+def valve_faults(design: Design) -> Iterator[Fault]:
+    """A valve has an engine and a motion in mm; only that of a linkage is one of its sliders."""
+    drive, valve = design.drive, design.drive.valve
+    if valve is None:
+        return
+    if design.engine is None:
+        yield Fault("valve", "[valve]", "has no engine, on whose crank it opens", "a table [engine]")
+    if drive.motion is None:
+        yield Fault("valve", "[valve]", "has no motion that opens it", "a design with [motion]")
+        return
+    if valve.lash_mm > (lift := stroke(drive.motion) if drive.motion.unit == "mm" else math.inf):
+        yield Fault("valve.lash_mm", valve.lash_mm, "larger than the lift: the valve stays closed", f"<= {lift:g} mm")
+    sliders = {slider.link for slider in drive.linkage.sliders} if drive.is_linkage else set()
+    names = " | ".join(map(str, sorted(sliders))) or "a linkage with a slider"
+    if drive.is_linkage and valve.link not in sliders:
+        value = MISSING if valve.link is None else valve.link
+        yield Fault("valve.link", value, "is no slider of this linkage", names)
+    elif not drive.is_linkage and valve.link is not None:
+        yield Fault("valve.link", valve.link, "only in a linkage", "leave it out")
+    elif not drive.is_linkage and drive.motion.unit != "mm":
+        yield Fault(
+            "valve", "[valve]", f"moves in {drive.motion.unit}", "a follower with a motion in mm, or a [linkage]"
+        )

@@ -1,0 +1,223 @@
+"""Figures of the valves of a design as data, as a text, and the lift table of a lobe for the grinder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot, pi
+from typing import Any
+
+import numpy as np
+
+from core.design import Design, nose_deg
+from core.errors import KindynaError, NoSolution
+from core.motion import program
+from core.number_text import fixed_text, result_text
+from core.study import Study, extremes_of
+from core.valves.pairs import valve_pairs
+from core.valves.timing import LOBE, MM, VALVE, ValveTiming
+
+INTENSITY = (0.1016, 0.1524, 0.508)
+"""Lifts whose durations less that at 1.27 mm are the intensity of a lobe [mm]: 0.004, 0.006 and 0.020 inch."""
+REFERENCE = 1.27
+INCH = 25.4
+
+
+# -- data -------------------------------------------------------------------------------------------------------
+
+
+def valve_data(timings: Sequence[ValveTiming], lifts: Sequence[float]) -> dict[str, Any]:
+    """Figures of valves, and of their pairs; what a design lacks is absent.
+
+    Parameters
+    ----------
+    timings : sequence of ValveTiming
+    lifts : sequence of float
+        Lifts of the events [mm].
+
+    Returns
+    -------
+    dict
+        As the command prints it.
+    """
+    pairs = [
+        _present(
+            intake=pair.inlet.name,
+            exhaust=pair.exhaust.name,
+            separation_deg=pair.separation,
+            advance_deg=pair.advance,
+            overlap=[{"of": row.of, "at_mm": row.at_mm, "deg": row.deg} for row in pair.overlaps(lifts)],
+            overlap_area_mm_deg=pair.overlap_area,
+        )
+        for pair in valve_pairs(timings)
+    ]
+    return {"valves": [_valve(timing, lifts) for timing in timings], "pairs": pairs}
+
+
+def _present(**values: Any) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def _valve(timing: ValveTiming, lifts: Sequence[float]) -> dict[str, Any]:
+    events = [event for lift in lifts for of in (LOBE, VALVE) if (event := timing.event(of, lift)) is not None]
+    reference, speeds = timing.duration(REFERENCE), timing.velocities_at_lash
+    intensity = {
+        f"{lift:g}": duration - reference
+        for lift in INTENSITY
+        if reference is not None and (duration := timing.duration(lift)) is not None
+    }
+    return _present(
+        drive=timing.name,
+        centre_deg=timing.centre,
+        lash_mm=timing.valve.lash_mm,
+        lobe_lift_mm=timing.greatest_lobe_lift,
+        valve_lift_mm=timing.greatest_valve_lift if timing.is_direct else None,
+        events=[
+            {
+                "of": event.of,
+                "at_mm": event.at_mm,
+                "opens_deg": event.opens_deg,
+                "closes_deg": event.closes_deg,
+                "duration_deg": event.duration_deg,
+            }
+            for event in events
+        ],
+        lift_at_tdc_mm=float(timing.valve_lift(np.zeros(1))[0]) if timing.is_direct else None,
+        intensity_deg=intensity or None,
+        **_study_figures(timing),
+        opening_velocity_mm_s=speeds and speeds[0],
+        seating_velocity_mm_s=speeds and speeds[1],
+    )
+
+
+def _study_figures(timing: ValveTiming) -> dict[str, Any]:
+    """Velocity and acceleration by cam angle, radii of the profile, diameter of a flat tappet, float speed."""
+    study = Study(timing.design)
+    per_degree = np.deg2rad(1.0) / abs(study.omega)
+    motion = extremes_of(study, "motion", ("velocity", "acceleration"))
+    figures: dict[str, Any] = {
+        name: [each.value * MM * per_degree**order for each in (motion[quantity].low, motion[quantity].high)]
+        for order, (name, quantity) in enumerate(
+            (("velocity_mm_per_deg", "velocity"), ("acceleration_mm_per_deg2", "acceleration")), 1
+        )
+    }
+    if "cam" not in study.stages:
+        return figures
+    try:
+        return figures | _profile_figures(timing, study) | _float_figures(study)
+    except NoSolution:
+        return figures
+
+
+def _profile_figures(timing: ValveTiming, study: Study) -> dict[str, Any]:
+    cam = extremes_of(study, "cam")
+    low, high = (each.value / MM for each in (cam["profile_curvature"].low, cam["profile_curvature"].high))
+    face = cam.get("contact_on_face")
+    width = timing.design.drive.cam.thickness_mm or 0.0
+    reach = None if face is None else MM * max(abs(face.low.value), abs(face.high.value))
+    return _present(
+        least_tappet_diameter_mm=None if reach is None else 2.0 * hypot(reach, 0.5 * width),
+        convex_radius_mm=1.0 / high if high > 0.0 else None,
+        concave_radius_mm=-1.0 / low if low < 0.0 else None,
+    )
+
+
+def _float_figures(study: Study) -> dict[str, Any]:
+    """Engine speed at which the follower leaves the cam."""
+    if study.design.drive.cam.form.holds or study.lift_off is None:
+        return {}
+    return {"float_rpm": 2.0 * study.lift_off.omega * 30.0 / pi}
+
+
+# -- text -------------------------------------------------------------------------------------------------------
+
+
+def crank_text(degrees: float) -> str:
+    """Crank angle from TDC of overlap by its nearest dead centre: ``20 BTDC``, ``67 ABDC``."""
+    if abs(degrees) <= 90.0:
+        return f"{fixed_text(abs(degrees), 2)} {'BTDC' if degrees < 0.0 else 'ATDC'}"
+    past = degrees - 180.0 if degrees > 0.0 else degrees + 180.0
+    return f"{fixed_text(abs(past), 2)} {'BBDC' if past < 0.0 else 'ABDC'}"
+
+
+_LINES = (
+    ("lift_at_tdc_mm", "valve lift at TDC", "mm"),
+    ("velocity_mm_per_deg", "velocity", "mm/deg"),
+    ("acceleration_mm_per_deg2", "acceleration", "mm/deg²"),
+    ("least_tappet_diameter_mm", "least diameter of the tappet", "mm"),
+    ("convex_radius_mm", "least convex radius", "mm"),
+    ("concave_radius_mm", "least concave radius", "mm"),
+    ("opening_velocity_mm_s", "opening velocity", "mm/s"),
+    ("seating_velocity_mm_s", "seating velocity", "mm/s"),
+    ("float_rpm", "float speed of the engine", "rpm"),
+)
+"""Key of the data -> its words and unit."""
+
+
+def valve_text(data: dict[str, Any]) -> str:
+    """Figures of valves in lines."""
+    lines: list[str] = []
+    for valve in data["valves"]:
+        lift = f"lobe lift {result_text(valve['lobe_lift_mm'], 6)} mm"
+        if "valve_lift_mm" in valve:
+            lift += f", valve lift {result_text(valve['valve_lift_mm'], 6)} mm"
+        lines.append(
+            f"{valve['drive']}: centre {result_text(valve['centre_deg'], 6)} deg, {lift}, lash {valve['lash_mm']:g} mm"
+        )
+        for event in valve["events"]:
+            opens, closes = crank_text(event["opens_deg"]), crank_text(event["closes_deg"])
+            duration = fixed_text(event["duration_deg"], 2)
+            lines.append(f"  {event['of']} at {event['at_mm']:g} mm: opens {opens}, closes {closes}, {duration} deg")
+        for lift_mm, value in valve.get("intensity_deg", {}).items():
+            lines.append(f"  intensity {lift_mm} to {REFERENCE:g} mm: {fixed_text(value, 2)} deg")
+        for key, words, unit in _LINES:
+            if key in valve:
+                values = valve[key] if isinstance(valve[key], list) else [valve[key]]
+                lines.append(f"  {words}: {' ... '.join(result_text(v, 6) for v in values)} {unit}")
+    for pair in data["pairs"]:
+        separation, advance = (result_text(pair[key], 6) for key in ("separation_deg", "advance_deg"))
+        lines.append(f"{pair['intake']}, {pair['exhaust']}: separation {separation} deg, advance {advance} deg")
+        lines += [
+            f"  overlap of the {row['of']} at {row['at_mm']:g} mm: {fixed_text(row['deg'], 2)} deg"
+            for row in pair["overlap"]
+        ]
+        if "overlap_area_mm_deg" in pair:
+            lines.append(f"  overlap area: {result_text(pair['overlap_area_mm_deg'], 6)} mm·deg")
+    return "\n".join(lines) + "\n"
+
+
+# -- table for the grinder --------------------------------------------------------------------------------------
+
+
+def lift_table(design: Design, step_deg: float = 1.0, unit: str = "mm") -> tuple[tuple[str, str], list[np.ndarray]]:
+    """Lift of the motion of one drive by cam angle from its nose, -180 to 180 degrees with both ends.
+
+    Parameters
+    ----------
+    design : Design
+        With one drive.
+    step_deg : float
+        Step [deg], which divides 360.
+    unit : "mm" or "in"
+
+    Returns
+    -------
+    names : tuple of str
+        Names of both columns.
+    columns : list of ndarray (n,) [deg], [mm or in]
+
+    Raises
+    ------
+    KindynaError
+        For a step that does not divide the turn, or a drive without a motion in mm.
+    """
+    motion = design.drive.motion
+    if motion is None or motion.unit != "mm":
+        raise KindynaError("valve --table: this drive has no motion in mm; allowed: a lobe, or segments in mm")
+    count = round(360.0 / step_deg)
+    if count < 1 or abs(count * step_deg - 360.0) > 1e-9 * 360.0:
+        raise KindynaError(f"--step = {step_deg:g}: does not divide the turn; allowed: 360 deg over a whole number")
+    angles = 360.0 * np.arange(count + 1) / count - 180.0
+    compiled = program(motion)
+    theta = np.deg2rad(nose_deg(motion) + angles)
+    lift = (compiled.state(compiled.angles(theta)).displacement[0] * MM) - motion.start
+    return ("cam_deg_from_nose", f"lift_{unit}"), [angles, lift / (INCH if unit == "in" else 1.0) + 0.0]

@@ -1,0 +1,204 @@
+"""Timing of one valve: lift of its lobe and of the valve over the crank, and the angles at which it passes a lift.
+
+Lobe lift is the motion of the drive above its lowest position; valve lift is that of the valve, with the lash taken off.
+"""
+
+from __future__ import annotations
+
+from math import degrees, radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from core.design import Design, Valve, drive_names, nose_deg, only
+from core.design.lobe import CRANK_PER_CAM
+from core.errors import KindynaError
+from core.frozen import frozen
+from core.motion import Angles, CompiledMotion, program
+from core.numerics.lazy import lazy
+from core.numerics.roots import BracketEnds, bracketed_root
+
+if TYPE_CHECKING:
+    from core.design import Motion
+
+MM = 1e3
+LIFTS = (0.1524, 1.27, 1.0)
+"""Lifts at which events are given by default [mm]: 0.006 and 0.050 inch, and 1 mm."""
+LOBE, VALVE = "lobe", "valve"
+
+
+@frozen
+class Event:
+    """Opening and closing at a lift.
+
+    Attributes
+    ----------
+    of : ``lobe`` or ``valve``
+    at_mm : lift [mm]
+    opens_deg, closes_deg : crank angles from TDC of overlap of the cylinder [deg]
+    """
+
+    of: str
+    at_mm: float
+    opens_deg: float
+    closes_deg: float
+
+    @property
+    def duration_deg(self) -> float:
+        """Duration [crank deg]."""
+        return self.closes_deg - self.opens_deg
+
+
+class ValveTiming:
+    """Timing of the valve of one drive.
+
+    Attributes
+    ----------
+    design : the drive as a design by itself
+    name : of the drive
+    valve, motion : valve and motion as typed
+    """
+
+    def __init__(self, design: Design, name: str) -> None:
+        drive = design.drive
+        assert drive.valve is not None, "the drive moves no valve"
+        assert drive.motion is not None, "the rules of a design require a motion"
+        self.design, self.name = design, name
+        self.valve: Valve = drive.valve
+        self.motion: Motion = drive.motion
+
+    @lazy
+    def compiled(self) -> CompiledMotion:
+        """The compiled motion."""
+        return program(self.motion)
+
+    @property
+    def centre(self) -> float:
+        """Crank angle of the nose from TDC of overlap [deg]."""
+        return self.valve.centre_deg
+
+    @lazy
+    def nose(self) -> float:
+        """Cam angle of the nose [deg]."""
+        return nose_deg(self.motion)
+
+    @lazy
+    def base(self) -> float:
+        """Lowest position of the motion [mm]."""
+        compiled = self.compiled
+        ends = Angles(compiled.starts, np.arange(compiled.starts.size))
+        return float(compiled.state(ends).displacement[0].min()) * MM
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether the motion is that of the valve, less the lash."""
+        return self.valve.link is None
+
+    def lobe_lift(self, crank: np.ndarray) -> np.ndarray:
+        """Lobe lift at crank angles from TDC of overlap.
+
+        Parameters
+        ----------
+        crank : ndarray (n,) [deg]
+
+        Returns
+        -------
+        ndarray (n,) [mm]
+        """
+        cam = np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
+        return self.compiled.state(self.compiled.angles(cam)).displacement[0] * MM - self.base
+
+    def valve_lift(self, crank: np.ndarray) -> np.ndarray:
+        """Lift of a direct valve at crank angles from TDC of overlap, the lash taken off.
+
+        Parameters
+        ----------
+        crank : ndarray (n,) [deg]
+
+        Returns
+        -------
+        ndarray (n,) [mm]
+        """
+        return np.maximum(self.lobe_lift(crank) - self.valve.lash_mm, 0.0)
+
+    @lazy
+    def greatest_lobe_lift(self) -> float:
+        """Greatest lobe lift [mm]."""
+        return float(self.lobe_lift(np.array([self.centre]))[0])
+
+    @property
+    def greatest_valve_lift(self) -> float:
+        """Greatest lift of a direct valve [mm]."""
+        return max(self.greatest_lobe_lift - self.valve.lash_mm, 0.0)
+
+    def passes(self, lift: float) -> tuple[float, float] | None:
+        """Crank angles at which the lobe passes a lift [mm], next to the nose on both sides [deg]; None where it does not."""
+        compiled = self.compiled
+        pieces = np.arange(compiled.starts.size)
+        low, high = (
+            compiled.state(Angles(ends, pieces)).displacement[0] * MM - self.base - lift
+            for ends in (compiled.starts, compiled.ends)
+        )
+        before, after = [], []
+        for k in np.flatnonzero((low < 0.0) & (high >= 0.0)).tolist():
+            before.append((self.nose - degrees(self._crossing(k, low[k], high[k], lift))) % 360.0)
+        for k in np.flatnonzero((low >= 0.0) & (high < 0.0)).tolist():
+            after.append((degrees(self._crossing(k, low[k], high[k], lift)) - self.nose) % 360.0)
+        if not before or not after:
+            return None
+        return self.centre - CRANK_PER_CAM * min(before), self.centre + CRANK_PER_CAM * min(after)
+
+    def _crossing(self, piece: int, low: float, high: float, lift: float) -> float:
+        """Cam angle [rad] at which a piece of the motion passes a lift [mm]."""
+        at = np.array([piece])
+
+        def error(theta: float) -> float:
+            state = self.compiled.state(Angles(np.array([theta]), at))
+            return float(state.displacement[0][0]) * MM - self.base - lift
+
+        start, end = float(self.compiled.starts[piece]), float(self.compiled.ends[piece])
+        ends = bracketed_root(error, BracketEnds(start, low, end, high))
+        return ends.a if abs(ends.fa) < abs(ends.fb) else ends.b
+
+    def event(self, of: str, lift: float) -> Event | None:
+        """Opening and closing at a lift [mm] of the lobe or the valve; None where it does not pass this lift."""
+        if of == VALVE and not self.is_direct:
+            return None
+        ends = self.passes(lift + (self.valve.lash_mm if of == VALVE else 0.0))
+        return None if ends is None else Event(of, lift, *ends)
+
+    def duration(self, lift: float) -> float | None:
+        """Duration of the lobe at a lift [crank deg]."""
+        event = self.event(LOBE, lift)
+        return None if event is None else event.duration_deg
+
+    @lazy
+    def velocities_at_lash(self) -> tuple[float, float] | None:
+        """Velocities of a direct valve [mm/s], positive, at which it opens and seats; None where it never closes."""
+        ends = self.passes(self.valve.lash_mm) if self.valve.lash_mm > 0.0 else (0.0, 0.0)
+        if ends is None or not self.is_direct:
+            return None
+        if self.valve.lash_mm == 0.0:
+            return 0.0, 0.0
+        cam = np.array([radians(self.nose + (end - self.centre) / CRANK_PER_CAM) for end in ends])
+        omega = self.design.speed_rpm * np.pi / 30.0
+        velocity = self.compiled.state(self.compiled.angles(cam)).displacement[1] * MM * omega
+        return abs(float(velocity[0])), abs(float(velocity[1]))
+
+
+def valve_timings(design: Design) -> tuple[ValveTiming, ...]:
+    """Timings of all drives of a design that move a valve.
+
+    Raises
+    ------
+    KindynaError
+        No drive moves a valve.
+    """
+    rows = [
+        ValveTiming(only(design, i), name)
+        for i, (name, drive) in enumerate(zip(drive_names(design), design.drives, strict=True))
+        if drive.valve is not None
+    ]
+    if not rows:
+        raise KindynaError("valve: no drive of this design moves a valve; allowed: one with [valve] and [engine]")
+    return tuple(rows)
