@@ -3,7 +3,9 @@
 import csv
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -47,7 +49,7 @@ def text(inlet: float = 108.0, exhaust: float = -108.0, lobe: str = LOBE, valve:
     return f'format = 1\nname = "Head"\n[shaft]\nrotation = "ccw"\nspeed_rpm = 1000.0\n{engine}{drives}'
 
 
-def machine(**how) -> Design:
+def machine(**how: Any) -> Design:
     return loads(text(**how))
 
 
@@ -209,7 +211,7 @@ def test_a_phase_is_written_as_a_centre(tmp_path: Path, capsys: pytest.CaptureFi
     assert "drives[0].phase_deg" not in list(all_paths(design))
     assert "drives[0].valve.centre_deg" in list(all_paths(design))
     path = tmp_path / "head.toml"
-    path.write_text(text())
+    path.write_text(text(), encoding="utf-8")
     assert main(["find", str(path), "phases", "--limit", "drives[1].valve.centre_deg_min=-120",
                  "--limit", "drives[1].valve.centre_deg_max=-100", "--json"]) == 0  # fmt: skip
     answer = json.loads(capsys.readouterr().out)["answer"]
@@ -262,10 +264,10 @@ def test_engine_and_valve_are_read_and_written() -> None:
     ],
 )
 def test_bad_values_are_one_line_with_the_field(
-    change, field: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    change: Callable[[str], str], field: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "bad.toml"
-    path.write_text(change(text()))
+    path.write_text(change(text()), encoding="utf-8")
     assert main(["valve", str(path)]) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if "[1]" not in line]
     assert len(lines) == 1, lines
@@ -291,7 +293,7 @@ def test_a_valve_of_a_linkage_is_one_of_its_sliders() -> None:
 
 def test_the_command_prints_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "head.toml"
-    path.write_text(text(valve="lash_mm = 0.1\n"))
+    path.write_text(text(valve="lash_mm = 0.1\n"), encoding="utf-8")
     assert main(["valve", str(path), "--json", "--at", "0.15,0.050in,1mm,20thou"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert [e["at_mm"] for e in data["valves"][0]["events"]] == [0.15, 0.15, 1.27, 1.27, 1.0, 1.0, 0.508, 0.508]
@@ -309,10 +311,8 @@ def test_the_command_prints_what_it_says(tmp_path: Path, capsys: pytest.CaptureF
     ):
         assert main(["valve", str(path), *bad]) == 2
         assert len(capsys.readouterr().err.strip().splitlines()) == 1
-    path.write_text(
-        text().partition("[engine]")[0]
-        + DRIVE.format(name="x", centre=1.0, lobe=LOBE, valve="").replace("[drives.valve]\ncentre_deg = 1.0\n", "")
-    )
+    drive = DRIVE.format(name="x", centre=1.0, lobe=LOBE, valve="").replace("[drives.valve]\ncentre_deg = 1.0\n", "")
+    path.write_text(text().partition("[engine]")[0] + drive, encoding="utf-8")
     assert main(["valve", str(path)]) == 2
     assert "[valve]" in capsys.readouterr().err
 
@@ -320,7 +320,7 @@ def test_the_command_prints_what_it_says(tmp_path: Path, capsys: pytest.CaptureF
 @pytest.mark.parametrize(("unit", "size", "step"), [("mm", 1.0, 1.0), ("in", 25.4, 0.5)])
 def test_the_table_for_the_grinder(unit: str, size: float, step: float, tmp_path: Path) -> None:
     path, table = tmp_path / "head.toml", tmp_path / "lift.csv"
-    path.write_text(text())
+    path.write_text(text(), encoding="utf-8")
     words = ["--drive", "Inlet", "--unit", unit, "--step", str(step), "--table", str(table)]
     assert main(["valve", str(path), *words]) == 0
     with table.open(encoding="utf-8", newline="") as file:
