@@ -1,4 +1,4 @@
-"""Layouts of the window, the parts that are replaced, and calls after a pause.
+"""Layouts of the window, the parts that are replaced, what of a widget can be seen, and calls after a pause.
 
 Parts are replaced for another kind of design, another segment, another number of plots.
 
@@ -17,7 +17,16 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence, QShortcut
-from PySide6.QtWidgets import QApplication, QFormLayout, QLayout, QMenu, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QApplication,
+    QFormLayout,
+    QLayout,
+    QMenu,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
 
 AGAIN_MS = 100  # interval of the checks whether a removed part can be deleted
 STRETCH = None
@@ -187,3 +196,36 @@ __all__ = [
     "single_shot",
     "widget_with",
 ]
+
+
+# -- visibility ------------------------------------------------------------------------------------------
+
+
+def is_in_sight(widget: QWidget) -> bool:
+    """Whether something of a widget can be seen.
+
+    isVisible() is True also for a dock tabbed behind another, which Qt places beyond the edge of its window.
+    visibleRegion() leaves out what the widget's own opaque children cover.
+    """
+    if not widget.isVisible():
+        return False
+    rect, at = widget.rect(), widget
+    while not rect.isEmpty() and not at.isWindow():
+        within = at.parentWidget()
+        assert within is not None
+        rect, at = rect.translated(at.pos()) & within.rect(), within
+    return not rect.isEmpty()
+
+
+def scroll_to(widget: QWidget | None) -> None:
+    """Scroll a widget into sight in every scroll area around it.
+
+    Qt does this itself only where the focus comes from a widget of the same scroll area.
+    """
+    around = None if widget is None or widget.isWindow() else widget.parentWidget()
+    while widget is not None and around is not None and not around.isWindow():
+        if isinstance(around, QScrollArea):
+            around.ensureWidgetVisible(widget)
+        elif isinstance(around, QAbstractItemView):
+            around.scrollTo(around.indexAt(widget.mapTo(around.viewport(), widget.rect().center())))
+        around = around.parentWidget()

@@ -14,7 +14,6 @@ from typing import Any, Protocol
 from PySide6.QtCore import QElapsedTimer, QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QAction, QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QFrame,
     QLabel,
     QLayout,
@@ -39,42 +38,9 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import ThemedPart, on_paper
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot, widget_with
+from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, is_in_sight, single_shot, widget_with
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
 from kindyna_gui.settings import DISPLAY, is_default
-
-# -- visibility ------------------------------------------------------------------------------------------
-
-
-def is_in_sight(widget: QWidget) -> bool:
-    """Whether something of a widget can be seen.
-
-    isVisible() is True also for a dock tabbed behind another, which Qt places beyond the edge of its window.
-    visibleRegion() leaves out what the widget's own opaque children cover.
-    """
-    if not widget.isVisible():
-        return False
-    rect, at = widget.rect(), widget
-    while not rect.isEmpty() and not at.isWindow():
-        within = at.parentWidget()
-        assert within is not None
-        rect, at = rect.translated(at.pos()) & within.rect(), within
-    return not rect.isEmpty()
-
-
-def scroll_to(widget: QWidget | None) -> None:
-    """Scroll a widget into sight in every scroll area around it.
-
-    Qt does this itself only where the focus comes from a widget of the same scroll area.
-    """
-    around = None if widget is None or widget.isWindow() else widget.parentWidget()
-    while widget is not None and around is not None and not around.isWindow():
-        if isinstance(around, QScrollArea):
-            around.ensureWidgetVisible(widget)
-        elif isinstance(around, QAbstractItemView):
-            around.scrollTo(around.indexAt(widget.mapTo(around.viewport(), widget.rect().center())))
-        around = around.parentWidget()
-
 
 AFTER_DRAG_MS = 50  # from the end of a drag until the views with a pause refresh
 FRAME_MS = 16  # while the mouse drags something: from one drawing of its view to the next

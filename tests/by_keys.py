@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from window_user import settle
 
-from kindyna_gui.view import is_in_sight
+from kindyna_gui.rebuilt import is_in_sight
 
 MOST = 400
 AROUND = 3  # pixels: frames around what has the keys stand outside of it

@@ -22,7 +22,8 @@ from PySide6.QtWidgets import (
 )
 
 from kindyna_gui.pictures.plots.plot import FixedPlot
-from kindyna_gui.view import View, is_in_sight
+from kindyna_gui.rebuilt import is_in_sight
+from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
 
 PLOT, MECHANISM = QSize(160, 80), QSize(240, 180)

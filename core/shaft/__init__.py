@@ -31,8 +31,9 @@ if TYPE_CHECKING:
         load_by_speed,
     )
     from core.shaft.phases import AIMS, Phases, Spacing, aim_along, best_phases
+    from core.shaft.servo import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved_mass
 else:
-    __getattr__ = lazy_attributes(__name__, "balancer", "flywheel", "phases")
+    __getattr__ = lazy_attributes(__name__, "balancer", "flywheel", "phases", "servo")
 
 __all__ = [
     "AIMS",
@@ -40,6 +41,7 @@ __all__ = [
     "AgainstSpeed",
     "Flywheel",
     "LoadCurve",
+    "MotorLoad",
     "Phases",
     "Spacing",
     "SpeedCurve",
@@ -49,6 +51,7 @@ __all__ = [
     "balance_drive",
     "balance_drives",
     "best_phases",
+    "best_ratio",
     "combined_load",
     "combined_loads",
     "findings",
@@ -60,10 +63,14 @@ __all__ = [
     "inertias_for",
     "is_even",
     "lag",
+    "lever",
     "load_by_speed",
     "load_curve",
     "load_extremes",
     "motor_inertia",
+    "motor_load",
+    "motor_torque",
+    "moved_mass",
     "panel_angles",
     "peaks",
     "periodic_response",

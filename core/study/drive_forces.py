@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from core import dynamics, stress
+from core import dynamics, shaft, stress
 from core.cam import INNER, OUTER, SECOND, CamShape
 from core.design import NO_LIMITS, STAGES, Design, si
 from core.design.parts import Servo
@@ -26,7 +26,6 @@ from core.numerics.derivatives import spread
 from core.numerics.lazy import lazy
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined_load, has_flywheel
-from core.shaft.speed import MotorLoad, best_ratio, lever, motor_load, motor_torque, moved_mass
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, load_nodes, memory
@@ -431,14 +430,14 @@ def servo_part(study: DriveForces) -> Servo:
     return servo
 
 
-def servo_load(study: DriveForces) -> MotorLoad:
+def servo_load(study: DriveForces) -> shaft.MotorLoad:
     """Load of the motor at the angles of the study."""
     n = study.theta.size
     forces = dynamics.newton_euler(study.linkage, None, study.loading, study.omega)
     force = study.mechanism.driver_sign * spread(forces.driver, n)
     y = study.motion.displacement
     v, a = (spread(y[k], n) * study.omega**k for k in (1, 2))
-    return motor_load(servo_part(study), v, a, force, np.sign(study.omega) * study.motion.velocity_sign)
+    return shaft.motor_load(servo_part(study), v, a, force, np.sign(study.omega) * study.motion.velocity_sign)
 
 
 def servo_torque(study: DriveForces) -> np.ndarray:
@@ -448,7 +447,7 @@ def servo_torque(study: DriveForces) -> np.ndarray:
     -------
     ndarray (n,) [N m; N of a linear motor]
     """
-    return motor_torque(servo_part(study), servo_load(study))
+    return shaft.motor_torque(servo_part(study), servo_load(study))
 
 
 def servo_speed(study: DriveForces) -> np.ndarray:
@@ -462,7 +461,7 @@ def servo_speed(study: DriveForces) -> np.ndarray:
     ----------
     Gear of the servo, n_s = i ẏ; of a linear motor v_s = ẏ.
     """
-    return lever(servo_part(study)) * spread(study.motion.displacement[1], study.theta.size) * study.omega
+    return shaft.lever(servo_part(study)) * spread(study.motion.displacement[1], study.theta.size) * study.omega
 
 
 def servo_power(study: DriveForces) -> np.ndarray:
@@ -532,8 +531,8 @@ def _servo_turn(study: DriveForces) -> ServoTurn:
     servo = servo_part(study)
     nodes, weight = turn_nodes(study, servo_power)
     load = servo_load(nodes)
-    torque = motor_torque(servo, load)
-    power = torque * lever(servo) * load.speed
+    torque = shaft.motor_torque(servo, load)
+    power = torque * shaft.lever(servo) * load.speed
     seconds = TURN / abs(study.omega)
     segment = np.asarray(study.program.segment)[nodes.angles.piece]
     given, braked = np.maximum(power, 0.0) * weight * seconds, np.maximum(-power, 0.0) * weight * seconds
@@ -595,14 +594,14 @@ def _inertia_ratio(servo: Servo, study: DriveForces) -> float | None:
     v = spread(study.motion.displacement[1], study.theta.size) * study.omega
     moving = np.abs(v) > MIN_VELOCITY * max(float(np.abs(v).max()), 1e-300)
     energy = spread(kinetic_energy(study.linkage, study.loading, study.omega), study.theta.size)
-    mass = float((2.0 * energy[moving] / v[moving] ** 2).max(initial=0.0)) + moved_mass(servo)
-    return mass / lever(servo) ** 2 / servo.rotor_inertia_kg_m2
+    mass = float((2.0 * energy[moving] / v[moving] ** 2).max(initial=0.0)) + shaft.moved_mass(servo)
+    return mass / shaft.lever(servo) ** 2 / servo.rotor_inertia_kg_m2
 
 
 def best_servo_ratio(study: DriveForces) -> float:
     """Gear ratio of least rms torque. The servo must have a rotor inertia, and the drive a motion that is not a dwell."""
     turn = servo_turn(study)
-    return best_ratio(servo_part(study), turn.acceleration_squared, turn.force_squared)
+    return shaft.best_ratio(servo_part(study), turn.acceleration_squared, turn.force_squared)
 
 
 # -- contact with the cam ---------------------------------------------------------------------------------------

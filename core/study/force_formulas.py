@@ -216,7 +216,7 @@ _SHIN19, _SIZING = (
 _ENERGY_LINE, _MOTOR_LINE = "d/dθ[½(I + J_e) ω²] = T_m - T_s", "T_m = T̄ + k (ω̄ - ω)"
 _MOTOR, _MOTOR_LETTERS = "Speed and motor torque", "T_m T̄ k.motor ω̄ ω.shaft θ I.flywheel J_e T_s.loads"
 _WHEEL = "shaft.Flywheel"
-_GEAR = "shaft.speed"
+_GEAR = "shaft.servo"
 _HILL, _EDGES = "Kim1990 (21)", "Edges of the forbidden bands"
 _TONGUES = "stability.tongues.harmonic_tongues"
 _SERVO = "balance at the motor"

@@ -19,7 +19,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion import TURN
 from core.numerics.derivatives import cross
 from core.shaft.flywheel import Flywheel, energy_range, motor_inertia
-from core.shaft.speed import lever, moved_mass
+from core.shaft.servo import lever, moved_mass
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
 from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (

@@ -26,8 +26,8 @@ from PySide6.QtWidgets import (
 from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import single_shot
-from kindyna_gui.view import View, is_in_sight
+from kindyna_gui.rebuilt import is_in_sight, single_shot
+from kindyna_gui.view import View
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 Area = Qt.DockWidgetArea

@@ -14,10 +14,9 @@ from PySide6.QtCore import QObject, QSize, Qt, Signal
 from PySide6.QtWidgets import QToolBar
 
 from core.design import Design, motion_of
-from kindyna_gui.rebuilt import single_shot
+from kindyna_gui.rebuilt import is_in_sight, single_shot
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
-from kindyna_gui.view import is_in_sight
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import LEFT, VIEWS, Dock
 from kindyna_gui.window.room import COLUMNS, Plan, plan_docks

@@ -32,11 +32,11 @@ from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import call_soon, connect_all
+from kindyna_gui.rebuilt import call_soon, connect_all, is_in_sight, scroll_to
 from kindyna_gui.requirements import UNKNOWN_PREFERENCES
 from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import ExplainableNumber, View, is_in_sight, scroll_to
+from kindyna_gui.view import ExplainableNumber, View
 from kindyna_gui.window import menus
 from kindyna_gui.window.actions import DesignActions
 from kindyna_gui.window.base import CentralPages, Titles, Window
