@@ -56,10 +56,10 @@ def faults(folder: Path, anchors: Iterable[str]) -> list[str]:
                 result.append(f"{place}: loads {address}")
         for address in (*page.links, *page.loaded):
             parts = urlsplit(address)
-            if parts.scheme or parts.netloc:
+            if parts.scheme in ("http", "https", "mailto", "data") or parts.netloc:
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
-            if not target.exists():
+            if parts.scheme or not target.exists():
                 result.append(f"{place}: {address} leads to no file")
             elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].anchors:
                 result.append(f"{place}: {address} leads to no anchor")

@@ -137,7 +137,7 @@ def test_faults_of_built_pages_are_listed(tmp_path: Path) -> None:
         '<a href="#there" id="there"></a><a href="b.html#here"></a><a href="https://example.org"></a><img src="c.svg"/>'
     )
     bad = (
-        '<p id="here"></p><a href="#nowhere"></a><a href="d.html"></a><img src="https://example.org/e.png">'
+        '<p id="here"></p><a href="#nowhere"></a><a href="d.html"></a><a href="kindyna:motion"></a><img src="https://example.org/e.png">'
         '<link rel="stylesheet" href="//example.org/f.css"><p style="background: url(http://example.org/g.png)"></p>'
     )
     for name, text in {
@@ -150,6 +150,7 @@ def test_faults_of_built_pages_are_listed(tmp_path: Path) -> None:
     assert sorted(faults(tmp_path, {"there", "missing"})) == [
         "b.html: #nowhere leads to no anchor",
         "b.html: d.html leads to no file",
+        "b.html: kindyna:motion leads to no file",
         "b.html: loads //example.org/f.css",
         "b.html: loads http://example.org/g.png",
         "b.html: loads https://example.org/e.png",
