@@ -17,6 +17,7 @@ from core.design import UNITS, Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.motion import program
+from core.output.drawing.turn import shown_range
 from core.output.lines import digits
 from core.output.texts import traced_figures
 from core.requests import command_words, field_info
@@ -29,7 +30,6 @@ from kindyna_gui.forms.request_form import PutDialog
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import Picture, bold_label, described, sign
-from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, XYPlot
 from kindyna_gui.pictures.shapes import at, circle, cross, fit_transform, outline
 from kindyna_gui.pictures.style import CHAIN, OUTLINE, SCREEN, THIN, brush, no_pen

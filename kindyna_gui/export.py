@@ -145,16 +145,16 @@ class Exports(QObject):
             *(self._linkage_rows() if session.design.drive.links else ()),
             Export("&Picture of the mechanism...", "Write the drawing as PNG or SVG", self.picture),
             Export("&Animation...", "Write one turn of the mechanism as GIF or WebP", self.animation),
+            Export(
+                "P&ose of the links...",
+                "Write links and cam at the current angle, a layer each, as DXF or SVG in mm",
+                self.pose,
+            ),
         )
 
     def _linkage_rows(self) -> tuple[Export, ...]:
         """Entries for designs with a linkage."""
         return (
-            Export(
-                "P&ose of the links...",
-                "Write the links in their current position, a layer each, as DXF or SVG in mm",
-                self.pose,
-            ),
             Export(
                 "C&urves of points...",
                 "Write the paths of the points as CSV, or a layer each as DXF or SVG",
@@ -321,8 +321,8 @@ class Exports(QObject):
         self._write_in_background(path, lambda path: write_inspection(inspection, path))
 
     def pose(self) -> None:
-        """Write the links at the current angle."""
-        from core.output.position import pose_file
+        """Write links and cam at the current angle."""
+        from core.output.drawing.mechanism import pose_file
 
         path = dialogs.links_to_save(self._window, self._settings.folder / f"{self._drive_name}_pose.dxf")
         study, theta = Study(self._drive), self._player.theta
@@ -330,7 +330,7 @@ class Exports(QObject):
 
     def curves(self) -> None:
         """Write the paths of all moving points."""
-        from core.output.position import curves_file, point_curves
+        from core.output.drawing.curves import curves_file, point_curves
 
         path = dialogs.links_to_save(self._window, self._settings.folder / f"{self._drive_name}_curves.csv", table=True)
         study = Study(self._drive)

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QProgressBar, QSplitter, QWidget
 from core.design import UNITS
 from core.errors import KindynaError, NoSolution
 from core.numerics.lazy import Cancelled
+from core.output.drawing.palette import BLUE, GREEN, VERMILION
 from core.output.subject_files import SERVO, DriveEffort, drive_efforts, field_plot, torque_figure
 from core.plot import Plot
 from core.shaft import AgainstSpeed, LoadCurve, peaks, rms
@@ -30,7 +31,7 @@ from kindyna_gui.labels import reason
 from kindyna_gui.look import Note, answer_label, described
 from kindyna_gui.pictures.plots.lines import closed_band
 from kindyna_gui.pictures.plots.xy import MACHINE_ANGLE, MACHINE_TIP, CursorPlot, Line, XYPlot, reference_lines
-from kindyna_gui.pictures.style import BALANCE, BLUE, GREEN, SCREEN, VERMILION
+from kindyna_gui.pictures.style import BALANCE, SCREEN
 from kindyna_gui.pictures.units import digits, measure, readable, short, with_unit
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import single_shot

@@ -8,9 +8,10 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QPol
 from PySide6.QtWidgets import QWidget
 
 from core.numerics.derivatives import ISOMETRIC, seen_from
+from core.output.drawing.palette import BLUE
 from core.study import Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.pictures.style import BLUE, SCREEN
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number, short
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import Unavailable

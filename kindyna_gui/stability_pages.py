@@ -16,6 +16,7 @@ from core.design import NO_UNIT, UNITS, Info
 from core.errors import NoStability
 from core.frozen import frozen
 from core.number_text import digits_apart
+from core.output.drawing.palette import VERMILION
 from core.stability import (
     APPROXIMATE,
     EXACT,
@@ -44,7 +45,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import SCREEN, VERMILION
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import digits, measure, number, short, typed, with_unit
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
 

@@ -136,7 +136,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkages", "linkage_from"),
         "circuits": _row("assemblies of a linkage, as drawn or by signs", "linkages", "circuits"),
         "curves": _row("curves of points of a linkage, as CSV, DXF or SVG", "linkages", "curves"),
-        "pose": _row("a linkage at one angle, a layer a link, as DXF or SVG", "linkages", "pose"),
+        "pose": _row("links and cam at one angle, a layer each, as DXF or SVG", "linkages", "pose"),
         "measured": _row("a motion from a measured table", "tables", "measured"),
         "motion-from": _row(
             "a motion from a DXF curve: the follower rolled over closed lines and arcs", "motions", "motion_from"

@@ -1,4 +1,4 @@
-"""Commands about linkages: centres, circuits, curves, pose and linkage-from."""
+"""Commands about positions of mechanisms: centres, circuits, curves, pose and linkage-from."""
 
 from __future__ import annotations
 
@@ -28,20 +28,11 @@ from core.linkage_programs import FORMATS, read_linkage
 from core.linkage_programs.design import UNITS, decoded
 from core.mechanism.drivers import Circuit, circuits, with_drawn_pose, with_signs
 from core.number_text import result_text
+from core.output.drawing.curves import curves_file, path_csv, path_layers, point_curves
+from core.output.drawing.layers import WRITERS, Layers, LayerShapes
+from core.output.drawing.mechanism import pose_file, repeated_pose_layers
 from core.output.lines import printable
-from core.output.position import (
-    WRITERS,
-    Layers,
-    LayerShapes,
-    centres_data,
-    curves_file,
-    path_csv,
-    path_layers,
-    point_curves,
-    pose_file,
-    repeated_pose_layers,
-    snapshot,
-)
+from core.output.position import centres_data, snapshot
 from core.output.summary import to_json
 from core.project import dumps, load, load_one
 from core.project.files import read_bytes, write, write_into
@@ -198,7 +189,7 @@ class PoseArguments(DriveArguments):
 
 
 def run_pose(arguments: PoseArguments, painter: Painter | None) -> int:
-    """Write the drawing, with a layer for every link."""
+    """Write the drawing, with a layer for every link, and for the cam."""
     study = Study(load_one(arguments.design, arguments.drive))
     more = dict(repeated_pose_layers(study, arguments.every_deg)) if arguments.every_deg else {}
     if arguments.underlay:

@@ -15,18 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from core.cam import keyway_corners, row_of
 from core.design import Design
 from core.design.fields import number
 from core.errors import KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
-from core.mechanism.kinematics import FRAME, SLIDING
+from core.mechanism.kinematics import FRAME
 from core.output.channels import channels, existing
 from core.output.controllers.deviation import facts
 from core.output.controllers.rows import controller
 from core.output.controllers.slave import EcamRequest, drive_slave
 from core.output.controllers.table import ecam
+from core.output.drawing.scene import Scene, Slide
 from core.output.files.files import files as profile_files
 from core.output.files.files import profile_job
 from core.output.files.inspection import files as inspection_files
@@ -61,7 +61,6 @@ LINK_CURVES, FEWEST = ("link.{}_velocity", "transmission.{}"), 2
 PARTS, FINDINGS = ("inputs", "certificate"), "Findings"
 """Parts of the report below the curves."""
 PAGE, PROGRAM = "web_page.html.jinja", "web_page.js"
-_MM = 1e3
 
 
 def web_page(study: Study) -> str:
@@ -136,73 +135,61 @@ def _drives(study: Study) -> Iterator[tuple[str, float, Study]]:
 
 def _machine_data(study: Study, phase: float) -> dict[str, Any]:
     """Angles and positions by the drive's angle, which lags behind the machine by ``phase`` [deg]."""
-    kinematics = study.linkage
-    sliding = [pair for pair in kinematics.pairs.values() if pair.kind == SLIDING]
+    scene = Scene(study)
+    stem, blocks = scene.stem, {slide.body for slide in scene.slides}
     bodies = [
         {
             "name": name,
             "fixed": name == FRAME,
-            "slides": any(pair.body == name for pair in sliding),
-            "stem": _stem(study) if name == kinematics.carrier and len(kinematics.pairs) == 1 and sliding else None,
-            "points": [[point, *_xy(at)] for point, at in pose.points.items()],
-            **_track(pose.origin[0], pose.turn[0]),
+            "slides": name in blocks,
+            "stem": _stem(scene, stem) if stem is not None and stem.body == name else None,
+            "points": [[point, *_xy(at)] for point, at in body.points.items()],
+            **_track(body.z, body.angle),
         }
-        for name, pose in kinematics.bodies.items()
+        for name, body in scene.bodies.items()
     ]
     return {
         "phase": phase,
         "sense": study.sense,
         "angles": _rounded(study.angle_degrees),
         "whole": study.angle_degrees.size == study.samples,
-        "cam": _cam(study),
+        "cam": _cam(scene),
         "bodies": bodies,
-        "fixed": _fixed(study),
+        "fixed": _fixed(scene),
         "curves": _with_initial_curves(list(_curves(study)), study),
     }
 
 
-def _stem(study: Study) -> list[float]:
+def _stem(scene: Scene, slide: Slide) -> list[float]:
     """End of the stem of a translating follower in its frame: away from the cam, as long as the cam is large."""
-    kinematics = study.linkage
-    (pair,) = kinematics.pairs.values()
-    pose = kinematics.bodies[pair.body]
-    outwards = 1.0 if (pose.origin[0][0] * pair.axis.conjugate()).real >= 0.0 else -1.0
-    return _xy(outwards * pair.axis * np.exp(-1j * pose.turn[0][0]) * float(np.abs(pose.origin[0]).max()))
+    body = scene.bodies[slide.body]
+    return _xy(complex(slide.outwards * slide.line[0] * np.exp(-1j * body.angle[0])) * float(np.abs(body.z).max()))
 
 
-def _fixed(study: Study) -> list[dict[str, Any]]:
+def _fixed(scene: Scene) -> list[dict[str, Any]]:
     """Pins and guides on the frame."""
-    kinematics, rows = study.linkage, []
-    for name, pair in kinematics.pairs.items():
-        if pair.on != FRAME:
-            continue
-        track = kinematics.bodies[pair.body].position(pair.point)
-        row: dict[str, Any] = {"name": name, "at": _xy(track[0])}
-        if pair.kind == SLIDING:
-            along = ((track - track[0]) * pair.axis.conjugate()).real
-            row["guide"] = [_xy(track[0] + pair.axis * end) for end in (along.min(), along.max())]
-        rows.append(row)
-    return rows
+    pins = [{"name": name, "at": _xy(at)} for name, at in scene.pivots.items()]
+    guides = [
+        {"name": slide.name, "at": _xy(slide.z[0]), "guide": [_xy(slide.z[0] + slide.line[0] * end) for end in ends]}
+        for slide in scene.slides
+        for ends in [(slide.low, slide.high)]
+        if slide.on == FRAME
+    ]
+    return [*pins, *guides]
 
 
-def _cam(study: Study) -> dict[str, Any] | None:
+def _cam(scene: Scene) -> dict[str, Any] | None:
     """Outlines in the cam's frame, and the follower's face around its reference point with further rollers."""
-    if "cam" not in study.stages:
+    face = scene.face
+    if face is None:
         return None
-    try:
-        shape = study.cam
-    except NoSolution:
-        return None
-    cam, face = study.design.drive.cam, study.design.drive.face
-    outline = row_of(face).outline(shape, face, study.linkage).points
-    turn = study.linkage.bodies[study.linkage.follower_body].turn[0]
-    further = [flank for flank in shape.flanks[1:] if flank.reference is not shape.reference]
+    body = scene.face_body
     return {
-        "flanks": [[_xy(at) for at in flank.profile] for flank in shape.flanks],
-        "keyway": [[_short(at.real), _short(at.imag)] for at in keyway_corners(cam)],
-        "circles": [_short(0.5 * size) for size in (cam.hub_mm, cam.bore_mm) if size],
-        "face": {"outline": [_xy(at) for at in outline], **_track(shape.reference, turn)},
-        "rollers": [{"radius": _short(flank.radius * _MM), **_track(flank.reference, 0.0 * turn)} for flank in further],
+        "flanks": [[_xy(at) for at in profile] for profile in scene.flanks.values()],
+        "keyway": [_xy(at) for at in scene.keyway],
+        "circles": [_short(radius) for radius in scene.circles.values()],
+        "face": {"outline": [_xy(at) for at in face.outline], **_track(body.z, body.angle)},
+        "rollers": [{"radius": _short(radius), **_track(z, 0.0 * body.angle)} for radius, z in scene.further_rollers],
     }
 
 
@@ -240,8 +227,8 @@ def _short(value: float) -> float:
 
 
 def _xy(at: complex) -> list[float]:
-    """Point [m] as x, y [mm]."""
-    return [_short(at.real * _MM), _short(at.imag * _MM)]
+    """Point as x, y."""
+    return [_short(at.real), _short(at.imag)]
 
 
 def _rounded(values: Iterable[float]) -> list[float]:
@@ -249,12 +236,8 @@ def _rounded(values: Iterable[float]) -> list[float]:
 
 
 def _track(origin: np.ndarray, turn: np.ndarray) -> Mapping[str, list[float]]:
-    """Position of a body: x, y [mm], turn [deg]."""
-    return {
-        "x": _rounded(origin.real * _MM),
-        "y": _rounded(origin.imag * _MM),
-        "turn": _rounded(np.rad2deg(turn) + 0.0 * origin.real),
-    }
+    """Position of a body: x, y, turn [deg]."""
+    return {"x": _rounded(origin.real), "y": _rounded(origin.imag), "turn": _rounded(np.rad2deg(turn))}
 
 
 # -- hand-over --------------------------------------------------------------------------------------------------

@@ -6,16 +6,14 @@ Links of a [linkage] are named by their numbers, links of a follower and the cam
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from functools import cached_property
-from html import escape
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from core.design import FRAME_LINK, Design, require_linkage
-from core.errors import KindynaError
+from core.design import require_linkage
 from core.frozen import frozen
 from core.instant_centres import (
     CAM,
@@ -31,226 +29,11 @@ from core.instant_centres import (
 from core.instant_centres.construction import Key
 from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import FRAME
-from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.output.channels import channels
-from core.output.files.profile_files import dxf_file
-from core.output.lines import text_cell
 from core.study import Study, quantities_of, quantity
 from core.study.quantities import TRANSMISSION, member_of, shape_of
 
-# -- drawings of links and curves of points, as DXF and SVG -----------------------------------------------------
-
-
 _MM = 1e3
-_PIN = 0.012  # radius of a pin, relative to the size
-_BLOCK = 0.035  # half the length of a block, relative to the size
-_MARGIN = 0.05
-COLOURS = (7, 5, 3, 1, 6, 4, 2, 30)  # of layers in DXF, in turn
-STROKES = ("#000000", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f")
-
-
-@frozen(eq=False)
-class LayerShapes:
-    """Shapes on a layer.
-
-    Attributes
-    ----------
-    lines : points (n,) complex [mm] of each line, and whether it is closed
-    circles : centre and radius [mm]
-    """
-
-    lines: tuple[tuple[np.ndarray, bool], ...] = ()
-    circles: tuple[tuple[complex, float], ...] = ()
-
-
-Layers = Mapping[str, LayerShapes]
-
-
-@frozen(eq=False)
-class PointCurves:
-    """Curves of points over a turn.
-
-    Attributes
-    ----------
-    angles : (n,) angles of the turn [deg]
-    curves : name of a point -> (n,) complex positions [mm]
-    is_closed : whether the curves are closed
-    marks : name of a point -> (k,) complex positions at equal times [mm]
-    """
-
-    angle_column: str
-    angles: np.ndarray
-    curves: Mapping[str, np.ndarray]
-    is_closed: bool
-    marks: Mapping[str, np.ndarray]
-
-
-def point_names(design: Design) -> tuple[str, ...]:
-    """Moving points of a linkage, in the order of its links."""
-    linkage = require_linkage(design).drive.linkage
-    fixed = linkage.by_number[FRAME_LINK].places
-    names = (name for n in sorted(linkage.by_number) for name in linkage.by_number[n].places)
-    return tuple(dict.fromkeys(name for name in names if name not in fixed))
-
-
-def point_curves(study: Study, names: Sequence[str] = (), time_marks: int = 0) -> PointCurves:
-    """Curves of the named points, or of all moving points. Raises KindynaError for an unknown name, NoSolution."""
-    available = point_names(study.design)
-    if unknown := [name for name in names if name not in available]:
-        raise KindynaError(
-            f"points: no moving point has the name {', '.join(unknown)}; allowed: {' | '.join(available)}"
-        )
-    selected = tuple(names) or available
-    marks = {}
-    if time_marks:
-        marks = _positions(study.at_theta(np.linspace(0.0, 2.0 * np.pi, time_marks, endpoint=False)), selected)
-    is_full_turn = study.angle_degrees.size == study.samples and not study.swings
-    return PointCurves(study.angle_column, study.angle_degrees, _positions(study, selected), is_full_turn, marks)
-
-
-def _positions(study: Study, names: Sequence[str]) -> dict[str, np.ndarray]:
-    kinematics = study.linkage
-    return {name: kinematics.bodies[kinematics.body_of(name)].position(name) * _MM for name in names}
-
-
-def curves_csv(curves: PointCurves) -> str:
-    """Curves of points as CSV: the angle, then x and y of each point."""
-    names = [text_cell(f"{name}_{axis}_mm") for name in curves.curves for axis in "xy"]
-    columns = [curves.angles, *(part for z in curves.curves.values() for part in (z.real, z.imag))]
-    return _csv([curves.angle_column, *names], np.column_stack(columns))
-
-
-def _csv(names: Sequence[str], rows: np.ndarray) -> str:
-    return "\n".join([",".join(names), *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
-
-
-def path_csv(study: Study) -> str:
-    """Path in space of the part that the drives carry, as CSV."""
-    rows = np.column_stack((study.camshaft.angle_degrees, study.camshaft.transfer_path * _MM))
-    return _csv(["machine_angle_deg", "x_mm", "y_mm", "z_mm"], rows)
-
-
-def path_layers(study: Study) -> dict[str, LayerShapes]:
-    """Path in space in an isometric view, with the three axes."""
-    path = study.camshaft.transfer_path * _MM
-    size = float(np.ptp(path, axis=0).max()) or 1.0
-    axes = {
-        name: LayerShapes(((seen_from(np.array([np.zeros(3), size * direction]), *ISOMETRIC), False),))
-        for name, direction in zip(("X", "Y", "Z"), np.eye(3), strict=True)
-    }
-    return {"PATH": LayerShapes(((seen_from(path, *ISOMETRIC), True),)), **axes}
-
-
-def curve_layers(curves: PointCurves) -> dict[str, LayerShapes]:
-    """A layer for each point: its curve and its marks."""
-    size = max((float(np.ptp(z.real) + np.ptp(z.imag)) for z in curves.curves.values()), default=1.0) or 1.0
-    return {
-        name: LayerShapes(
-            ((z, curves.is_closed),), tuple((complex(m), 0.2 * _PIN * size) for m in curves.marks.get(name, ()))
-        )
-        for name, z in curves.curves.items()
-    }
-
-
-def pose_layers(study: Study) -> dict[str, LayerShapes]:
-    """A layer for each link at the first angle of the study: lines between its points, pins, block on a guide."""
-    linkage, kinematics = require_linkage(study.design).drive.linkage, study.linkage
-    size = study.driver_ranges.plan.size * _MM
-    sliding = {slider.link: slider for slider in linkage.sliders}
-    guides: dict[int, list[tuple[np.ndarray, bool]]] = {}
-    layers: dict[str, LayerShapes] = {}
-    blocks = {}
-    for number, slider in sliding.items():
-        body = kinematics.bodies[body_name(number)]
-        at, axis = complex(body.z[0, 0]) * _MM, complex(body.unit[0])
-        half = _BLOCK * size
-        corners = np.array([-half - 0.6j * half, half - 0.6j * half, half + 0.6j * half, -half + 0.6j * half])
-        blocks[number] = (at + corners * axis, True)
-        guides.setdefault(slider.on, []).append((at + np.array([-4.0, 4.0]) * half * axis, False))
-    for number in sorted(linkage.by_number):
-        body = kinematics.bodies[body_name(number)]
-        z = np.array([complex(body.position(name)[0]) * _MM for name in linkage.by_number[number].places])
-        lines = [(z, z.size > 2)] if z.size > 1 and number != FRAME_LINK else []
-        lines += [blocks[number]] if number in blocks else []
-        lines += guides.get(number, [])
-        layers[f"LINK_{number}"] = LayerShapes(tuple(lines), tuple((complex(p), _PIN * size) for p in z))
-    return layers
-
-
-def repeated_pose_layers(study: Study, every_deg: float) -> dict[str, LayerShapes]:
-    """A layer with the lines of all links at equal steps of the turn [deg], where the linkage can be assembled."""
-    angles = np.deg2rad(np.arange(0.0, 360.0, every_deg))
-    posed = study.at_theta(angles[study.uncut.is_assembled(angles)] if study.by_crank else angles)
-    lines: list[tuple[np.ndarray, bool]] = []
-    for number, link in require_linkage(study.design).drive.linkage.by_number.items():
-        if number != FRAME_LINK and len(link.points) > 1:
-            body = posed.linkage.bodies[body_name(number)]
-            poses = np.array([np.broadcast_to(body.position(name), posed.theta.shape) for name in link.places]).T * _MM
-            lines += [(z, z.size > 2) for z in poses]
-    return {"GHOSTS": LayerShapes(tuple(lines))}
-
-
-def dxf(comment: Sequence[str], layers: Layers) -> bytes:
-    """Layers as DXF, with comments."""
-
-    def draw(drawing: Any) -> None:
-        space = drawing.modelspace()
-        for i, (name, shapes) in enumerate(layers.items()):
-            drawing.layers.add(name, color=COLOURS[i % len(COLOURS)])
-            attributes = {"layer": name}
-            for z, closed in shapes.lines:
-                space.add_lwpolyline(np.column_stack((z.real, z.imag)).tolist(), close=closed, dxfattribs=attributes)
-            for centre, radius in shapes.circles:
-                space.add_circle((centre.real, centre.imag), radius, dxfattribs=attributes)
-
-    return dxf_file(comment, draw)
-
-
-def pose_file(study: Study, theta: float, ending: str, added: Layers | None = None) -> bytes:
-    """Links at an angle [rad] of the driver or the cam, and more layers, in a format of ``WRITERS``."""
-    layers = {**pose_layers(study.at_theta(np.array([theta]))), **(added or {})}
-    return WRITERS[ending]((f"{study.design.name} at {np.rad2deg(theta):g} deg, mm",), layers)
-
-
-def curves_file(study: Study, curves: PointCurves, ending: str) -> bytes:
-    """Curves of points in a format of ``WRITERS``, else as CSV."""
-    if ending in WRITERS:
-        return WRITERS[ending]((f"{study.design.name}: curves of points, mm",), curve_layers(curves))
-    return curves_csv(curves).encode()
-
-
-def svg(comment: Sequence[str], layers: Layers) -> bytes:
-    """Layers as SVG to scale: one unit is one millimetre, y upwards."""
-    return "\n".join(_svg_lines(comment, layers)).encode("utf-8", "replace")
-
-
-def _svg_lines(comment: Sequence[str], layers: Layers) -> Iterator[str]:
-    point_sets = [z for shapes in layers.values() for z, _ in shapes.lines]
-    point_sets += [np.array([c - r * (1 + 1j), c + r * (1 + 1j)]) for s in layers.values() for c, r in s.circles]
-    z = np.concatenate(point_sets)
-    margin = _MARGIN * max(float(np.ptp(z.real)), float(np.ptp(z.imag)), 1e-9)
-    x, y = float(z.real.min()) - margin, -float(z.imag.max()) - margin
-    width, height = float(np.ptp(z.real)) + 2.0 * margin, float(np.ptp(z.imag)) + 2.0 * margin
-    yield '<?xml version="1.0" encoding="UTF-8"?>'
-    size = f'width="{width:.6g}mm" height="{height:.6g}mm" viewBox="{x:.9g} {y:.9g} {width:.9g} {height:.9g}"'
-    yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="none" stroke-width="{0.003 * max(width, height):.4g}">'
-    yield f"<title>{escape(comment[0], quote=False)}</title>"
-    for i, (name, shapes) in enumerate(layers.items()):
-        yield f'<g id="{escape(name)}" stroke="{STROKES[i % len(STROKES)]}">'
-        for line, closed in shapes.lines:
-            points = " ".join(f"{at.real + 0.0!r},{0.0 - at.imag!r}" for at in line.tolist())
-            yield f'<{"polygon" if closed else "polyline"} points="{points}"/>'
-        yield from (
-            f'<circle cx="{centre.real!r}" cy="{0.0 - centre.imag!r}" r="{radius!r}"/>'
-            for centre, radius in shapes.circles
-        )
-        yield "</g>"
-    yield "</svg>\n"
-
-
-WRITERS = {".dxf": dxf, ".svg": svg}
-"""Ending of a file -> its writer."""
-
 
 # -- position of a mechanism ------------------------------------------------------------------------------------
 

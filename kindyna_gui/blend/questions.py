@@ -39,6 +39,7 @@ from core.blend import (
 from core.design import UNITS, Info
 from core.design.fields import LONGEST_MM
 from core.number_text import MINUS
+from core.output.drawing.scales import nice_below
 from core.output.texts import succession_verdict
 from kindyna_gui.blend.kind import CURVE_SIZE, KindChoice, curve_icon
 from kindyna_gui.blend.request import AUTOMATIC, count_text, default_request, has_both, open_candidates, plan, reason
@@ -48,7 +49,7 @@ from kindyna_gui.forms.refusal import RefusalLine, refuse_number
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.look import MessageLabel, bold_label, coloured, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import nice_below, typed
+from kindyna_gui.pictures.units import typed
 from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.settings import symbol_of
 

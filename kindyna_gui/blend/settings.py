@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 from core.blend import FLATS, LENGTHS, MAY_VANISH, SIZES, BlendError, Request, SettingRange, nearest_feasible
 from core.design import UNITS, Info, Unit
 from core.design.fields import LARGEST
+from core.output.drawing.scales import nice_below
 from kindyna_gui.blend.request import (
     PENDING,
     POINT,
@@ -36,7 +37,7 @@ from kindyna_gui.forms.number_box import LiveBox
 from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
 from kindyna_gui.look import coloured, icon, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import nice_below, short
+from kindyna_gui.pictures.units import short
 from kindyna_gui.rebuilt import remove_part
 from kindyna_gui.settings import size_of, symbol_of
 

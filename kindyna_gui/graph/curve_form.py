@@ -29,6 +29,7 @@ from PySide6.QtWidgets import (
 from core.design import Info, split_unit
 from core.errors import KindynaError
 from core.frozen import frozen
+from core.output.drawing.palette import FAMILIES
 from core.output.graph import (
     ALL,
     DASHES,
@@ -52,7 +53,7 @@ from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.refusal import Misfit, RefusalLine, accept_in_range
 from kindyna_gui.graph.graph_choice import swatch
 from kindyna_gui.look import MessageLabel, bold_label, coloured
-from kindyna_gui.pictures.style import DRIVES, FAMILIES, SCREEN
+from kindyna_gui.pictures.style import DRIVES, SCREEN
 from kindyna_gui.pictures.units import typed
 
 AXES = {"x": "Along the bottom", "left": "On the left", "right": "On the right"}

@@ -18,6 +18,9 @@ from core.elastic import ResidualVibration, Spectrum
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, RESULT_DIGITS, rounded_up
+from core.output.drawing.palette import BLUE, VERMILION
+from core.output.drawing.scales import DisplayUnit
+from core.output.drawing.turn import ROUNDING, torque_size
 from core.output.subject_files import (
     SPECTRUM_SPEEDS,
     contact_force_map,
@@ -34,8 +37,8 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, step_text
 from kindyna_gui.look import answer_label, row_with_text
 from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
-from kindyna_gui.pictures.style import BLUE, DASHED, ROUNDING, VERMILION, torque_size
-from kindyna_gui.pictures.units import DisplayUnit, brief, digits, measure, number, readable, short, typed, with_unit
+from kindyna_gui.pictures.style import DASHED
+from kindyna_gui.pictures.units import brief, digits, measure, number, readable, short, typed, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
 from kindyna_gui.settings import size_of, symbol_of

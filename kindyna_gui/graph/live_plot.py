@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QToolButton, QWidget
 
 from core.design import entry_at, get, put, split_unit
 from core.frozen import frozen
+from core.output.drawing.scales import UNSEEN
 from kindyna_gui.labels import no_number, sentence, value_text
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
@@ -17,7 +18,7 @@ from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.mouse import AngleMouse
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.style import SMALL, font
-from kindyna_gui.pictures.units import UNSEEN, measure
+from kindyna_gui.pictures.units import measure
 from kindyna_gui.player import Player
 from kindyna_gui.view import View
 

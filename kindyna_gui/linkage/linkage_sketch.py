@@ -20,8 +20,9 @@ from core.frozen import frozen
 from core.mechanism.drawing_targets import edges, faces_at, outline
 from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin, link_pose, slider_line
 from core.mechanism.drivers import wheel_pairs
+from core.output.drawing.palette import BLUE, VERMILION
 from kindyna_gui.linkage.draw_tools import ANGLE, FACE, GRID, LINE, PERPENDICULAR, POINT, Snap, grid_step, row_index
-from kindyna_gui.pictures.style import BLUE, SCREEN, VERMILION
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number, short, typed
 
 BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half width of a bar, radius of a pin, half sides of a block, pixels

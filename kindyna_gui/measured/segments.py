@@ -13,6 +13,7 @@ from core.frozen import frozen
 from core.laws import LAWS
 from core.measured import QUANTITIES, MotionFit, RowFault, SegmentFit, Switches, segment_kinds
 from core.measured.event import events
+from core.output.drawing.turn import shown_range
 from core.output.measured_text import (
     event_lines,
     notes,
@@ -27,7 +28,6 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import sign
 from kindyna_gui.measured.form import symbol, with_symbols
-from kindyna_gui.pictures.plots.plot import shown_range
 from kindyna_gui.pictures.plots.xy import WHOLE_TURN, Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import readable, short, with_unit

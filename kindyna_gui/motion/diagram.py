@@ -20,16 +20,17 @@ from core.design.edits import is_dwell
 from core.frozen import frozen
 from core.motion import Join
 from core.number_text import MINUS, shortest
+from core.output.drawing.scales import nice_below
+from core.output.drawing.turn import Span, peak, shown_range, spans
 from core.study import Quantity, Study
 from kindyna_gui.labels import sentence, value_text
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import NO_BANDS, PINNED, CurvePlot
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import Z_CURVE, Z_REFERENCE
-from kindyna_gui.pictures.plots.plot import Span, peak, shown_range, spans
 from kindyna_gui.pictures.plots.quantities import Curve, reference_curves
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
-from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
+from kindyna_gui.pictures.units import readable, short, with_unit
 from kindyna_gui.settings import point, sized, symbol_of
 
 POINT, LINE, LEVEL = "point", "line", "level"

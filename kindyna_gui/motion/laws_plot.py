@@ -30,6 +30,8 @@ from core.laws import LAWS, Law
 from core.motion.new_motions import FlyingShear, Indexer, flying_shear, indexer
 from core.numerics.lazy import Cancelled
 from core.output.channels import new_design_text
+from core.output.drawing.palette import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from core.output.drawing.turn import shown_range
 from core.requests import command_words
 from kindyna_gui.background import Background
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
@@ -38,9 +40,9 @@ from kindyna_gui.labels import law_label, sentence
 from kindyna_gui.look import coloured, linked
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.lines import LEFT_WIDTH
-from kindyna_gui.pictures.plots.plot import RIGHT_MARGIN, shown_range
+from kindyna_gui.pictures.plots.plot import RIGHT_MARGIN
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SCREEN, SKY, SMALL, VERMILION, Theme, font
+from kindyna_gui.pictures.style import SCREEN, SMALL, Theme, font
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.rebuilt import ContentArea, fill, single_shot
 from kindyna_gui.requirements import NO_RANKING

@@ -21,9 +21,10 @@ from PySide6.QtWidgets import (
 )
 
 from core.frozen import frozen
+from core.output.drawing.scales import UNSEEN, needed
 from kindyna_gui.pictures.shapes import joined, outline
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
-from kindyna_gui.pictures.units import UNSEEN, level, needed
+from kindyna_gui.pictures.units import level
 from kindyna_gui.settings import sized
 
 Move = Callable[[int], None]

@@ -19,6 +19,7 @@ from core.design import Design
 from core.errors import KindynaError
 from core.instant_centres import velocity_polygon
 from core.output.channels import channels, existing
+from core.output.drawing.scales import UNSEEN
 from core.output.position import Snapshot
 from core.study import Quantity, Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
@@ -29,7 +30,7 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.quantities import channel_extremes, quantities_for, without_equal_curves
 from kindyna_gui.pictures.style import LIGHT, Theme
-from kindyna_gui.pictures.units import UNSEEN, number
+from kindyna_gui.pictures.units import number
 from kindyna_gui.rebuilt import fill
 
 if TYPE_CHECKING:

@@ -31,9 +31,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.output.drawing.palette import FAMILIES
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.plot import Axis
-from kindyna_gui.pictures.style import BALANCE, DRIVES, FAMILIES, Theme, icon_maker, shade
+from kindyna_gui.pictures.style import BALANCE, DRIVES, Theme, icon_maker, shade
 
 _HEX = re.compile(r"#[0-9A-Fa-f]{6}\b")
 _SHADES = 4  # of a colour of curves

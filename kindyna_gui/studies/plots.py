@@ -9,12 +9,14 @@ from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainterPath, QPen
 
 from core.frozen import frozen
+from core.output.drawing.palette import PURPLE
+from core.output.drawing.scales import ticks
 from core.varying import Survey
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.mouse import REACH, DraggablePoint, PlotMouse
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
-from kindyna_gui.pictures.style import PURPLE, SCREEN, SMALL, rgb
-from kindyna_gui.pictures.units import short, ticks, with_unit
+from kindyna_gui.pictures.style import SCREEN, SMALL, rgb
+from kindyna_gui.pictures.units import short, with_unit
 
 FAINT, FULL = 0.08, 0.72  # opacity of the least value, of the greatest
 BEYOND_LIMIT = 0.3  # factor of the opacity of designs beyond a limit

@@ -12,10 +12,11 @@ from benchmarks.ratios import Told, power
 from benchmarks.table import Kernel, kernels
 from PySide6.QtWidgets import QGridLayout, QLabel
 
+from core.output.drawing.palette import BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import MARGIN, RATIO, PaperSheet, png
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
-from kindyna_gui.pictures.style import BLUE, GREEN, LIGHT, ORANGE, PURPLE, VERMILION, Theme
+from kindyna_gui.pictures.style import LIGHT, Theme
 
 COLUMNS, CELL = 3, (290, 196)  # pixels: three beside each other are as wide as a page of GitHub
 ERRORS = (-16.0, -2.0)  # powers of ten that are shown

@@ -16,6 +16,7 @@ from core import project
 from core.__main__ import main
 from core.design import Design, edited, si
 from core.laws import LAWS
+from core.output.drawing.turn import spans
 from kindyna_gui.find import FindView
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.graph.graph_view import GraphView
@@ -23,7 +24,6 @@ from kindyna_gui.help import PAGES
 from kindyna_gui.motion.law_picker import LawPicker
 from kindyna_gui.motion.laws_view import LawsView
 from kindyna_gui.motion.segments_table import LAW
-from kindyna_gui.pictures.plots.plot import spans
 from kindyna_gui.places import example, help_text
 
 LIFT = edited(project.load(example("transfer_lift")), "motion.segments[1].law", "trefoil")

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import re
 from cmath import rect
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import field, replace
 from datetime import datetime
 from functools import partial
-from html import escape
 from itertools import pairwise
 from math import atan, ceil, sin, sqrt
 from types import MappingProxyType
@@ -24,6 +21,8 @@ from core.errors import KindynaError, NoCam
 from core.frozen import frozen
 from core.number_text import result_text, rounded_up
 from core.numerics.derivatives import cross
+from core.output.drawing import svg
+from core.output.drawing.dxf import dxf_file
 from core.output.files.fitted_curve import (
     FittedCurve,
     contact_face,
@@ -265,42 +264,12 @@ def comment(job: ProfileDrawing) -> list[str]:
 # -- DXF, written by ezdxf --------------------------------------------------------------------------------------
 
 
-VERSION = "R2010"
-COMMENT = 999  # group code
-MILLIMETRES, METRIC = 4, 1  # values of $INSUNITS, $MEASUREMENT
 PLANAR = 8  # flag of a spline; its ends meet, as the flag of a closed one makes some programs move control points
 VIEW = 2.2  # height of the initial view, relative to the drawing's reach
 LINES: Mapping[str, tuple[str, list[float]]] = MappingProxyType(
     {"CENTER": ("Center ____ _ ____", [12.0, 8.0, -1.5, 1.0, -1.5]), "DASHED": ("Dashed __ __", [4.0, 2.5, -1.5])}
 )
 """Line types: description, then length of the pattern and its dashes and gaps [mm]."""
-
-
-@contextmanager
-def without_clock() -> Iterator[None]:
-    """Context in which ezdxf writes neither the time nor random numbers."""
-    import ezdxf
-
-    saved = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
-    try:
-        yield
-    finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = saved
-
-
-def dxf_file(comment: Sequence[str], draw: Callable[[Any], None]) -> bytes:
-    """Content of a DXF file in millimetres, with comments; ``draw`` adds the shapes to ezdxf's drawing."""
-    import ezdxf
-
-    with without_clock():
-        drawing = ezdxf.new(VERSION)
-        drawing.header["$INSUNITS"], drawing.header["$MEASUREMENT"] = MILLIMETRES, METRIC
-        draw(drawing)
-        stream = io.StringIO()
-        drawing.write(stream)
-    remarks = "".join(f"{COMMENT}\n{line}\n" for line in comment)
-    return (remarks + stream.getvalue()).encode("utf-8", "replace")
 
 
 def dxf_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
@@ -552,67 +521,43 @@ DASHES: Mapping[str, str] = MappingProxyType({"CENTER": "8 1.5 1 1.5", "DASHED":
 """Line type -> its dashes."""
 
 
-def _svg_point(z: complex) -> str:
-    """Coordinates of a point, without minus zero."""
-    return f"{z.real + 0.0!r} {0.0 - z.imag!r}"
-
-
 def _arcs(shape: Arcs) -> str:
     """Path of arcs. The y axis of paper points down: an arc that turns left runs clockwise, sweep 0."""
     vertices, ends = shape.vertices.tolist(), np.roll(shape.vertices, -1).tolist()
-    parts = [f"M {_svg_point(vertices[0])}"]
+    parts = [f"M {svg.point(vertices[0])}"]
     for start, end, bulge in zip(vertices, ends, shape.b.ravel().tolist(), strict=True):
         if bulge:
             radius = 0.5 * abs(end - start) / abs(sin(2.0 * atan(bulge)))
-            parts.append(f"A {radius!r} {radius!r} 0 0 {0 if bulge > 0.0 else 1} {_svg_point(end)}")
+            parts.append(f"A {radius!r} {radius!r} 0 0 {0 if bulge > 0.0 else 1} {svg.point(end)}")
         else:
-            parts.append(f"L {_svg_point(end)}")
-    return _path([*parts, "Z"])
+            parts.append(f"L {svg.point(end)}")
+    return svg.element("path", d="\n".join([*parts, "Z"]))
 
 
 def _cubics(shape: Cubics) -> str:
-    parts = [f"C {_svg_point(a)} {_svg_point(b)} {_svg_point(c)}" for _, a, b, c in shape.points.tolist()]
-    return _path([f"M {_svg_point(complex(shape.points[0, 0]))}", *parts, "Z"])
-
-
-def _path(parts: Sequence[str]) -> str:
-    lines = "\n".join(parts)
-    return f'<path d="{lines}"/>'
-
-
-def _svg_line(shape: LineShape) -> str:
-    (a, b), (c, d) = _svg_point(shape.start).split(), _svg_point(shape.end).split()
-    return f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}"/>'
+    parts = [f"C {svg.point(a)} {svg.point(b)} {svg.point(c)}" for _, a, b, c in shape.points.tolist()]
+    return svg.element("path", d="\n".join([f"M {svg.point(complex(shape.points[0, 0]))}", *parts, "Z"]))
 
 
 SVG_SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType(
     {
         Arcs: _arcs,
         Cubics: _cubics,
-        CircleShape: lambda shape: f'<circle cx="0" cy="0" r="{shape.radius!r}"/>',
-        LineShape: _svg_line,
+        CircleShape: lambda shape: svg.circle(0j, shape.radius),
+        LineShape: lambda shape: svg.line(shape.start, shape.end),
     }
 )
 
 
 def svg_bytes(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
     """A drawing as SVG: a comment, a title, a group for each layer."""
-    return "\n".join(_svg_lines(comment, layers)).encode("utf-8", "replace")
-
-
-def _svg_lines(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> Iterator[str]:
-    half = (1.0 + MARGIN) * reach(layers)
-    half = float(np.ceil(half))
-    yield '<?xml version="1.0" encoding="UTF-8"?>'
-    yield from ("<!--", *(re.sub("-(?=-)", "- ", line) for line in comment), "-->")  # two hyphens end a comment
-    size = f'width="{2.0 * half:g}mm" height="{2.0 * half:g}mm" viewBox="{-half:g} {-half:g} {2.0 * half:g} {2.0 * half:g}"'
-    yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="none" stroke-width="{STROKE:g}">'
-    yield f"<title>{escape(comment[0], quote=False)}</title>"
-    yield f"<desc>{escape('; '.join(comment[1:]), quote=False)}</desc>"
+    half = ceil((1.0 + MARGIN) * reach(layers))
+    lines: list[str] = []
     for layer, shapes in layers.items():
         row = LAYERS[layer]
-        dashes = f' stroke-dasharray="{DASHES[row.line]}"' if row.line in DASHES else ""
-        yield f'<g id="{layer}" stroke="{row.stroke}"{dashes}>'
-        yield from (SVG_SHAPES[type(shape)](shape) for shape in shapes)
-        yield "</g>"
-    yield "</svg>\n"
+        drawn = (SVG_SHAPES[type(shape)](shape) for shape in shapes)
+        lines += svg.group(drawn, id=layer, stroke=row.stroke, stroke_dasharray=DASHES.get(row.line))
+    box, size = (-half, -half, 2.0 * half, 2.0 * half), f"{2.0 * half:g}mm"
+    about = "; ".join(comment[1:])
+    text = svg.document(lines, box, (size, size), comment[0], about, comment, fill="none", stroke_width=f"{STROKE:g}")
+    return text.encode("utf-8", "replace")

@@ -17,6 +17,7 @@ from core.errors import KindynaError, NoSolution
 from core.motion import TURN
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
+from core.output.drawing.palette import BLUE
 from core.study import Camshaft, Study
 from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, parts
 from kindyna_gui.pictures.drawing.cam_parts import (
@@ -32,7 +33,7 @@ from kindyna_gui.pictures.drawing.mechanism import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.overlay import FIELDS, Group, Overlay, VectorUnit, arrows
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
 from kindyna_gui.pictures.shapes import outline
-from kindyna_gui.pictures.style import BALANCE, BLUE, SCREEN, TEXT, Theme, rgb
+from kindyna_gui.pictures.style import BALANCE, SCREEN, TEXT, Theme, rgb
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 

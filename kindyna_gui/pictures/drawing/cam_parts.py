@@ -19,28 +19,13 @@ from core.cam import INNER, OUTER, PRESSURE_LIMITS, SECOND, Flank
 from core.errors import KindynaError, NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.output.drawing.palette import BLUE, ORANGE, SKY, VERMILION, YELLOW
 from core.study.extremes import has_undercut
 from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, standing_at, text_size, turning
 from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
-from kindyna_gui.pictures.style import (
-    BLUE,
-    CHAIN,
-    DASHED,
-    DOTTED,
-    ORANGE,
-    OUTLINE,
-    SKY,
-    SPARSE,
-    THIN,
-    VERMILION,
-    YELLOW,
-    Theme,
-    brush,
-    no_pen,
-    rgb,
-)
+from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush, no_pen, rgb
 from kindyna_gui.pictures.units import number, readable_text, short
 
 # -- cam and shaft -------------------------------------------------------------------------------------

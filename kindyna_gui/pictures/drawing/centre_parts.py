@@ -27,6 +27,7 @@ from core.instant_centres import (
 )
 from core.mechanism import ROLLER, body_name, link_number
 from core.mechanism.kinematics import FRAME
+from core.output.drawing.palette import BLUE, GREEN, PURPLE, VERMILION
 from kindyna_gui.pictures.drawing.free_space import OccupiedSpace
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import drawing_dots
@@ -34,21 +35,7 @@ from kindyna_gui.pictures.drawing.overlay import MARGIN, Group
 from kindyna_gui.pictures.drawing.parts import GHOST_POSES
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, Viewport
 from kindyna_gui.pictures.shapes import at, polyline
-from kindyna_gui.pictures.style import (
-    BLUE,
-    DOTTED,
-    GREEN,
-    OUTLINE,
-    PURPLE,
-    SCREEN,
-    SMALL,
-    SPARSE,
-    THIN,
-    VERMILION,
-    Theme,
-    brush,
-    font,
-)
+from kindyna_gui.pictures.style import DOTTED, OUTLINE, SCREEN, SMALL, SPARSE, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.settings import sized
 

@@ -22,13 +22,14 @@ from core.errors import NoSolution
 from core.followers.dimensions import ANGLE, LENGTH, RADIUS, Dimension, dimensions_of
 from core.frozen import frozen
 from core.mechanism.kinematics import CAM, FRAME
+from core.output.drawing.scales import nice_below
 from kindyna_gui.pictures.drawing.cam_parts import ColourScale, bar_width, centre_within_reach, colour_bar
 from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry
 from kindyna_gui.pictures.drawing.parts import DIMENSIONS
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Move, Outline, Tag, pinned, riding, text_size, wrapped
 from kindyna_gui.pictures.shapes import arrow_head, joined, polyline, segments
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, TEXT, THIN, Theme, brush
-from kindyna_gui.pictures.units import nice_below, number, readable, short, with_unit
+from kindyna_gui.pictures.units import number, readable, short, with_unit
 from kindyna_gui.settings import size_of, sized
 
 # -- dimensions ----------------------------------------------------------------------------------------

@@ -19,6 +19,8 @@ from core.frozen import frozen
 from core.mechanism import body_name
 from core.mechanism.drivers import Wheel, WheelPair
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.output.drawing.palette import VERMILION
+from core.output.drawing.scales import nice_below
 from core.study import Study
 from kindyna_gui.pictures.drawing.cam_parts import edge_radius
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry, Joint
@@ -43,8 +45,8 @@ from kindyna_gui.pictures.shapes import (
     segments,
     stem,
 )
-from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, TEXT, THIN, VERMILION, Theme, brush
-from kindyna_gui.pictures.units import digits, nice_below, typed
+from kindyna_gui.pictures.style import CHAIN, DASHED, OUTLINE, TEXT, THIN, Theme, brush
+from kindyna_gui.pictures.units import digits, typed
 from kindyna_gui.requirements import lists_links
 
 if TYPE_CHECKING:

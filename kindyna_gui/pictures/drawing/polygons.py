@@ -34,8 +34,9 @@ from core.frozen import frozen
 from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, PolygonSide, VelocityPolygon
 from core.mechanism import link_number
 from core.number_text import result_text
+from core.output.drawing.scales import nice_below
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SCREEN, SMALL, TEXT, THIN, font
-from kindyna_gui.pictures.units import nice_below, number, readable, readable_text, short, with_unit
+from kindyna_gui.pictures.units import number, readable, readable_text, short, with_unit
 from kindyna_gui.settings import sized
 
 # -- layout of names -----------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QGraphicsView, QVBoxLayout, QWidget
 
 from core.design import UNITS
 from core.frozen import frozen
+from core.output.drawing.palette import FAMILIES
 from core.output.report.parts import ReportPicture
 from core.study import Study
 from core.study.camshaft import has_speed
@@ -34,7 +35,7 @@ from kindyna_gui.pictures.painter import (
 )
 from kindyna_gui.pictures.paper.timing_chart import DEGREES, ChartHighlights, TimingChart
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, Theme
+from kindyna_gui.pictures.style import BALANCE, LIGHT, Theme
 
 WIDTH = 680  # width of all pictures, pixels
 PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of the margins of a stack, and least height of a stack, pixels

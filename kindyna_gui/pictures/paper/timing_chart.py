@@ -30,13 +30,14 @@ from core.design import (
     together,
 )
 from core.frozen import frozen
+from core.output.drawing.scales import ticks
 from core.output.timing import ENDINGS, MotionBand, bands, events_csv
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import paint_on, png_bytes
 from kindyna_gui.pictures.paper.sheets import FILES, UNITS_PER_MM
 from kindyna_gui.pictures.plots.lines import DASHED_MARK
 from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, Theme, brush, font, rgb
-from kindyna_gui.pictures.units import brief, digits, short, ticks, typed, with_unit
+from kindyna_gui.pictures.units import brief, digits, short, typed, with_unit
 from kindyna_gui.settings import sized
 
 # -- chart ---------------------------------------------------------------------------------------------

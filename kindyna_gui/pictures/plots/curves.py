@@ -15,6 +15,18 @@ from PySide6.QtWidgets import QWidget
 from core.design import motion_of
 from core.design.fields import in_sentence
 from core.motion.extremes import Extremes
+from core.output.drawing.scales import DisplayUnit
+from core.output.drawing.turn import (
+    FREE,
+    Span,
+    TurnSamples,
+    axis_range,
+    line_of,
+    moving,
+    readable_range,
+    spans,
+    typical_range,
+)
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline
@@ -34,40 +46,10 @@ from kindyna_gui.pictures.plots.lines import (
     reference_entry,
 )
 from kindyna_gui.pictures.plots.marks import Extreme, ExtremeMark, Readout, both_ends, lay_marks, place_readouts
-from kindyna_gui.pictures.plots.plot import (
-    FREE,
-    FixedPlot,
-    Span,
-    angle_ticks,
-    axis_range,
-    fitting_title,
-    name_ticks,
-    readable_range,
-    spans,
-    typical_range,
-    value_ticks,
-)
-from kindyna_gui.pictures.plots.quantities import (
-    Curve,
-    drawn_alike,
-    limits_of,
-    moving,
-    read_curves,
-    reference_curves,
-)
+from kindyna_gui.pictures.plots.plot import FixedPlot, angle_ticks, fitting_title, name_ticks, value_ticks
+from kindyna_gui.pictures.plots.quantities import Curve, drawn_alike, limits_of, read_curves, reference_curves
 from kindyna_gui.pictures.style import DASHED, SCREEN, THIN, Theme
-from kindyna_gui.pictures.units import (
-    DisplayUnit,
-    TurnSamples,
-    curve_words,
-    legible,
-    line_of,
-    measure,
-    nearest,
-    readable,
-    short,
-    with_unit,
-)
+from kindyna_gui.pictures.units import curve_words, legible, measure, nearest, readable, short, with_unit
 from kindyna_gui.settings import point, sized, symbol_of
 
 PINNED = "pinned variant"

@@ -16,6 +16,8 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QAccessible, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsSimpleTextItem, QWidget
 
+from core.output.drawing.palette import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from core.output.drawing.scales import DisplayUnit
 from core.output.graph import ANGLES, DASHES, RIGHT, Graph, GraphAxis, GraphData, GraphPoint, Series, angle_marks
 from core.units import conversion_factor
 from kindyna_gui.pictures.items import Outline, Tag
@@ -41,22 +43,8 @@ from kindyna_gui.pictures.plots.lines import (
     reference_entry,
 )
 from kindyna_gui.pictures.plots.plot import EDGE, RIGHT_MARGIN, TOP_MARGIN, Axis, FixedPlot, with_one_scale
-from kindyna_gui.pictures.style import (
-    BLUE,
-    DASHED,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SCREEN,
-    SKY,
-    TEXT,
-    VERMILION,
-    Theme,
-    brush,
-    font,
-    shade,
-)
-from kindyna_gui.pictures.units import DisplayUnit, lines_words, with_unit
+from kindyna_gui.pictures.style import DASHED, SCREEN, TEXT, Theme, brush, font, shade
+from kindyna_gui.pictures.units import lines_words, with_unit
 from kindyna_gui.settings import sized
 
 SYMBOLS = {"circle": "o", "square": "s", "triangle": "t1", "cross": "x", "plus": "+"}

@@ -9,9 +9,10 @@ import numpy as np
 
 from core.frozen import frozen
 from core.number_text import MINUS, NARROW_SPACE
+from core.output.drawing.scales import DisplayUnit, nice_step
 from core.output.graph import GraphAxis, GraphData, ValueAxis, quantity_kind
 from kindyna_gui.pictures.plots.plot import ANGLE_STEPS, LEAST_ACROSS, LEAST_VALUE_PIXELS, Ends, value_ticks
-from kindyna_gui.pictures.units import DisplayUnit, nice_step, number, readable, short
+from kindyna_gui.pictures.units import number, readable, short
 from kindyna_gui.settings import sized
 
 FREE = 0.05  # of the range, left free above and below the curves

@@ -12,11 +12,11 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsTextItem, QGraphicsWidget, QStyleOptionGraphicsItem, QWidget
 
 from core.frozen import frozen
+from core.output.drawing.scales import needed
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.shapes import segments
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font
-from kindyna_gui.pictures.units import needed
 from kindyna_gui.settings import sized
 
 LEFT_WIDTH, TOP_HEIGHT, BOTTOM_HEIGHT = 66, 17, 38  # of the axes, pixels

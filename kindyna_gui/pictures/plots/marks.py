@@ -16,12 +16,13 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPainterPath, QPolygonF
 
 from core.frozen import frozen
+from core.output.drawing.scales import DisplayUnit
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import Z_CURSOR, Z_CURVE, CurveLine, Frame, PlotMark, cut
 from kindyna_gui.pictures.plots.quantities import Curve
 from kindyna_gui.pictures.style import SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.units import DisplayUnit, digits, measure, number, short
+from kindyna_gui.pictures.units import digits, measure, number, short
 from kindyna_gui.settings import sized
 
 DIGITS = 4  # of values

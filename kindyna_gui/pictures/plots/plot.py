@@ -8,18 +8,16 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
-from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QPainter, QPainterPath, QPen, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
 
-from core.design import Motion
 from core.frozen import frozen
-from core.laws import named_law
+from core.output.drawing.scales import decimals_of, ticks
+from core.output.drawing.turn import Span
 from kindyna_gui.pictures.items import Outline, Tag, text_size, wrapped
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import (
@@ -35,7 +33,7 @@ from kindyna_gui.pictures.plots.lines import (
     add_item,
 )
 from kindyna_gui.pictures.style import SCREEN, SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.units import NOTHING_DRAWN, decimals_of, number, ticks
+from kindyna_gui.pictures.units import NOTHING_DRAWN, number
 from kindyna_gui.settings import sized
 
 ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
@@ -48,12 +46,6 @@ LOW = 150  # pixels of height without the legend, below which a plot has no room
 DEGREES = ", °"  # end of such a name
 LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
 MESSAGE_EDGE = 16.0  # left free on both sides of a message
-FREE = 0.07  # of the values' range, left free above and below
-FAR_LIMIT = 3.0  # a limit is not shown where it exceeds so many times the largest value
-SPIKE = 3.0  # a spike exceeds the range of the other values by so many times that range
-REST, CORE = 0.02, 0.05  # share of the lowest and highest values left out of that range, and of the range then shown
-FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
-"""Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
 Ticks = Sequence[tuple[float, str]]
 Ends = tuple[float, float]
 
@@ -228,26 +220,6 @@ _SIDES: Mapping[str, _Side] = MappingProxyType(
 
 
 # -- segments, ticks and background ----------------------------------------------------------------------
-
-
-@frozen
-class Span:
-    """One segment of the motion: start and end [deg], its law's name, and the short name."""
-
-    start: float
-    end: float
-    name: str
-    short: str = ""
-
-
-def spans(motion: Motion | None) -> list[Span]:
-    """Segments of a motion in order; an empty list without a motion."""
-    result, start = [], 0.0
-    for segment in motion.segments if motion is not None else ():
-        law = named_law(segment.curve.law)
-        result.append(Span(start, start + segment.span_deg, law.label, law.short_name))
-        start += segment.span_deg
-    return result
 
 
 def angle_step(width: float) -> int:
@@ -532,7 +504,7 @@ class FixedPlot(pg.GraphicsView):
         event.ignore()  # the axes are fixed; the surrounding view may scroll
 
 
-# -- title and range of an axis --------------------------------------------------------------------------
+# -- title and scale of an axis --------------------------------------------------------------------------
 
 
 def fitting_title(titles: Iterable[str], unit: str, height: float) -> str:
@@ -549,79 +521,3 @@ def with_one_scale(x: Ends, y: Ends, frame: Frame, unit: float = 1.0) -> tuple[E
 def _with_width(ends: Ends, width: float) -> Ends:
     middle = 0.5 * (ends[0] + ends[1])
     return middle - 0.5 * width, middle + 0.5 * width
-
-
-def typical_range(values: np.ndarray) -> tuple[float, float]:
-    """Least and largest of the values (n,); where some are infinite, without those that come close to infinity."""
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        return 0.0, 0.0
-    low, high = float(finite.min()), float(finite.max())
-    if finite.size < values.size or not isfinite(high - low):
-        inner = np.percentile(finite, (2.0, 98.0))
-        spread = 0.5 * float(inner[1] - inner[0])
-        return max(low, float(inner[0]) - spread), min(high, float(inner[1]) + spread)
-    return low, high
-
-
-def readable_range(values: np.ndarray, moving: np.ndarray) -> tuple[float, float]:
-    """Range of the values without spikes, such as those of a torque near a dead centre.
-
-    Parameters
-    ----------
-    values : ndarray (n,), in the unit of the axis
-    moving : ndarray (n,) of bool
-        Samples at which the mechanism moves. Dwells are shown, but do not decide which values are spikes.
-    """
-    low, high = typical_range(values)
-    known = np.isfinite(values)
-    ordered, resting = np.sort(values[known & moving]), values[known & ~moving]
-    if not _exceeds(low, high, *_trimmed_range(ordered, REST)):
-        return low, high
-    inner = _trimmed_range(ordered, CORE)
-    room = 0.5 * (inner[1] - inner[0])
-    shown = (
-        inner[0] - room if _exceeds(low, inner[1], *inner) else low,
-        inner[1] + room if _exceeds(inner[0], high, *inner) else high,
-    )
-    return (min(shown[0], *resting), max(shown[1], *resting)) if resting.size else shown
-
-
-def _trimmed_range(ordered: np.ndarray, share: float) -> tuple[float, float]:
-    """Lowest and highest of sorted values (n,) without this share of either end."""
-    cut = int(share * ordered.size)
-    return (float(ordered[cut]), float(ordered[-1 - cut])) if ordered.size else (0.0, 0.0)
-
-
-def _exceeds(low: float, high: float, inner_low: float, inner_high: float) -> bool:
-    """Whether a range extends far beyond an inner one."""
-    return 0.0 < SPIKE * (inner_high - inner_low) < max(inner_low - low, high - inner_high)
-
-
-def peak(rows: Sequence[np.ndarray]) -> float:
-    """Largest absolute value of the typical ranges of several curves."""
-    return max(max(abs(end) for end in typical_range(values)) for values in rows)
-
-
-def shown_range(rows: Sequence[np.ndarray], families: Iterable[str], limits: Sequence[float]) -> tuple[float, float]:
-    """Ends of the axis for these curves and limits, all in one unit."""
-    return axis_range([typical_range(values) for values in rows], families, limits)
-
-
-def axis_range(
-    ranges: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float], free: float = FREE
-) -> tuple[float, float]:
-    """Ends of the axis for curves with these ranges; ``free`` is the part of it left free above and below."""
-    low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
-    near = 0.3 * (high - low)
-    if FROM_ZERO.intersection(families) or 0.0 < low < near or -near < high < 0.0:
-        low, high = min(low, 0.0), max(high, 0.0)
-    for limit in limits:
-        if abs(limit) <= FAR_LIMIT * max(abs(low), abs(high)):
-            low, high = min(low, limit), max(high, limit)
-    size = max(abs(low), abs(high))
-    if high - low <= 1e-9 * size or high == low:
-        half = 0.1 * size or 1.0
-        low, high = low - half, high + half
-    room = free * (high - low)
-    return low - room, high + room

@@ -22,16 +22,17 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
 from core.motion.extremes import Extremes
+from core.output.drawing.scales import decimals_of, needed, nice_step
+from core.output.drawing.turn import Span, peak, spans, typical_range
 from core.study import Quantity, Study
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import NO_BANDS, PINNED, TurnCurves
 from kindyna_gui.pictures.plots.lines import DASHED_MARK, band_entry, band_outlines, closed_band
 from kindyna_gui.pictures.plots.marks import Extreme, PolarMark, both_ends, box_near, lay_polar_marks, paint_title
-from kindyna_gui.pictures.plots.plot import Span, peak, spans, typical_range
 from kindyna_gui.pictures.plots.quantities import read_curves, reference_curves
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.units import decimals_of, needed, nice_step, number, readable
+from kindyna_gui.pictures.units import number, readable
 from kindyna_gui.settings import sized
 
 HOLE = 0.16  # of the radius: size of the innermost circle where values may be negative

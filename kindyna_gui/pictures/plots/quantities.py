@@ -24,6 +24,7 @@ from core.laws import PieceTable, find_law
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Extremes
 from core.output.channels import channels, existing
+from core.output.drawing.turn import floor_of, without_noise
 from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
 from core.study.limits import USER_BOUNDS, bounded_quantities
@@ -32,7 +33,7 @@ from core.study.quantities import OF_MEMBERS, OF_MOTOR, TRANSMISSION, member_of,
 from core.study.quantity_requests import allowable_pressure
 from core.units import split_unit
 from kindyna_gui.labels import reason
-from kindyna_gui.pictures.style import THIN, Theme, floor_of, shade, without_noise
+from kindyna_gui.pictures.style import THIN, Theme, shade
 from kindyna_gui.pictures.units import short
 from kindyna_gui.requirements import LINKAGE_WITHOUT_CAM, why_no_pressure
 
@@ -216,14 +217,6 @@ def _read_curve(study: Study, row: Quantity, colour: str) -> Curve:
     floor = floor_of(study, row)
     gain = gain_per_turn(study, row.name) / row.unit.factor
     return Curve(row, without_noise(values_of(study, row), floor), colour, floor, gain)
-
-
-def moving(study: Study) -> np.ndarray:
-    """Samples (n,) of bool at which the mechanism moves; all True where it is always at rest."""
-    if "motion" not in study.stages:
-        return np.ones(study.theta.size, dtype=bool)
-    moves = study.motion.y[1] != 0.0
-    return moves if moves.any() else ~moves
 
 
 def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Extremes]:

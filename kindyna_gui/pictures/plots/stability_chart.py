@@ -12,12 +12,13 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QWidget
 
 from core.frozen import frozen
+from core.output.drawing.palette import BLUE, VERMILION
 from core.stability import APPROXIMATE, EXACT, Chart, ForbiddenBand, Machine
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.lines import Entry
 from kindyna_gui.pictures.plots.plot import LEAST_ACROSS, FixedPlot, value_ticks
 from kindyna_gui.pictures.shapes import joined
-from kindyna_gui.pictures.style import BLUE, DASHED, SCREEN, SMALL, VERMILION, Theme, brush
+from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, Theme, brush
 from kindyna_gui.pictures.units import short
 
 LEAST_ETA = 0.42  # η at the end of the rpm axis, beyond the first tongue ...

@@ -18,6 +18,8 @@ from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from core.dynamics import ContactMap
 from core.frozen import frozen
+from core.output.drawing.palette import BLUE, GREEN, ORANGE, PURPLE, VERMILION
+from core.output.drawing.scales import DisplayUnit
 from kindyna_gui.pictures.items import Outline, Tag
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import (
@@ -46,21 +48,8 @@ from kindyna_gui.pictures.plots.plot import (
     value_ticks,
     with_one_scale,
 )
-from kindyna_gui.pictures.style import (
-    BLUE,
-    DASHED,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SCREEN,
-    THIN,
-    VERMILION,
-    Theme,
-    brush,
-    no_pen,
-    rgb,
-)
-from kindyna_gui.pictures.units import DisplayUnit, lines_words, short
+from kindyna_gui.pictures.style import DASHED, SCREEN, THIN, Theme, brush, no_pen, rgb
+from kindyna_gui.pictures.units import lines_words, short
 
 if TYPE_CHECKING:
     from core.plot import PlotCurve

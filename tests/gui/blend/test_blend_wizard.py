@@ -20,6 +20,7 @@ from core.blend import BlendError, Request, SettingRange, best, blend, feasible_
 from core.blend.best import with_blend
 from core.design import Design, Motion, NamedCurve, Segment, edited, faults, require_motion, with_motion
 from core.number_text import NARROW_SPACE
+from core.output.drawing.palette import FAMILIES
 from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
@@ -39,7 +40,7 @@ from kindyna_gui.blend.settings import LiveBox, curve_of
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.pictures.style import FAMILIES, LIGHT
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 PICKER_SPANS = (18.8468353936, 169.621518543, 14.8022699040, 96.7293761598)

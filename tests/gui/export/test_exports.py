@@ -54,6 +54,7 @@ def test_file_export_offers_everything(user: User) -> None:
         "Web page...",
         "Picture of the mechanism...",
         "Animation...",
+        "Pose of the links...",
     ]
     for name in user.entries(*EXPORT):
         assert user.action(*EXPORT, name).statusTip()
@@ -91,6 +92,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     user.picks("report_to_save", None)
     user.picks("page_to_save", None)
     user.picks("picture_to_save", None)
+    user.picks("links_to_save", None)
     user.picks("timing_to_save", None)
     monkeypatch.setattr(export_tables, "ask_tables", lambda *_: None)
     monkeypatch.setattr(export_tables, "ask_animation", lambda *_: None)

@@ -19,13 +19,13 @@ from window_user import Alone, Open, User, settle, wait_for
 from core.design import edited
 from core.motion.extremes import Extremes
 from core.output.channels import channels
+from core.output.drawing.turn import readable_range, typical_range
 from core.project import load
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.plots_view import PlotView
-from kindyna_gui.pictures.plots.plot import readable_range, typical_range
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.places import example
 from kindyna_gui.player import Player

@@ -12,13 +12,14 @@ from window_user import Open, wait_for
 
 from core.design import only
 from core.errors import KindynaError
+from core.output.drawing.palette import BLUE
 from core.project import load
 from core.study import Quantity, Study
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.plots.quantities import limits_of, quantities_for, rows_of, split
 from kindyna_gui.pictures.plots.xy import Line, Rule, XYPlot
-from kindyna_gui.pictures.style import BLUE, SCREEN
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example, examples
 from kindyna_gui.window.docks import VIEWS
 

@@ -10,8 +10,9 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QMenu
 from window_user import Open, plain, settle
 
+from core.output.drawing.palette import BLUE
 from core.study import Study
-from kindyna_gui.pictures.style import BLUE, SCREEN
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.window.finder import Finder
 
 

@@ -14,6 +14,7 @@ from sampled import spread
 
 from core.design import Design, edited
 from core.output.channels import channels
+from core.output.drawing.scales import needed
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -22,7 +23,7 @@ from kindyna_gui.pictures.painter import PICTURES, MechanismSheet
 from kindyna_gui.pictures.plots import lines as plot_lines
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.units import level, needed
+from kindyna_gui.pictures.units import level
 
 pytestmark = pytest.mark.usefixtures("app")
 SAMPLES = 1800

@@ -17,6 +17,9 @@ from sampled import spread
 
 from core.design import Design, Motion, NamedCurve, Segment, edited
 from core.output.channels import channel, channels
+from core.output.drawing.palette import FAMILIES
+from core.output.drawing.scales import nice_below, ticks
+from core.output.drawing.turn import shown_range, spans, typical_range
 from core.project import load
 from core.study import Study
 from kindyna_gui.pictures.film import paint
@@ -25,10 +28,10 @@ from kindyna_gui.pictures.painter import png, svg
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.marks import stacked, stacked_clear
-from kindyna_gui.pictures.plots.plot import angle_ticks, name_ticks, shown_range, spans, typical_range, value_ticks
+from kindyna_gui.pictures.plots.plot import angle_ticks, name_ticks, value_ticks
 from kindyna_gui.pictures.plots.quantities import without_equal_curves
-from kindyna_gui.pictures.style import FAMILIES, LIGHT, font
-from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
+from kindyna_gui.pictures.style import LIGHT, font
+from kindyna_gui.pictures.units import digits, measure, number, readable, short
 from kindyna_gui.places import example
 
 pytestmark = pytest.mark.usefixtures("app")

@@ -13,13 +13,14 @@ from PySide6.QtWidgets import QApplication
 from window_user import Open, User, pixel, settle
 
 from core.design import Design, edited, get
+from core.output.drawing.palette import SKY, VERMILION
 from core.project import load
 from core.study import Study, roller_lives
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.painter import MechanismSheet, png
-from kindyna_gui.pictures.style import LIGHT, SKY, VERMILION
+from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
 pytestmark = pytest.mark.usefixtures("app")

@@ -1,0 +1,1 @@
+"""Mechanisms, curves and plots as drawings, and their files."""
