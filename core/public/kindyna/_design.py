@@ -537,7 +537,8 @@ class Optimum:
     answer : path -> value, a number or a word
     goal : the figure that is minimised
     binding : active limits, each with ``limit`` and ``per_percent``, the change of the goal for 1 % more of it
-    starts, agreeing : number of starts of the search, and of those that led to this design
+    starts : number of starts of the search
+    agreeing : number of starts that led to this design
     design : the design
 
     Examples

@@ -28,7 +28,8 @@ class Channel:
     unit : symbol of the unit
     table : file that ``export`` writes it to
     stage : stage of the study that computes it
-    equation, source : its equation as the report prints it, and where it is from; empty for an angle
+    equation : its equation as the report prints it; empty for an angle
+    source : author, year and number of the equation, or the principle; empty for an angle
 
     Examples
     --------
@@ -127,7 +128,8 @@ class Explanation:
     equation : lines that are evaluated with the symbols; the first gives the value
     source : author, year and number, or the principle
     symbols : each with ``symbol``, ``meaning``, ``value``, ``unit``, and ``from``: a field's path or a stage
-    residual, bound : of the certificate in its stage; None where there is none
+    residual : residual of the certificate in its stage that is nearest to its bound; None where there is none
+    bound : bound of this residual
 
     Examples
     --------
