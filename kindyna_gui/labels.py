@@ -41,6 +41,8 @@ SECTION_NAMES: Mapping[str, str] = MappingProxyType(
         "cam": "Cam",
         "shaft": "Shaft",
         "linkage": "Linkage",
+        "engine": "Engine",
+        "valve": "Valve",
         "loads": "Loads",
         "limits": "Limits",
         "servo": "Servo",

@@ -38,8 +38,8 @@ LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for
 LEAST_OVER_BAR = 84  # height of the pages over the bar about values that do not fit: the tabs, and a field [pixels]
 LEAST_HEIGHT = 185  # of the view, at which fields of a page can be read [pixels]
 AROUND_LIST = 158  # height of the view without the list of loads [pixels]
-SECTIONS = ("follower", "cam", "shaft", "loads", "limits", "servo")
-EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits", "servo")
+SECTIONS = ("follower", "cam", "shaft", "engine", "valve", "loads", "limits", "servo")
+EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "engine", "valve", "loads", "limits", "servo")
 """Sections of all kinds of design, in the order of the tabs."""
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.design.design import SHARED
 from core.design.fields import in_sentence
 from core.frozen import frozen
 from core.number_text import MOST_DIGITS, result_text
@@ -80,8 +81,8 @@ class Subject:
             yield from (self.drive(drive, (), without) for drive in self.study.solved_drives.values())
 
     def drive(self, study: Study, less: Sequence[str], without: frozenset[str] = SHAFT_QUANTITIES) -> Subject:
-        """A drive of the shaft; less: tables that are left out besides the shaft's."""
-        left_out = (*content.SEPARATE_TABLES, "shaft", *less)
+        """A drive of the shaft; less: tables that are left out besides the shared ones."""
+        left_out = (*content.SEPARATE_TABLES, *SHARED, *less)
         return Subject(study, DRIVE, _but(study.design.tables, left_out), self.parts, without)
 
     def pictures(self, captions: Mapping[str, str]) -> tuple[ReportPicture, ...]:
@@ -98,7 +99,7 @@ def subject_of(study: Study, parts: Iterable[str] = ()) -> Subject:
     """Subject of the report of a design."""
     tables = study.design.tables
     if study.design.listed:
-        return Subject(study, SHAFT, tuple(name for name in ("shaft", "balancer") if name in tables), frozenset(parts))
+        return Subject(study, SHAFT, tuple(name for name in (*SHARED, "balancer") if name in tables), frozenset(parts))
     return Subject(study, ALONE, _but(tables, content.SEPARATE_TABLES), frozenset(parts))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -292,26 +292,28 @@ def table_sections(design: Design, names: Iterable[str], why: bool = False) -> l
     """A section with the values of every table of the file, assumed ones marked; with ``why`` the reasons are listed too."""
     sections: list[Section] = []
     for name in names:
-        tables: dict[str, tuple[list[Sequence[Cell]], list[str]]] = {"": ([], [])}
-        given: set[str] = set()
-        for entry in entries(design, name):
-            if entry.value is None:
-                continue
-            value = input_text(entry.value) if isinstance(entry.value, float) else str(entry.value)
-            assumed = next((path for path in design.assumed if entry.path in rows_of(path)), "")
-            text = reason(design, assumed or entry.path) if why else ""
-            reasons = (AS_ABOVE if text in given else text,) if why else ()
-            given |= {text} - {""}
-            row = ROW.match(entry.path)
-            rows, keys = tables.setdefault(row[0] if row else "", ([], []))
-            rows.append((entry.info.label, value, entry.unit.symbol, ASSUMED if assumed else "", *reasons))
-            keys.append(entry.path)
-        blocks = (
-            table((), rows, slug="inputs", keys=keys, title=row_title(design, path))
-            for path, (rows, keys) in tables.items()
-        )
-        sections += section(name.capitalize(), *blocks)
+        sections += section(name.capitalize(), *_input_blocks(design, name, why))
     return sections
+
+
+def _input_blocks(design: Design, name: str, why: bool = False) -> Iterator[ReportTable]:
+    """Tables with the values of a table of the file, of its rows one each."""
+    tables: dict[str, tuple[list[Sequence[Cell]], list[str]]] = {"": ([], [])}
+    given: set[str] = set()
+    for entry in entries(design, name):
+        if entry.value is None:
+            continue
+        value = input_text(entry.value) if isinstance(entry.value, float) else str(entry.value)
+        assumed = next((path for path in design.assumed if entry.path in rows_of(path)), "")
+        text = reason(design, assumed or entry.path) if why else ""
+        reasons = (AS_ABOVE if text in given else text,) if why else ()
+        given |= {text} - {""}
+        row = ROW.match(entry.path)
+        rows, keys = tables.setdefault(row[0] if row else "", ([], []))
+        rows.append((entry.info.label, value, entry.unit.symbol, ASSUMED if assumed else "", *reasons))
+        keys.append(entry.path)
+    for path, (rows, keys) in tables.items():
+        yield table((), rows, slug="inputs", keys=keys, title=row_title(design, path))
 
 
 def rows_of(path: str) -> tuple[str, ...]:
@@ -410,6 +412,7 @@ def motion(study: Study) -> list[Section]:
     ]
     return section(
         "Motion",
+        *(() if motion.lobe is None else _input_blocks(study.design, "motion")),
         table(("Segment", "from °", "to °", f"rise {unit}"), rows),
         table(
             ("Join at °", *(f"{letter} {unit}{per}" for letter, per in PER_RADIAN.items())),

@@ -445,3 +445,12 @@ def test_every_command_works_on_a_lobe(follower: str, tmp_path: Path) -> None:
         assert -1e3 / curvature.low.value == pytest.approx(20.482739, abs=1e-6)
         assert 1e3 / curvature.high.value == pytest.approx(12.9872, abs=1e-4)
         assert abs(math.degrees(curvature.low.theta) - 180.0) == pytest.approx(57.5213, abs=1e-4)
+
+
+def test_the_report_lists_what_was_typed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "lobe.toml"
+    path.write_text(text(A + ROWS), "utf-8")
+    assert main(["report", str(path), "--out", str(tmp_path / "out")]) == 0
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    for line in ("Lobe lift 9 mm", "Crank angle 270 °", "Ramp's velocity 0.01 mm/°"):
+        assert line in lines
