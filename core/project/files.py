@@ -56,6 +56,15 @@ def _is_same_file(path: str | os.PathLike[str], handle: int) -> bool:
         return False
 
 
+def remove_lock(path: Path, handle: int | None) -> None:
+    """Delete a lock file before it is released, so that no other process locks a file that disappears."""
+    remove(path)
+    if handle is not None:
+        os.close(handle)
+    if sys.platform == "win32":  # which removes no open file
+        remove(path)
+
+
 def _lock(handle: int) -> bool:
     try:
         if sys.platform == "win32":
@@ -309,14 +318,17 @@ def _sweep(folder: Path, run: str, names: set[str], private: bool) -> None:
     handle = acquire_lock(lock, create=private)
     if handle is None:
         return
+    is_swept = False
     try:
         rows = listed(handle, _mark(run))
-        if private or rows is not None:
-            for name in sorted(names if private else names.intersection(rows or ())):
-                remove(folder / name)
-            remove(lock)
+        for name in sorted(names if private else names.intersection(rows or ())):
+            remove(folder / name)
+        is_swept = private or rows is not None
     finally:
-        os.close(handle)
+        if is_swept:
+            remove_lock(lock, handle)
+        else:
+            os.close(handle)
 
 
 def _write_new(path: Path, data: Content, mode: int | None) -> Identity:

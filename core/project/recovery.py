@@ -7,7 +7,6 @@ design's file, the time of writing, and incomplete input. So one move replaces a
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any
 
 from core.errors import FileError
 from core.frozen import frozen
-from core.project.files import NO_LOCKS, acquire_lock, read_text, remove, sweep, write
+from core.project.files import NO_LOCKS, acquire_lock, read_text, remove, remove_lock, sweep, write
 
 _HEADER = "# unsaved "
 
@@ -110,7 +109,7 @@ class RecoveryFile:
         """Remove the file and its lock, as the window closes."""
         if self._path is not None:
             remove(self._path)
-            _remove_lock(self._path, self._lock)
+            remove_lock(_lock_of(self._path), self._lock)
             self._path = self._lock = None
 
 
@@ -125,7 +124,7 @@ class Recoverable:
     def discard(self) -> None:
         """Remove the file, which is recovered or not needed."""
         remove(self.file)
-        _remove_lock(self.file, self._lock)
+        remove_lock(_lock_of(self.file), self._lock)
 
     def release(self) -> None:
         """Unlock the file for another time."""
@@ -147,7 +146,7 @@ def find(folder: Path) -> list[Recoverable]:
                 continue
             lock = None
         if not path.exists():
-            _remove_lock(path, lock)
+            remove_lock(_lock_of(path), lock)
             continue
         try:
             result.append(Recoverable(path, _parsed(read_text(path)), lock))
@@ -164,11 +163,3 @@ def now(design: str, path: Path | None, draft: Mapping[str, Any] | None = None, 
 
 def _lock_of(path: Path) -> Path:
     return path.with_suffix(".lock")
-
-
-def _remove_lock(path: Path, lock: int | None) -> None:
-    remove(_lock_of(path))
-    if lock is not None:
-        os.close(lock)
-    if sys.platform == "win32":  # Windows removes no open file
-        remove(_lock_of(path))

@@ -1,14 +1,19 @@
 """What differs between systems: the user's folders, what a pipe is encoded in, and the names that Windows keeps for itself."""
 
+import errno
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from core.file_names import file_name
 from core.process import user_folder
+from core.project import files, recovery
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "resources/examples/four_bar.toml"
@@ -79,3 +84,64 @@ def test_a_pipe_of_windows_gets_utf8_unless_another_encoding_is_asked_for(
 def test_a_device_of_windows_is_no_file_name(name: str) -> None:
     assert file_name(name) == f"{name}_"
     assert file_name(f"{name}.csv") == f"{name}_.csv"
+
+
+# -- files ------------------------------------------------------------------------------------------------
+
+OPEN_FILES = Path("/proc/self/fd")
+
+
+@pytest.fixture
+def as_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No open file is removed or moved, or replaced by another; locks are those of the module ``msvcrt``."""
+    import fcntl
+
+    def refused_where_open(call: Callable[..., None]) -> Callable[..., None]:
+        def refusing(*paths: Any) -> None:
+            opened = [os.stat(handle) for handle in OPEN_FILES.iterdir() if handle.exists()]
+            for path in filter(os.path.lexists, paths):
+                if any(os.path.samestat(os.lstat(path), status) for status in opened):
+                    raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+            call(*paths)
+
+        return refusing
+
+    def locking(handle: int, mode: int, count: int) -> None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES)) from error
+
+    monkeypatch.setattr(os, "unlink", refused_where_open(os.unlink))
+    monkeypatch.setattr(os, "replace", refused_where_open(os.replace))
+    monkeypatch.setitem(sys.modules, "msvcrt", SimpleNamespace(LK_NBLCK=2, locking=locking))
+    monkeypatch.setattr(sys, "platform", "win32")
+
+
+windows = pytest.mark.skipif(not OPEN_FILES.exists(), reason="open files are listed by Linux alone")
+
+
+@windows
+@pytest.mark.usefixtures("as_on_windows")
+def test_writing_on_windows_leaves_nothing_of_its_own_nor_of_a_killed_process(tmp_path: Path) -> None:
+    run = "0123456789abcdef"
+    (tmp_path / f".kindyna-{run}.tmp").write_text(f"KINDYNA write {run}\n.kindyna-{run}-1.tmp", "utf-8")
+    (tmp_path / f".kindyna-{run}-1.tmp").write_text("half", "utf-8")
+    (tmp_path / "a.csv").write_text("old", "utf-8")
+    files.write_all(tmp_path, {"a.csv": "new", "b/c.csv": "c"})
+    files.write(tmp_path / "a.csv", "newer")
+    assert {path.name: path.read_text("utf-8") for path in tmp_path.rglob("*.*")} == {"a.csv": "newer", "c.csv": "c"}
+
+
+@windows
+@pytest.mark.usefixtures("as_on_windows")
+def test_unsaved_work_on_windows_is_kept_while_needed_and_leaves_nothing(tmp_path: Path) -> None:
+    living, text = recovery.RecoveryFile(tmp_path), EXAMPLE.read_text("utf-8")
+    living.write(recovery.Unsaved(text, None))
+    assert recovery.find(tmp_path) == [], "its process lives"
+    (tmp_path / "00.toml").write_text(text, "utf-8")
+    (found,) = recovery.find(tmp_path)
+    assert recovery.find(tmp_path) == [], "it is being recovered"
+    found.discard()
+    living.close()
+    assert list(tmp_path.iterdir()) == []
