@@ -89,8 +89,10 @@ def _with_qt(run: Run) -> Run:
 
 
 def missing(reason: str, packages: str = PACKAGES) -> str:
-    """Return what is missing on the machine, and the packages that contain it, in one line."""
-    return f"{' '.join(reason.split())}; on Debian: apt install {packages}"
+    """Return what is missing on the machine, and what installs it, in one line."""
+    on_linux = sys.platform.startswith("linux")
+    remedy = f"on Debian: apt install {packages}" if on_linux else "pip install --force-reinstall PySide6-Essentials"
+    return f"{' '.join(reason.split())}; {remedy}"
 
 
 def without_window(path: Path, why: str) -> int:
@@ -164,7 +166,8 @@ def headless(arguments: Sequence[str]) -> int:
 
 def _of_qt(error: ImportError) -> bool:
     """Whether Qt or one of its libraries is missing, and not a part of this program."""
-    return ".so" in str(error) or (error.name or "").split(".")[0] in ("PySide6", "shiboken6", "pyqtgraph")
+    library = any(kind in str(error) for kind in (".so", ".dylib", "DLL"))
+    return library or (error.name or "").split(".")[0] in ("PySide6", "shiboken6", "pyqtgraph")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

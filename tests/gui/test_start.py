@@ -238,6 +238,26 @@ def test_a_window_without_the_libraries_of_qt_is_replaced_by_the_report(lift: Pa
     assert "libxcb-cursor0" in first
 
 
+@pytest.mark.parametrize(
+    ("system", "reason", "remedy"),
+    [
+        ("linux", "libEGL.so.1: cannot open shared object file", "on Debian: apt install libegl1"),
+        ("win32", "DLL load failed while importing QtCore: The specified module could not be found.", "pip install"),
+        ("darwin", "dlopen(QtCore.abi3.so, 0x0002): Library not loaded: libpyside6.dylib", "pip install"),
+    ],
+)
+def test_a_library_that_cannot_be_loaded_is_named_with_its_remedy(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], system: str, reason: str, remedy: str
+) -> None:
+    def import_qt() -> None:
+        raise ImportError(reason)
+
+    monkeypatch.setattr(entry, "import_qt", import_qt)
+    monkeypatch.setattr(sys, "platform", system)
+    assert entry.paint(Study(LIFT, 36)) == {}
+    assert capsys.readouterr().err.startswith(f"pictures left out: {reason}; {remedy}")
+
+
 def test_a_mistake_of_our_own_is_not_taken_for_a_missing_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "kindyna_gui.pictures.film", None)
     with pytest.raises(ImportError):
