@@ -154,7 +154,11 @@ def sorted_by() -> Any:
 
 def studied(design: Design, samples: int = SAMPLES) -> Study:
     """The study of a design. Raises NoSolution where none of several drives has a solution."""
-    study = Study(design, samples)
+    return solved(Study(design, samples))
+
+
+def solved(study: Study) -> Study:
+    """The study. Raises NoSolution where none of several drives has a solution."""
     if not study.solved_drives:
         raise next(iter(study.camshaft.failures.values()))
     return study

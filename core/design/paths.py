@@ -132,7 +132,9 @@ def text_paths(design: Design) -> Iterator[str]:
 def _texts(part: Any, path: str) -> Iterator[str]:
     """Paths of the texts of a part and of the rows of its lists."""
     for slot in slots_of(part):
-        if slot.info is None and slot.names:
+        if slot.key == LAW:
+            yield f"{path}.{LAW}"
+        elif slot.info is None and slot.names:
             value = getattr(getattr(part, slot.within) if slot.within else part, slot.names[0])
             at = f"{path}.{slot.key}"
             if isinstance(value, str):

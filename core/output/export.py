@@ -268,8 +268,8 @@ def _shaft_files(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
     if parts is not None:
         contents[SHAFT] = parts
     folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
-    if study.design.balancer is not None and is_complete(camshaft) and camshaft.balancer is not None:
-        folders[BALANCER] = study.with_design(camshaft.balancer.design)
+    if (balancer := balancer_study(study)) is not None:
+        folders[BALANCER] = balancer
     for folder, drive in folders.items():
         drive_stages = tuple(stage for stage in drive.stages if stage in stages)
         if drive_stages or not stages:
@@ -277,6 +277,14 @@ def _shaft_files(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
                 f"{folder}/{file}": parts for file, parts in file_parts(drive, drive_stages, SHAFT_QUANTITIES).items()
             }
     return contents
+
+
+def balancer_study(study: Study) -> Study | None:
+    """Study of the balance cam by its own angle; None without one, or where a drive fails."""
+    camshaft = bounded_study(study).camshaft
+    if study.design.balancer is None or not is_complete(camshaft) or camshaft.balancer is None:
+        return None
+    return study.with_design(camshaft.balancer.design)
 
 
 # -- request for an animation of one turn -----------------------------------------------------------------------

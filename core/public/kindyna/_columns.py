@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from core.commands.common import solved
 from core.errors import KindynaError
 from core.output.channels import ANGLES, channels
 from core.output.export import MOTOR_COLUMNS, SHAFT, TABLES, angle_of_table, bounded_study, table_rows
@@ -34,11 +35,21 @@ class Columns:
     ----------
     full : study over the full turn
     given : its other angles (n,) [deg], None for those of ``full``
+    without : names of quantities that its tables omit
     """
 
-    def __init__(self, full: CoreStudy, given: Array | None) -> None:
-        self.full, self.given = full, given
+    def __init__(self, full: CoreStudy, given: Array | None, without: frozenset[str] = frozenset()) -> None:
+        self.full, self.given, self.without = full, given, without
         self._cache: dict[str, Array] = {}
+
+    def at(self, angles_deg: Array) -> Columns:
+        """Return the columns at other angles (n,) [deg]."""
+        return Columns(self.full, angles_deg, self.without)
+
+    @property
+    def solved(self) -> CoreStudy:
+        """The study over the full turn. Raises NoSolution where none of several drives has a solution."""
+        return solved(self.full)
 
     @cached_property
     def core(self) -> CoreStudy:
@@ -76,7 +87,7 @@ class Columns:
         if isinstance(row, Quantity):
             ends = extremes(self.full, (row.stage,)).get(row.slug)
         elif row is not None:
-            ends = shaft_extremes(self.full.camshaft).get(name)
+            ends = shaft_extremes(self.solved.camshaft).get(name)
         if row is None or ends is None:
             raise KindynaError(
                 f"{name}: has no extremes in summary.json, as no angle that wraps or counts the rows has"
@@ -101,7 +112,7 @@ class Columns:
         if self.full.design.listed:
             from core.output.explain.shaft import shaft_column  # only several drives need it
 
-            row = shaft_column(self.full, name)
+            row = shaft_column(self.solved, name)
         else:
             row = self._quantity(name)
         if row is None and (name not in ANGLES.values() or name not in self.channels):
@@ -118,7 +129,11 @@ class Columns:
         rows = (row for row in channels(self.full.design) if name in (row.slug, MOTOR_COLUMNS.get(row.slug)))
         study = self._bounded
         for row in sorted(rows, key=lambda row: TABLES.index(row.table)):
-            if has_quantity(study, row) and (row.table not in (DYNAMICS, SERVO) or study.jam is None):
+            if (
+                row.name not in self.without
+                and has_quantity(study, row)
+                and (row.table not in (DYNAMICS, SERVO) or study.jam is None)
+            ):
                 return row
         return None
 
@@ -136,10 +151,10 @@ class Columns:
         if self.full.design.listed:
             from core.output.explain.shaft import shaft_columns  # only several drives need it
 
-            return dict(shaft_columns(self.full))
+            return dict(shaft_columns(self.solved))
         result: dict[str, Quantity | ShaftColumn] = {}
         for table in TABLES:
-            for column, row in table_rows(self.full, table):
+            for column, row in table_rows(self.full, table, (), self.without):
                 result[row.slug if column in result else column] = row  # the servo's motor next to that of the shaft
         return result
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,17 +14,16 @@ from numpy.typing import ArrayLike
 
 from core.commands.common import LEAST_SAMPLES, MOST_SAMPLES, studied
 from core.design.design import Design as CoreDesign
-from core.design.edits import edited
-from core.design.paths import Entry, all_paths, entries, get, put, row_at, text_paths
-from core.design.rules import faults
-from core.errors import DesignError, KindynaError
+from core.errors import KindynaError
 from core.output.summary import to_json
 from core.project import from_table, load, loads, one_of, save
 from core.project.reading_faults import subjects
 from core.project.writing import dumps
 from core.study.many import many
+from core.study.study import Study as CoreStudy
 from kindyna._checks import Array, brief, number, path_of, path_to_write, read_only, text, unknown, vector, whole
 from kindyna._columns import Columns
+from kindyna._fields import edited_design, file_values
 from kindyna._options import requested
 from kindyna._results import Finding, ManyResult, many_result
 from kindyna._study import StudyResults
@@ -67,7 +66,7 @@ class Design:
         return dumps(self._design)
 
     def __getitem__(self, path: str) -> Any:
-        values = self._values()
+        values = file_values(self._design)
         if text("path", path) not in values:
             raise unknown("field of this design", path, values)
         return values[path]
@@ -81,7 +80,7 @@ class Design:
         >>> kd.example("transfer_lift").fields()["follower.rod_mm"]
         845.0
         """
-        return {path: value for path, value in self._values().items() if not isinstance(value, tuple)}
+        return {path: value for path, value in file_values(self._design).items() if not isinstance(value, tuple)}
 
     def edit(self, values: Mapping[str, Any]) -> Design:
         """Return the design with other values, all set at once.
@@ -110,20 +109,8 @@ class Design:
         >>> d["motion.segments[1].law"], round(d["motion.segments[2].span_deg"], 6)
         ('cycloidal', 198.5)
         """
-        known = self._require_fields("values", values)
-        present = dict(self._entries())
-        new = {path: _typed(path, present.get(path), known[path], value) for path, value in values.items()}
-        result, typed = self._design, {row_at(path)[1] for path in new if path.startswith("motion.segments[")}
-        for path, value in sorted(
-            new.items(), key=lambda item: not isinstance(item[1], str)
-        ):  # words choose the fields
-            result = edited(result, path, value, typed)
-        for path, value in new.items():
-            if not isinstance(value, str):
-                result = put(result, path, value)
-        if wrong := faults(result):
-            raise DesignError(wrong)
-        return Design(result)
+        self._require_fields("values", values)
+        return Design(edited_design(self._design, values))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the design to a file, whole or not at all.
@@ -153,7 +140,7 @@ class Design:
         Raises
         ------
         KindynaError
-            There is no such drive, or none of the drives has a solution.
+            There is no such drive.
 
         Examples
         --------
@@ -167,7 +154,7 @@ class Design:
         if not LEAST_SAMPLES <= count <= MOST_SAMPLES:
             raise ValueError(f"samples = {count}: angles per turn; allowed: {LEAST_SAMPLES} ... {MOST_SAMPLES}")
         only = one_of(self._design, drive) if text("drive", drive) else self._design
-        return Study(self if only is self._design else Design(only), Columns(studied(only, count), None))
+        return Study(self if only is self._design else Design(only), Columns(CoreStudy(only, count), None))
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -405,29 +392,14 @@ class Design:
         return brief(f"<kindyna.Design {self.kind}: {self.name!r}>")
 
     def _ipython_key_completions_(self) -> list[str]:
-        return list(self._values())
+        return list(file_values(self._design))
 
-    def _require_fields(self, what: str, values: Any) -> dict[str, Any]:
-        """Return path -> value of the design. Raises TypeError for no mapping, KeyError where the design lacks one of its paths."""
-        known = self._values()
+    def _require_fields(self, what: str, values: Any) -> None:
+        """Raise TypeError for no mapping, KeyError where the design lacks one of its paths."""
+        known = file_values(self._design)
         for path in _mapping(what, values):
             if text("path", path) not in known:
                 raise unknown("field of this design", path, known)
-        return known
-
-    def _entries(self) -> Iterator[tuple[str, Entry]]:
-        return ((entry.path, entry) for table in self._design.tables for entry in entries(self._design, table))
-
-    def _values(self) -> dict[str, Any]:
-        """Path -> value of every entry of the file, None where it is not given: names, then the order of the file."""
-        single = {path: entry.value for path, entry in self._entries()}
-        paths, texts = list(all_paths(self._design)), set(text_paths(self._design))
-        result = {path: get(self._design, path) for path in text_paths(self._design) if path not in paths}
-        for path in paths:
-            value = single[path] if path in single else get(self._design, path)
-            if path in single or path in texts or _is_pair(value):
-                result[path] = value
-        return result
 
 
 def _mapping(what: str, value: Any) -> Mapping[str, Any]:
@@ -448,31 +420,6 @@ def _no_solution(problem: str, best: Mapping[str, Any], violations: Iterable[str
         f"{path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in best.items()
     )
     return KindynaError(f"{problem}; the best, {values}, violates: {'; '.join(filter(None, violations))}")
-
-
-def _is_pair(value: Any) -> bool:
-    return isinstance(value, tuple) and len(value) == 2 and all(isinstance(part, float | int) for part in value)
-
-
-def _typed(path: str, entry: Entry | None, present: Any, value: Any) -> Any:
-    """Return a value of the kind of its field. Raises TypeError, ValueError."""
-    info = None if entry is None else entry.info
-    if value is None and info is not None and info.optional:
-        return None
-    if info is None and not isinstance(present, tuple):
-        return text(path, value)
-    if isinstance(present, tuple):
-        if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != len(present):
-            raise TypeError(f"{path} = {value!r}: {len(present)} numbers are needed")
-        return tuple(number(f"{path}[{i}]", part) for i, part in enumerate(value))
-    assert info is not None, "a field without metadata"
-    if info.flag:
-        if not isinstance(value, bool):
-            raise TypeError(f"{path} = {value!r}: True or False is needed, not {type(value).__name__}")
-        return value
-    if info.choices or isinstance(present, str):
-        return text(path, value)
-    return whole(path, value) if info.whole else number(path, value)
 
 
 # -- results that hold a design ----------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from core.commands.cams import ProfileArguments
-from core.commands.common import one_studied, require_cam
+from core.commands.common import one_studied, require_cam, solved
 from core.commands.designs import ReportArguments, requested_document
 from core.commands.export import ExportArguments
 from core.commands.tables import EcamArguments, controller_table
@@ -41,7 +41,7 @@ def export_study(study: Study, target: Path, options: Mapping[str, Any]) -> list
         allowed = f"{', '.join(writers)}, or a folder, with such a name one that exists"
         raise KindynaError(f"{target}: no format has the ending {ending}; allowed: {allowed}")
     request = requested(ExportArguments, options, "samples", design=Path(), out=target)
-    return export(study, request.out, request.only)
+    return export(solved(study), request.out, request.only)
 
 
 def _profile(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:
@@ -56,7 +56,7 @@ def _report(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path
     if target.suffix.lower() == _PDF:
         _print_report(study, target, {**vars(request.cover), "without": request.without, "samples": study.samples})
         return [target]
-    document = requested_document(study, request)
+    document = requested_document(solved(study), request)
     if document.lacking:
         raise KindynaError(document.lacking)
     write(target, html(document, {}).encode())

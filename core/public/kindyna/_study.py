@@ -11,8 +11,10 @@ from typing import Any, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.design import BALANCER
 from core.errors import KindynaError
 from core.mechanism.mechanism import body_name
+from core.output.export import SHAFT_QUANTITIES, balancer_study
 from core.study.certificate import certificate_of
 from core.study.findings import findings_of
 from core.study.study import Study as CoreStudy
@@ -66,7 +68,7 @@ class StudyResults(Generic[D]):
         >>> s["displacement_mm"].tolist()
         [150.0, 150.0]
         """
-        return type(self)(self._design, Columns(self._columns.full, vector("angles_deg", angles_deg)))
+        return type(self)(self._design, self._columns.at(vector("angles_deg", angles_deg)))
 
     def extreme(self, name: str, of: str = "max") -> Extreme:
         """Return an extreme over the full turn, refined beyond the samples, as in ``summary.json``.
@@ -208,19 +210,24 @@ class StudyResults(Generic[D]):
     @property
     def findings(self) -> tuple[Finding, ...]:
         """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
-        return tuple(map(finding, findings_of(self._columns.full)))
+        return tuple(map(finding, findings_of(self._columns.solved)))
 
     @property
     def certificate(self) -> dict[str, tuple[float, float]]:
         """Name -> residual that is zero in exact arithmetic, and its bound."""
-        return {name: (float(row.value), float(row.bound)) for name, row in certificate_of(self._columns.full).items()}
+        return {
+            name: (float(row.value), float(row.bound)) for name, row in certificate_of(self._columns.solved).items()
+        }
 
     @property
     def drives(self) -> dict[str, Self]:
-        """Name -> study of the drive by its own angle, over the full turn."""
-        return {
-            name: type(self)(self._design, Columns(study, None)) for name, study in self._columns.full.drives.items()
-        }
+        """Name -> study of the drive by its own angle, over the full turn; the balance cam is ``balancer``."""
+        full = self._columns.full
+        studies = dict(full.drives)
+        if (balancer := balancer_study(full)) is not None:
+            studies[BALANCER] = balancer
+        without = SHAFT_QUANTITIES if full.design.listed else frozenset[str]()
+        return {name: type(self)(self._design, Columns(study, None, without)) for name, study in studies.items()}
 
     def explain(self, name: str, at_deg: float | None = None) -> Explanation:
         """Return where a number comes from: its equation, and the value and origin of every symbol.
@@ -247,7 +254,7 @@ class StudyResults(Generic[D]):
         from core.output.explain import explained
 
         at = None if at_deg is None else number("at_deg", at_deg)
-        return explanation(explained(self._columns.full, self._columns.quantity_of(text("name", name)), at))
+        return explanation(explained(self._columns.solved, self._columns.quantity_of(text("name", name)), at))
 
     def export(self, target: str | os.PathLike[str], **options: Any) -> list[Path]:
         """Write files, completely or not at all.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.commands.studies import MOST_WORKERS
 from core.design.design import Design
 from core.errors import MISSING, DesignError, Fault
-from core.project.reading_faults import did_you_mean
+from core.project.reading_faults import did_you_mean, hinted
 from core.varying.request import StudyOfMany, study_of_table
 from core.varying.surveys import split_key
 from kindyna._checks import number, read_only, vector, whole, words_column
@@ -42,7 +42,7 @@ def varied_study(
     try:
         return study_of_table(table, design)
     except DesignError as error:
-        raise DesignError([_named(fault, names) for fault in error.faults]) from None
+        raise DesignError([hinted(_named(fault, names)) for fault in error.faults]) from None
 
 
 def _figure(key: str) -> dict[str, Any]:
