@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any, ClassVar
 
 from core.design.fields import FileLayout, brief, info_of, length, number, placed
-from core.errors import DesignError, Fault
+from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 from core.laws.lobe import (
     ACCELERATION,
@@ -276,8 +276,8 @@ def _contradictions(lobe: Lobe) -> Iterator[Fault]:
     """Faults of values that no lobe can have, whatever the others are."""
     typed = _typed(lobe)
     if len(typed) != 2:
-        problem = f"{len(typed)} values of the opening side; besides the lift it has two"
-        yield Fault("", f"{len(typed)} values", problem, VALUES)
+        noun = "value" if len(typed) == 1 else "values"
+        yield Fault("", MISSING, f"{len(typed)} {noun} besides the lift, and a lobe has two", VALUES)
     closing = lobe.closing or LobeClosing()
     if len(closing.to_nose) > 1:
         yield Fault("closing.to_nose", len(closing.to_nose), "the closing side has one row", "one row, or none")

@@ -351,8 +351,8 @@ def test_a_lobe_becomes_ordinary_segments() -> None:
 @pytest.mark.parametrize(
     ("lobe", "field", "words"),
     [
-        (A + "duration = [[1.27, 210.0]]\n", "motion.lobe", "1 values"),
-        (A + ROWS + "velocity_mm_per_deg = 0.2\n", "motion.lobe", "3 values"),
+        (A + "duration = [[1.27, 210.0]]\n", "motion.lobe", "1 value besides"),
+        (A + ROWS + "velocity_mm_per_deg = 0.2\n", "motion.lobe", "3 values besides"),
         (A + "duration = [[0.15, 270.0], [9.0, 210.0]]\n", "motion.lobe.duration[1]", "at or above the lift"),
         (A + "duration = [[0.15, 210.0], [1.27, 270.0]]\n", "motion.lobe.duration[1]", "not less than at 0.15 mm"),
         (A + "duration = [[0.05, 270.0], [0.15, 250.0]]\n", "motion.lobe.duration[1]", "on the ramp"),

@@ -285,7 +285,10 @@ def test_a_valve_of_a_linkage_is_one_of_its_sliders() -> None:
     for link in ("", "link = 3\n"):
         with pytest.raises(DesignError, match=r"valve\.link.*no slider of this linkage; allowed: 2"):
             loads(linkage + link)
-    assert loads(linkage + "link = 2\n").drive.valve == Valve(centre_deg=108.0, link=2)
+    design = loads(linkage + "link = 2\nlash_mm = 0.5\n")
+    assert design.drive.valve == Valve(centre_deg=108.0, link=2, lash_mm=0.5)
+    (valve,) = card(design, 10.0)["valves"]
+    assert (valve["lobe_lift_mm"], valve["valve_lift_mm"]) == pytest.approx((150.0, 149.5)), "the driver is the valve"
 
 
 # -- the command ----------------------------------------------------------------------------------------------
