@@ -15,13 +15,13 @@ from sampled import spread
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import Design, Motion, NamedCurve, Segment, edited, with_drive
+from core.output.drawing.turn import spans as spans_of
 from core.project import load
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.motion.diagram import LEVEL, LINE, POINT, join_marks, mark_spaces, mark_variants, segment_labels
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.segments_table import LAW, RISE, SPAN, TO
-from kindyna_gui.pictures.plots.plot import spans as spans_of
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
 
