@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from math import degrees
 from typing import Any
 
@@ -14,7 +16,6 @@ from core.number_text import MOST_DIGITS, RESULT_DIGITS, digits_apart, result_te
 from core.output.compare import (
     MOST,
     SAME,
-    ComparedDesign,
     Comparison,
     Difference,
     compare_designs,
@@ -55,6 +56,12 @@ PERCENT_DIGITS = 3
 GO_TIP = "Click to see its curve"
 
 
+def _compare(before: Study, now: Study) -> None:
+    """Compute what the comparison of two designs reads, the slow results too."""
+    for study in (now, before):
+        compared_design(study)
+
+
 class CompareView(View):
     """Table of the differences from the pinned variant: inputs, findings, then results, largest change first.
 
@@ -77,7 +84,6 @@ class CompareView(View):
         self.pin, self.unpin = text_button("Pin this variant"), text_button("Unpin")
         self.save, self.all = text_button("Save..."), text_button("All", checks=True)
         self.comparison: Comparison | None = None
-        self._pinned: tuple[Study, ComparedDesign] | None = None  # of the pinned variant, which edits do not change
         connect_all(
             (self.choice.activated, self._choose),
             (self.pin.clicked, lambda: self.pins.pin(self.session.full_design)),
@@ -94,6 +100,14 @@ class CompareView(View):
     def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
 
+    def preparation(self) -> Callable[[], Any] | None:
+        pinned = self.pins.full_study
+        if pinned is None:
+            return None
+        if self.comparison is None:
+            self.table.show_rows([TableRow(("Comparing with the pinned variant …", "", "", "", ""))])
+        return partial(_compare, pinned, self.session.full_study)
+
     def refresh(self, study: Study) -> None:
         self.choice.clear()
         for row in reversed(self.pins.rows):
@@ -104,10 +118,9 @@ class CompareView(View):
             self.table.show_rows([])
             raise Unavailable(NOT_PINNED)
         now = compared_design(self.session.full_study)
-        if self._pinned is None or self._pinned[0] is not pinned:
-            with self.pins.named():
-                self._pinned = pinned, compared_design(pinned)
-        self.comparison = compare_designs(self._pinned[1], now)
+        with self.pins.named():
+            before = compared_design(pinned)
+        self.comparison = compare_designs(before, now)
         self._show()
 
     @property

@@ -7,6 +7,7 @@ import io
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
+from functools import lru_cache
 from typing import Any
 
 from core.findings import Finding
@@ -136,6 +137,7 @@ class ComparedDesign:
     labels: Mapping[str, str]
 
 
+@lru_cache(maxsize=2)  # the current design, and the one that it is compared with
 def compared_design(study: Study) -> ComparedDesign:
     """Data of a design for a comparison. Raises NoSolution as the stages do."""
     findings = {(finding.code, finding.field): finding for finding in findings_of(study)}

@@ -99,6 +99,7 @@ class StatusLine(QStatusBar):
         self._search = Background(self)
         self._search.result.connect(self._show_count)
         self._is_counted = True
+        self._checked: tuple[Study | None, tuple[str, ...]] = (None, ())  # a design, and its stages that were checked
         connect_all(
             (self.messageChanged, self._ask_again),
             (self.messageChanged, self._offer),
@@ -216,11 +217,20 @@ class StatusLine(QStatusBar):
         """Search the findings of the stages on screen in the background, unless the mouse drags something."""
         if self._session.drag_source is not None:
             return
-        study, stages = self._session.full_study, tuple(self._session.stages_on_screen())
+        study, stages = self._session.full_study, self._checked_stages()
         if stages:
             self._search.start([(study, partial(attempt, partial(findings_of, study, stages)))])
         else:
             self.count_findings()
+
+    def _checked_stages(self) -> tuple[str, ...]:
+        """Stages on screen and, of the same design, those that were on screen before: their findings are known."""
+        study, on_screen = self._session.full_study, self._session.stages_on_screen()
+        if not on_screen:
+            return ()
+        before = self._checked[1] if self._checked[0] is study else ()
+        self._checked = study, tuple(dict.fromkeys((*before, *on_screen)))
+        return self._checked[1]
 
     def _show_count(self, study: Study, _: object) -> None:
         if study is self._session.full_study:
@@ -236,7 +246,7 @@ class StatusLine(QStatusBar):
         self._soon.stop()
         self._search.stop()
         self._is_counted = True
-        stages = tuple(self._session.stages_on_screen())
+        stages = self._checked_stages()
         try:
             findings = findings_of(self._session.full_study, stages) if stages else ()
             text, severity = counted(findings) if stages else ("limits not checked", NOTE)

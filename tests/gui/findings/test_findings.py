@@ -222,6 +222,18 @@ def test_the_list_waits_for_a_pause(user: User) -> None:
     wait_for(lambda: view.up_to_date)
 
 
+def test_a_finding_that_was_counted_stays_counted_in_another_task(open_user: Open) -> None:
+    user = open_user(example("transfer_unit"), (1440, 900), whole=True)
+    status = user.window.status
+    user.enter("motion.stroke_deg", "26")
+    user.see("findings")
+    wait_for(lambda: status.findings.text() == "1 note")
+    user.choose("View", "Graph")
+    assert "cam" not in user.window.stages_on_screen()
+    status.count_findings()
+    assert status.findings.text() == "1 note"
+
+
 def test_the_status_line_counts(user: User) -> None:
     status = user.window.status
     wait_for(lambda: status.findings.text() == "no findings")
