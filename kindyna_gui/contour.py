@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -157,8 +158,7 @@ class CurveDialog(PutDialog):
         add_copy_of_line(self.buttons, self._as_command)
         self.unit.currentIndexChanged.connect(self.read_and_roll)
         for box in (*self.centre, self.gap):
-            box.entered.connect(lambda value, box=box: self._take(box, value))
-            box.unreadable.connect(lambda box=box: box.set_refused(True))
+            self.ask_number(box, partial(self._take, box), self.read_and_roll)
         self.jumps.clicked.connect(self._point_out)
         self.jumps.activated.connect(self._point_out)
         self.read_and_roll()

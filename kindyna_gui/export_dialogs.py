@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,8 @@ from core.study import Study
 from kindyna_gui.dialogs import file_to_save, give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices
+from kindyna_gui.forms.number_box import NameBox
+from kindyna_gui.forms.refusal import FloatingRefusal
 from kindyna_gui.forms.request_form import RequestDialog, RequestForm
 from kindyna_gui.look import described
 from kindyna_gui.pictures.units import short
@@ -72,7 +75,7 @@ class TablesDialog(RequestDialog):
             step = f"One row every {short(360.0 / values['samples'])}°."
             return f"{step} Writes {files}. Files with these names are replaced."
 
-        self.folder = described(QLineEdit(str(folder)), name="Folder")
+        self.folder = described(NameBox(str(folder)), name="Folder")
         self.folder.setMinimumWidth(360)
         browse = QPushButton("Browse...")
         browse.clicked.connect(self._browse)
@@ -80,7 +83,19 @@ class TablesDialog(RequestDialog):
         form = RequestForm(ExportArguments, above=[("Folder", where)])
         form.name_row("samples", f"{angle.capitalize()}s per turn")
         super().__init__(parent, "Export tables", form, "Export", summary)
-        self.folder.textChanged.connect(lambda text: self.accept_button.setEnabled(bool(text.strip())))
+        self._refusal, self._first = FloatingRefusal(self.folder), folder
+        self.folder.textChanged.connect(self._judge_folder)
+
+    @property
+    def is_complete(self) -> bool:
+        return super().is_complete and bool(self.folder.text().strip())
+
+    def _judge_folder(self, text: str) -> None:
+        is_wrong = not text.strip()
+        self.folder.set_refused(is_wrong)
+        back = {f"Back to {self._first.name}": partial(self.folder.setText, str(self._first))}
+        self._refusal.show_refusal("Enter the folder of the tables" if is_wrong else "", back)
+        self.update_summary()
 
     def command_options(self) -> tuple[str, list[str]]:
         return self.folder.text(), command_words(ExportArguments, self.form.values)

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design
+from core.design import Design, Info
 from core.errors import KindynaError
 from core.findings import ERROR
 from core.frozen import frozen
@@ -43,7 +43,8 @@ from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.texts import add_copy
-from kindyna_gui.forms.fields import Amount
+from kindyna_gui.forms.number_box import LiveBox
+from kindyna_gui.forms.refusal import FloatingRefusal, judge_number
 from kindyna_gui.forms.request_form import PAUSE_MS, WAITING, ComputedDialog, RequestForm, accepted, flanks
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, sentence
@@ -66,7 +67,7 @@ class ProbeForm(RequestForm):
         initial = {"direction_deg": follower_direction(design), "radius_mm": DEFAULT_RADIUS}
         super().__init__(InspectionRequest, flanks(design), initial)
         self._design = design
-        self.boxes["tolerance_mm"].setPrefix("± ")
+        self.name_row("tolerance_mm", "Tolerance ±")
         self.boxes["probe"].removeItem(0)  # the row "as the follower": its probe is selected by name
         self._begin()
         self.boxes["flank"].currentIndexChanged.connect(self._begin)
@@ -314,6 +315,9 @@ HEADINGS = (
 )  # fmt: skip
 
 
+MAGNIFICATION = Info("Magnification", "of the drawn deviations", 1, 100_000, whole=True)
+
+
 class MeasuredCamDialog(QDialog):
     """Dialog that compares a measured cam with the design; ``comparison``: the last result, or None."""
 
@@ -327,16 +331,14 @@ class MeasuredCamDialog(QDialog):
         self._order: np.ndarray = np.zeros(0, dtype=int)
         self.form, self.factor, self.fit = (
             ProbeForm(design),
-            Amount(),
+            LiveBox(MAGNIFICATION),
             QCheckBox("Fit the zero marks of angle and lift"),
         )
         self.fit.setToolTip("Fit the zero of angle and lift by least squares, where the table has other zero marks")
-        self.factor.setDecimals(0)
-        self.factor.setRange(1.0, 1e5)
-        self.factor.setPrefix("× ")
-        self.factor.setValue(100.0)
+        self.factor.set_number(100.0)
+        self.factor_refusal = FloatingRefusal(self.factor)
         self.form.rows.setRowVisible(self.form.boxes["samples"], False)  # the table has its own angles
-        self.form.rows.addRow("Drawn", self.factor)
+        self.form.rows.addRow("Drawn ×", self.factor)
         self.form.rows.addRow("", self.fit)
         self.verdict, self.notes = QLabel(wordWrap=True), QLabel(wordWrap=True)
         for label in (self.verdict, self.notes):
@@ -352,7 +354,7 @@ class MeasuredCamDialog(QDialog):
             (self._work.result, self._take),
             (self.form.changed, self._changed),
             (self.fit.toggled, self._changed),
-            (self.factor.valueChanged, self.picture.magnify),
+            (self.factor.changed, self._magnify),
             (self.again.clicked, self._read_again),
             (self.rows.clicked, self._point_out),
             (self.rows.activated, self._point_out),
@@ -372,7 +374,7 @@ class MeasuredCamDialog(QDialog):
         side.setFixedWidth(LEFT_WIDTH)
         middle = fill(QHBoxLayout(), side, (self.picture, 1), spacing=12)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
-        add_copy(buttons, self._window, "inspection", self._command_options, of_drive=True)
+        self.copy = add_copy(buttons, self._window, "inspection", self._command_options, of_drive=True)
         buttons.rejected.connect(self.reject)
         fill(QVBoxLayout(self), (middle, 1), buttons)
         self.setMinimumSize(LEAST_SIZE)
@@ -390,11 +392,19 @@ class MeasuredCamDialog(QDialog):
 
     # -- result ---------------------------------------------------------------------------------------------
 
+    def _magnify(self) -> None:
+        if judge_number(self.factor_refusal, self.factor) and self.factor.number is not None:
+            self.picture.magnify(self.factor.number)
+
     def _changed(self) -> None:
         self._work.stop()
+        self._pause.stop()
         self.picture.wait()
-        self._show_verdict(WAITING, SCREEN.quiet)
-        self._pause.start()
+        is_valid = self.form.is_valid
+        self.copy.setEnabled(is_valid)
+        self._show_verdict(WAITING if is_valid else "", SCREEN.quiet)
+        if is_valid:
+            self._pause.start()
 
     def _compute(self) -> None:
         job = partial(_compared, self._design, self.form.request, self._data, self._path.name, self.fit.isChecked())

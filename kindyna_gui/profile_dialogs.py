@@ -355,7 +355,7 @@ class ControllerDialog(ComputedDialog):
         self.form.choose(ROWS, POINTS)
         for name in ("velocity_error", "acceleration_error"):
             self.form.show_value(name, None)
-        self.form.boxes[POINTS].setValue(round(float(np.clip(rows, least, most))))
+        self.form.show_value(POINTS, round(float(np.clip(rows, least, most))))
 
 
 @lru_cache(maxsize=8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import (
@@ -34,8 +35,9 @@ from core.design import (
     turn_join,
 )
 from core.frozen import frozen
-from core.number_text import shortest
+from core.number_text import shortest, typed_text
 from kindyna_gui.forms.number_box import RedFrame, parsed
+from kindyna_gui.forms.refusal import NO_REMEDIES, FloatingRefusal, Remedies
 from kindyna_gui.labels import no_number, sentence
 from kindyna_gui.pictures.paper.timing_chart import (
     AXES,
@@ -71,14 +73,17 @@ class TypedAngle(RedFrame, QLineEdit):
         self.hide()
         self._target: tuple[int, int | None] = (0, None)
         self._unit = Unit("", 1.0)
+        self._first = ""  # the text with which it was opened
+        self.refusal = FloatingRefusal(self)
         self.returnPressed.connect(self._enter)
-        self.textEdited.connect(lambda: self.set_refused(False))
+        self.textEdited.connect(self._clear)
 
     def ask(self, drive: int, join: int | None, value: float, unit: str, position: QPointF) -> None:
         """Open the field for a drive's phase, or for a join."""
         self._target, self._unit = (drive, join), Unit(AXES[unit], 1.0)
-        self.set_refused(False)
-        self.setText(shortest(round(value, 6)))
+        self._clear()
+        self._first = shortest(round(value, 6))
+        self.setText(self._first)
         self.setAccessibleName("Phase" if join is None else "Machine angle")
         room = self._parent.rect()
         x = min(max(int(position.x()) - WIDTH // 2, 0), room.width() - WIDTH)
@@ -88,11 +93,21 @@ class TypedAngle(RedFrame, QLineEdit):
         self.setFocus()
         self.selectAll()
 
-    def refuse(self, why: str) -> None:
-        """Mark the typed value red, and show why it is refused."""
+    def refuse(self, why: str, remedies: Remedies = NO_REMEDIES) -> None:
+        """Frame the typed value and show why it is refused, with its remedies."""
         self.set_refused(True)
-        self.setToolTip(sentence(why))
-        QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), sentence(why), self)
+        gap = "" if self._unit.symbol == "°" else " "
+        back = {f"Back to {typed_text(self._first)}{gap}{self._unit.symbol}": self._go_back}
+        self.refusal.show_refusal(sentence(why), {**remedies, **back})
+
+    def _go_back(self) -> None:
+        self._clear()
+        self.setText(self._first)
+        self.selectAll()
+
+    def _clear(self) -> None:
+        self.set_refused(False)
+        self.refusal.show_refusal("")
 
     def _enter(self) -> None:
         value = parsed(self.text(), self._unit, in_file_units=True)
@@ -459,8 +474,12 @@ class TimingCanvas(QWidget):
             by = (angle - drag.at + 180.0) % 360.0 - 180.0
         by = round(by, 9)
         if not room.low <= by <= room.high:
-            low, high = (self.chart.text((drag.at + end) % 360.0) for end in (room.low, room.high))
-            self.typed.refuse(f"allowed: {low} ... {high}, between its neighbours")
+            nearest = (drag.at + min(max(by, room.low), room.high)) % 360.0
+            low, high, near, now = (
+                self.chart.text(end % 360.0) for end in (drag.at + room.low, drag.at + room.high, nearest, angle)
+            )
+            use = {f"Use {near}": partial(self._apply_typed, drive, join, self.chart.value(nearest))}
+            self.typed.refuse(f"outside its range; allowed: {low} ... {high}, between its neighbours, not {now}", use)
             return
         self.drag_started.emit()
         possible = self._apply(drag, by)

@@ -38,9 +38,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import UnitLabel
 from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.refusal import RefusalLine, accept_in_range
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
-from kindyna_gui.labels import name_of, no_number
-from kindyna_gui.look import MessageLabel, coloured, described, scrolled
+from kindyna_gui.labels import name_of
+from kindyna_gui.look import described, scrolled
 from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, event_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
@@ -107,7 +108,7 @@ class TimingRows(QWidget):
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.activated.connect(self._events_chosen)
         self.least: NumberBox | None = None
-        self.message = MessageLabel(SCREEN.quiet)
+        self.message = RefusalLine()
         self.buttons = {
             "add": list_button("Add", "insert", "Add a sequence condition", self.added.emit),
             "copy": list_button("Copy", "duplicate", "Duplicate the selected condition", self._copy),
@@ -183,8 +184,8 @@ class TimingRows(QWidget):
 
     def _show_note(self) -> None:
         """Show the note on the list, or how to add the first condition."""
-        coloured(self.message, SCREEN.limit if self._note else SCREEN.quiet)
-        self.message.show_message(self._note or ("" if self._count else EMPTY))
+        text = self._note or ("" if self._count else EMPTY)
+        self.message.show_refusal(text, is_wrong=bool(self._note))
 
     def _show_form(self, design: Design, row: int) -> None:
         names = list(events(design))
@@ -199,12 +200,8 @@ class TimingRows(QWidget):
             assert entry is not None
             self.least = described(NumberBox(entry.info, UNITS["deg"]), name="at least")
             self.least.setMaximumWidth(90)
-            connect_all(
-                (self.least.entered, self._least_entered),
-                (self.least.finished, self.finished),
-                (self.least.unreadable, self._unreadable),
-                (self.least.withdrawn, self._show_note),
-            )
+            accept_in_range(self.least, self.message, self._least_entered)
+            connect_all((self.least.finished, self.finished), (self.least.withdrawn, self._show_note))
             label = QLabel("at least")
             label.setBuddy(self.least)
             for column, part in enumerate((label, self.least, UnitLabel(UNITS["deg"])), 2):
@@ -232,17 +229,6 @@ class TimingRows(QWidget):
 
     def _change(self, row: TimingRow) -> None:
         self.changed.emit(self._row, row)
-
-    def _unreadable(self) -> None:
-        assert self.least is not None
-        self.refuse(no_number(self.least.text()))
-
-    def refuse(self, text: str) -> None:
-        """Mark the typed value red, and show the reason."""
-        if self.least is not None:
-            self.least.set_refused(True)
-        coloured(self.message, SCREEN.limit)
-        self.message.show_message(text)
 
     def _copy(self) -> None:
         order = [*range(self._count)]
@@ -465,9 +451,7 @@ class TimingView(View):
 
     def _change_row(self, number: int, row: TimingRow) -> None:
         label = f"Let {event_text(row.second)} follow {event_text(row.first)} by {short(row.least_deg)}°"
-        if not self._put(with_timing(self._design, number, row), label, f"{PATH}[{number}]"):
-            self.rows.refuse("allowed: -360 ... 360°")
-            self.session.withdraw(f"{PATH}[{number}]")
+        self._put(with_timing(self._design, number, row), label, f"{PATH}[{number}]")
 
     def _reorder(self, order: list[int], row: int) -> None:
         count = len(self._design.timing)

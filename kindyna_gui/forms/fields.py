@@ -19,7 +19,6 @@ from PySide6.QtGui import QAction, QColor, QContextMenuEvent, QKeyEvent, QMouseE
 from PySide6.QtWidgets import (
     QAbstractButton,
     QComboBox,
-    QDoubleSpinBox,
     QGridLayout,
     QLabel,
     QMenu,
@@ -51,20 +50,7 @@ NAME_TIP = "Name of the design, as reports show it"
 NOT_KNOWN = "–"  # the choice of an optional word that is not given
 _PIXELS_A_STEP = 6
 
-# -- numbers and choices of dialogs ----------------------------------------------------------------------
-
-
-class Amount(QDoubleSpinBox):
-    """A number box without trailing zeros, whose arrows step by a tenth of the number."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
-        self.setGroupSeparatorShown(False)
-
-    def textFromValue(self, value: float) -> str:
-        text = f"{value:.{self.decimals()}f}"
-        return text.rstrip("0").rstrip(".") if "." in text else text
+# -- choices of dialogs ----------------------------------------------------------------------
 
 
 def fill_choices(box: QComboBox, rows: Mapping[str, str]) -> None:

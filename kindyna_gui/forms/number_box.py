@@ -486,7 +486,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         """Return the step of the field, else about a hundredth of the value: 1, 2 or 5 times a power of ten."""
         if self._info.step:
             return self._info.step
-        if not value:
+        if not value or (self._info.whole and abs(value) < 100.0):
             return 1.0
         power = math.floor(math.log10(abs(value))) - 2
         leading = abs(value) / 10.0 ** (power + 2)  # 1 ... 10
@@ -604,13 +604,13 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
 
 class LiveBox(NumberBox):
-    """Number box that emits ``changed`` whenever its number changes while the user types."""
+    """Number box that emits ``changed`` whenever its number, or why it is not allowed, changes while the user types."""
 
     changed = Signal()
 
     def __init__(self, info: Info, unit: Unit = NO_UNIT, name: str = "") -> None:
         super().__init__(info, unit)
-        self._previous: float | None = None
+        self._previous: tuple[float | None, str] = (None, "")
         self.setAccessibleName(name or info.label)
         self.entered.connect(self._accept)
         self.unreadable.connect(self._emit_changed)
@@ -620,7 +620,7 @@ class LiveBox(NumberBox):
     def set_number(self, value: float | None) -> None:
         """Show a number without emitting ``changed``."""
         self.show_value(value)
-        self._previous = value
+        self._previous = self.number, self.fault()
 
     def set_step(self, step: float) -> None:
         """Set the step of the arrows."""
@@ -636,6 +636,6 @@ class LiveBox(NumberBox):
         self._emit_changed()
 
     def _emit_changed(self, *_: object) -> None:
-        if self.number != self._previous:
-            self._previous = self.number
+        if (now := (self.number, self.fault())) != self._previous:
+            self._previous = now
             self.changed.emit()

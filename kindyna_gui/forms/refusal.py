@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
-from PySide6.QtGui import QColor, QCursor, QPainter, QPaintEvent, QPalette
+from PySide6.QtGui import QColor, QCursor, QPainter, QPaintEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QScrollArea, QToolButton, QVBoxLayout, QWidget
 from shiboken6 import isValid
 
@@ -27,6 +27,7 @@ Misfit = tuple[str, Info]
 """Why a number in its range does not fit the other ones, and the range in which it would."""
 NO_REMEDIES: Remedies = MappingProxyType({})
 WIDTH = 360  # of a floating refusal, pixels
+MOST_BESIDE = 0.45  # of the width, for a button beside the sentence
 GAP = 2  # between the editor and the refusal that floats at it, pixels
 _MOVES = frozenset({QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Hide, QEvent.Type.Show})
 
@@ -75,6 +76,16 @@ def refuse_number(line: RefusalLine, box: NumberBox, why: str = "", info: Info |
     line.show_refusal(f"{name}: {why}" if name else why[:1].upper() + why[1:], box_remedies(box, info))
 
 
+def judge_number(line: RefusalLine, box: NumberBox, name: str = "") -> bool:
+    """Refuse in a line what a box holds, or clear its refusal; return whether it is allowed."""
+    if is_wrong := bool(box.fault()):
+        refuse_number(line, box, name=name)
+    else:
+        box.set_refused(False)
+        line.show_refusal("")
+    return not is_wrong
+
+
 def accept_in_range(box: NumberBox, line: RefusalLine, accept: Callable[[Any], object], name: str = "") -> None:
     """Accept the numbers of a box that its range allows, and refuse the others in a line.
 
@@ -82,14 +93,13 @@ def accept_in_range(box: NumberBox, line: RefusalLine, accept: Callable[[Any], o
     """
 
     def enter(value: Any) -> None:
-        misfit = None if box.fault() else accept(value)
+        if not judge_number(line, box, name):
+            return
+        misfit = accept(value)
         if isinstance(misfit, tuple):
             why, info = misfit
             refuse_number(line, box, why, info, name)
-        elif box.fault():
-            refuse_number(line, box, name=name)
-        else:
-            line.show_refusal("")
+        elif not box.is_refused:  # by a check of its own
             box.show_value(value)
 
     connect_all(
@@ -102,7 +112,7 @@ def accept_in_range(box: NumberBox, line: RefusalLine, accept: Callable[[Any], o
 class RefusalLine(QWidget):
     """A sentence that says why an entry was refused, and a button for each remedy; hidden without a sentence.
 
-    A single button is beside the sentence, several are below it.
+    A single button is beside the sentence unless that leaves too little room for it, several are below it.
     """
 
     def __init__(self, margins: tuple[int, int, int, int] = (6, 3, 4, 3)) -> None:
@@ -111,7 +121,7 @@ class RefusalLine(QWidget):
         self._sentence.setMinimumWidth(1)
         self._beside = fill(QHBoxLayout(), (self._sentence, 1), spacing=4)
         self._below = fill(QHBoxLayout(), STRETCH, spacing=4)
-        fill(QVBoxLayout(self), self._beside, self._below, margins=margins, spacing=3)
+        self._column = fill(QVBoxLayout(self), self._beside, self._below, margins=margins, spacing=3)
         self._buttons: list[QToolButton] = []
         self._remedies: Remedies = NO_REMEDIES
         self.hide()
@@ -131,20 +141,34 @@ class RefusalLine(QWidget):
         self._remedies = remedies if text else NO_REMEDIES
         while len(self._buttons) < len(self._remedies):
             button = text_button("")
+            button.setParent(self)
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the focus in the entry
             button.clicked.connect(partial(self._apply, len(self._buttons)))
             self._buttons.append(button)
-        for i, button in enumerate(self._buttons):
-            if len(self._remedies) > 1:
-                self._below.insertWidget(i, button)
-            else:
-                self._beside.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
         for button, name in zip(self._buttons, self._remedies, strict=False):
             button.setText(name)
         for i, button in enumerate(self._buttons):
             button.setVisible(i < len(self._remedies))
         self._sentence.show_message(typographic(text))
+        self._arrange(self.width())
         self._update_visible()
+
+    def _arrange(self, width: int) -> None:
+        """Put the buttons beside the sentence, or below it, in a line of this width [pixels]."""
+        count = len(self._remedies)
+        is_below = count > 1 or (count == 1 and self._buttons[0].sizeHint().width() > MOST_BESIDE * width)
+        for i, button in enumerate(self._buttons):
+            if is_below:
+                self._below.insertWidget(i, button)
+            else:
+                self._beside.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
+        for layout in (self._beside, self._below, self._column):
+            layout.invalidate()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        if event.size().width() != event.oldSize().width():
+            self._arrange(event.size().width())
 
     def _update_visible(self) -> None:
         self.setVisible(bool(self.text()))
@@ -221,6 +245,8 @@ class FloatingRefusal(RefusalLine):
             return
         box = QRect(editor.mapTo(host, QPoint()), editor.size())
         width = min(WIDTH, host.width() - 2 * GAP)
+        if width != self.width():
+            self._arrange(width)
         height = max(self.heightForWidth(width), self.minimumSizeHint().height())
         left = max(GAP, min(box.left(), host.width() - GAP - width))
         below = QRect(left, box.bottom() + 1 + GAP, width, height)
@@ -261,6 +287,7 @@ __all__ = [
     "Remedies",
     "accept_in_range",
     "box_remedies",
+    "judge_number",
     "nearest_value",
     "refuse_number",
     "value_remedies",

@@ -7,11 +7,13 @@ computed in the background, ``PutDialog`` puts a design in place, ``ScaleDialog`
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import Field
+from dataclasses import Field, replace
+from functools import partial
 from html import escape
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -30,23 +32,31 @@ from core.design import Design, scale_text
 from core.design.fields import Info, info_of, unit_of
 from core.errors import KindynaError
 from core.requests import build_request, command_words, field_info, option_info, request_fields
+from core.units import Unit
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import accept_buttons, give_help
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy
-from kindyna_gui.forms.fields import Amount, fill_choices
-from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.forms.refusal import NO_REMEDIES, RefusalLine, Remedies
-from kindyna_gui.labels import sentence
+from kindyna_gui.forms.fields import fill_choices
+from kindyna_gui.forms.number_box import LiveBox, NumberBox
+from kindyna_gui.forms.refusal import (
+    NO_REMEDIES,
+    FloatingRefusal,
+    RefusalLine,
+    Remedies,
+    accept_in_range,
+    judge_number,
+)
+from kindyna_gui.labels import allowed_text, sentence
 from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot, widget_with
+from kindyna_gui.settings import symbol_of
 
 Kind = TypeVar("Kind")
 Summary = Callable[[Mapping[str, Any]], str]
 """The meaning of a request in a sentence, from the values of its fields."""
 AROUND = QSize(40, 60)  # free on the screen for frame and title, pixels
-DECIMALS = 6
 WAITING = "Calculating ..."
 PAUSE_MS = 150  # from the last change to the computation
 FORM_WIDTH = 300  # pixels, at least
@@ -91,6 +101,19 @@ class PutDialog(QDialog):
         """Show what the typed values lead to, or why they are wrong, with a button for each remedy."""
         self.message.show_refusal(text, remedies, is_wrong=wrong)
 
+    def ask_number(self, box: NumberBox, accept: Callable[[Any], object], again: Callable[[], object]) -> None:
+        """Accept the numbers of a box in its range; while it is refused, nothing can be put into the design.
+
+        ``again`` shows the result of the present numbers.
+        """
+
+        def hold_back(*_: object) -> None:
+            if box.is_refused:
+                self.put_button.setEnabled(False)
+
+        accept_in_range(box, self.message, accept, box.accessibleName())
+        connect_all((box.entered, hold_back), (box.unreadable, hold_back), (box.withdrawn, lambda: again()))
+
     def put(self, design: Design, step: str) -> None:
         """Put a design in place as one undo step and close; where the session refuses it, show why and stay open."""
         with self._session.one_step() as refusals:
@@ -133,6 +156,9 @@ class RequestForm(QWidget):
         super().__init__()
         self.kind = kind
         self.boxes: dict[str, Any] = {}
+        self._refusals: dict[str, FloatingRefusal] = {}
+        self._valid: dict[str, float | None] = {}
+        self._last = self._misfit = ""  # the number typed last, and the one that does not fit the others
         self.rows = fill(QFormLayout(self), *above, margins=0)
         self._fields = {field.name: field for field in request_fields(kind) if info_of(field) is not None}
         self._groups: dict[str, list[str]] = {}
@@ -161,18 +187,19 @@ class RequestForm(QWidget):
                 {} if field.default in info.choices else {field.default: sentence(option.default_text or "default")}
             )
             fill_choices(box, {**default, **words})
-            box.currentIndexChanged.connect(self.changed)
+            box.currentIndexChanged.connect(self._choice_made)
         else:
-            box = Amount()
-            _limit(box, field, info)
-            box.valueChanged.connect(self.changed)
+            box = RequestBox(field.name, _optional(field, info), unit_of(field))
+            box.lineEdit().setPlaceholderText(option.default_text)
+            box.typed.connect(self._judge)
+            label = _with_unit(info.label, field)
         box.setAccessibleName(info.label)
         tip = [sentence(info.help)] if info.help else []
         if not info.flag and not info.choices:
-            tip.append(sentence(f"allowed: {info.allowed(unit_of(field))}"))
+            tip.append(sentence(f"allowed: {allowed_text(info, unit_of(field))}"))
         box.setToolTip("<br>".join(map(escape, tip)))
         self.boxes[field.name] = box
-        self.rows.addRow("" if group else label, box)
+        self.rows.addRow(label if isinstance(box, RequestBox) or not group else "", box)
         if group:
             self._groups[group].append(field.name)
             self.boxes[group].addItem(alternative, field.name)
@@ -190,7 +217,7 @@ class RequestForm(QWidget):
     def name_row(self, name: str, label: str) -> None:
         """Give a field another label."""
         row: Any = self.rows.labelForField(self.boxes[name])
-        row.setText(label)
+        row.setText(_with_unit(label, self._fields[name]))
         self.boxes[name].setAccessibleName(label)
 
     # -- values ---------------------------------------------------------------------------------------------
@@ -223,10 +250,8 @@ class RequestForm(QWidget):
             return box.isChecked()
         if isinstance(box, QComboBox):
             return box.currentData()
-        if box.specialValueText() and box.value() == box.minimum():
-            return field.default
-        info = info_of(field)
-        return int(box.value()) if info is not None and info.whole else box.value()
+        number, info = box.value if box.fault() else box.number, info_of(field)
+        return number if number is not None and info is not None and info.admits(number) else field.default
 
     def show_value(self, name: str, value: Any) -> None:
         """Show a value in a field's box."""
@@ -235,22 +260,94 @@ class RequestForm(QWidget):
             box.setChecked(value)
         elif isinstance(box, QComboBox):
             box.setCurrentIndex(box.findData(value))
-        elif value is not None:
-            box.setValue(value)
         else:
-            box.setValue(box.minimum())
+            is_default = value is None or (box.info.optional and value == self._fields[name].default)
+            before = box.number
+            box.set_number(None if is_default else value)
+            self._judge(name, is_changed=box.number != before)
+
+    # -- refused numbers ------------------------------------------------------------------------------------
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether every number that counts is in its range."""
+        return not any(self._is_wrong(name) for name in self._fields)
+
+    def _is_wrong(self, name: str) -> bool:
+        box = self.boxes[name]
+        counts = isinstance(box, RequestBox) and self.rows.isRowVisible(box) and box.isEnabledTo(self)
+        return counts and bool(box.fault())
+
+    def _judge(self, name: str, is_changed: bool = True) -> None:
+        """Refuse the number of a box that is outside its range, and emit ``changed``."""
+        self._last = name
+        self._refuse(name)
+        if is_changed:
+            self.changed.emit()
+
+    def _choice_made(self, *_: object) -> None:
+        self._last = ""
+        self.changed.emit()
+
+    def note_valid(self) -> None:
+        """Note the numbers of a request that can be carried out, to which a remedy goes back."""
+        self._valid = {name: box.number for name, box in self.boxes.items() if isinstance(box, RequestBox)}
+
+    def refuse_last(self, why: str) -> None:
+        """Refuse the number typed last, which does not fit the others; without a reason accept it."""
+        if self._misfit:
+            self._refuse(self._misfit)
+        self._misfit = self._last if why else ""
+        if self._misfit:
+            box, valid = self.boxes[self._misfit], self._valid.get(self._misfit)
+            back = "Leave it empty" if valid is None else f"Back to {box.with_unit(valid)}"
+            remedies = {} if valid == box.number else {back: partial(self.show_value, self._misfit, valid)}
+            box.set_refused(True)
+            self._refusal_at(self._misfit).show_refusal(sentence(why), remedies)
+
+    def _refuse(self, name: str) -> None:
+        """Refuse the number of a box, or clear its refusal."""
+        if self.boxes[name].fault() or name in self._refusals:
+            judge_number(self._refusal_at(name), self.boxes[name])
+
+    def _refusal_at(self, name: str) -> FloatingRefusal:
+        if name not in self._refusals:
+            self._refusals[name] = FloatingRefusal(self.boxes[name])
+        return self._refusals[name]
 
 
-def _limit(box: Amount, field: Field[Any], info: Info) -> None:
-    """Set range, decimals and unit of a number box; its lowest value means None where the number is optional."""
-    default = option_info(field).default_text
-    may_be_none = bool(default) and (field.default is None or field.default == info.low)
-    box.setDecimals(0 if info.whole else DECIMALS)
-    least = info.low if may_be_none or not info.open_low else info.low + 10.0**-DECIMALS
-    box.setRange(least, info.high)
-    symbol = unit_of(field).symbol
-    box.setSuffix(symbol if symbol in ("", "°") else f" {symbol}")
-    box.setSpecialValueText(default if may_be_none else "")
+class RequestBox(LiveBox):
+    """Number of a request; Enter accepts the dialog, unless the number is refused. Signal ``typed`` with its name."""
+
+    typed = Signal(str)
+
+    def __init__(self, name: str, info: Info, unit: Unit) -> None:
+        super().__init__(info, unit)
+        self._name = name
+        self.changed.connect(self._emit_typed)
+
+    def fault(self, info: Info | None = None) -> str:
+        is_none = self.info.optional and self.number == self.info.low
+        return "" if is_none else super().fault(info)
+
+    def _emit_typed(self) -> None:
+        self.typed.emit(self._name)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        super().keyPressEvent(event)
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and not self.fault():
+            event.ignore()
+
+
+def _optional(field: Field[Any], info: Info) -> Info:
+    """Range of a number; empty, or 0 where that is excluded, means its default, such as *as the follower*."""
+    has_text = bool(option_info(field).default_text) and field.default in (None, info.low)
+    return replace(info, optional=True) if has_text or field.default is None else info
+
+
+def _with_unit(label: str, field: Field[Any]) -> str:
+    symbol = symbol_of(unit_of(field).symbol)
+    return f"{label}, {symbol}" if symbol else label
 
 
 # -- dialogs with a computed result ----------------------------------------------------------------------
@@ -278,7 +375,7 @@ class ComputedDialog(QDialog):
         self.result.setWordWrap(True)
         self.result.setMinimumHeight(RESULT_LINES * self.fontMetrics().lineSpacing())
         self.buttons, self.export = accept_buttons(self, f"Save {file}...")
-        add_copy(self.buttons, parent, self.command, self.command_options, of_drive=True)
+        self.copy = add_copy(self.buttons, parent, self.command, self.command_options, of_drive=True)
         width = max(FORM_WIDTH, self.form.sizeHint().width())
         for widget in (self.form, self.result):
             widget.setFixedWidth(width)
@@ -311,13 +408,17 @@ class ComputedDialog(QDialog):
         """Show that another result is being computed."""
 
     def changed(self) -> None:
-        """Discard the result, stop the running computation, and start another after a pause."""
+        """Discard the result, stop the running computation, and start another after a pause unless a number is refused."""
         self.computed = None
+        self.form.refuse_last("")
         self.export.setEnabled(False)
+        self.copy.setEnabled(self.form.is_valid)
         self.show_waiting()
-        self._say(WAITING, SCREEN.quiet)
+        self._say(WAITING if self.form.is_valid else "", SCREEN.quiet)
         self._work.stop()
-        self._pause.start()
+        self._pause.stop()
+        if self.form.is_valid:
+            self._pause.start()
 
     # -- the result -----------------------------------------------------------------------------------------
 
@@ -326,6 +427,11 @@ class ComputedDialog(QDialog):
         text = self.show_result(self.computed)
         self._say(str(result) if self.computed is None else text, SCREEN.limit if self.computed is None else SCREEN.ink)
         self.export.setEnabled(self.computed is not None)
+        self.copy.setEnabled(self.computed is not None)
+        if self.computed is None:
+            self.form.refuse_last(str(result))
+        else:
+            self.form.note_valid()
 
     def _say(self, text: str, colour: str) -> None:
         self.result.setText(text)
@@ -363,12 +469,26 @@ class RequestDialog(QDialog):
         self.form, self.summary = form, QLabel(wordWrap=True)
         coloured(self.summary, SCREEN.quiet)
         buttons, self.accept_button = accept_buttons(self, accept)
-        add_copy(buttons, parent, self.command, self.command_options, reads=self.reads)
+        self.copy = add_copy(buttons, parent, self.command, self.command_options, reads=self.reads)
         column = QVBoxLayout(self)
         for widget in (form, self.summary, buttons):
             column.addWidget(widget)
-        form.changed.connect(lambda: self.summary.setText(summary(form.values)))
+        self._summary = summary
+        form.changed.connect(self.update_summary)
         self.summary.setText(summary(form.values))
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the request can be accepted."""
+        return self.form.is_valid
+
+    def update_summary(self) -> None:
+        """Show the meaning of the request; one with a refused number can neither be accepted nor copied."""
+        is_complete = self.is_complete
+        self.accept_button.setEnabled(is_complete)
+        self.copy.setEnabled(is_complete)
+        if self.form.is_valid:
+            self.summary.setText(self._summary(self.form.values))
 
     def command_options(self) -> tuple[str, list[str]]:
         """Return the file that the command writes, and its options."""
@@ -390,14 +510,14 @@ class ScaleDialog(QDialog):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setWindowTitle("Scale the design")
-        self.factor = described(NumberBox(FACTOR), name=FACTOR.label, tip=sentence(FACTOR.help))
-        self.factor.show_value(1.0)
+        self.factor = described(LiveBox(FACTOR), name=FACTOR.label, tip=sentence(FACTOR.help))
+        self.factor.set_number(1.0)
         self.masses = QCheckBox(MASSES.label)
         self.masses.setChecked(True)
         self.text = MessageLabel(SCREEN.quiet)
         self.text.setFixedWidth(WIDTH)
         self.buttons, self.scale_button = accept_buttons(self, "Scale")
-        add_copy(
+        self.copy = add_copy(
             self.buttons,
             parent,
             "scale",
@@ -409,27 +529,18 @@ class ScaleDialog(QDialog):
         give_help(self, "tour#Scale the design")
         form = fill(QFormLayout(), (FACTOR.label, self.factor), self.masses)
         fill(QVBoxLayout(self), form, self.text, self.buttons)
-        self.factor.entered.connect(self._enter)
-        self.factor.unreadable.connect(self._refuse)
+        self.refusal = FloatingRefusal(self.factor)
+        self.factor.changed.connect(self._show)
         self.masses.toggled.connect(self._show)
         self._show()
         self.factor.selectAll()
 
-    def _enter(self, value: float) -> None:
-        if FACTOR.admits(value):
-            self.factor.show_value(value)
-            self._show()
-        else:
-            self._refuse()
-
-    def _refuse(self) -> None:
-        self.factor.set_refused(True)
-        self.scale_button.setEnabled(False)
-        self.text.show_message("The factor is a number above 0: 0.1, or 1/10.")
-
     def _show(self, *_: object) -> None:
-        self.scale_button.setEnabled(True)
-        self.text.show_message(scale_text(self.factor.value or 1.0, self.masses.isChecked()))
+        is_valid = judge_number(self.refusal, self.factor)
+        for button in (self.scale_button, self.copy):
+            button.setEnabled(is_valid)
+        if is_valid:
+            self.text.show_message(scale_text(self.factor.number or 1.0, self.masses.isChecked()))
 
     def accept(self) -> None:
         """Accept the factor as it is typed, confirmed or not."""

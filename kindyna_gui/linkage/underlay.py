@@ -25,12 +25,13 @@ from PySide6.QtWidgets import (
 
 from core.bounds import PIXELS
 from core.contour.underlay import DXF, ENDINGS, Underlay, read_lines, read_underlay, save_underlay
-from core.design import UNITS, Info, Unit
+from core.design import NO_UNIT, UNITS, Info, Unit
 from core.errors import FileError, KindynaError
 from core.frozen import frozen
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.refusal import FloatingRefusal, accept_in_range
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.draw_tools import nearest_mark
 from kindyna_gui.linkage.typed_values import Box, Typed, TypedBoxes
@@ -349,10 +350,14 @@ class UnderlayPanel(QDialog):
         self.remove = QPushButton("&Remove")
         self.remove.clicked.connect(lambda *_: desk.put(None))
         self.boxes: dict[str, NumberBox] = {}
+        self.refusals: dict[str, FloatingRefusal] = {}
         form = fill(QFormLayout(), self.name, _row(choose, self.remove))
         for label, name, unit in FIELDS:
-            box = NumberBox(Info(label.replace("&", "")), unit) if unit is not None else NumberBox(Info("mm of a unit"))
-            box.entered.connect(partial(self._enter, name))
+            plain = label.replace("&", "")
+            info = Info(plain) if unit is not None else Info(plain, low=0.0, open_low=True)
+            box = NumberBox(info, unit or NO_UNIT)
+            self.refusals[name] = FloatingRefusal(box)
+            accept_in_range(box, self.refusals[name], partial(self._put, name))
             self.boxes[name] = box
             form.addRow(f"{label}, {unit.symbol}" if unit is not None else label, box)
         self.opacity = described(QSlider(Qt.Orientation.Horizontal), name="Opacity")
@@ -388,7 +393,7 @@ class UnderlayPanel(QDialog):
         self.name.setToolTip(str(underlay.file) if underlay is not None else "")
         free = underlay is not None and not underlay.locked
         for name, box in self.boxes.items():
-            box.set_refused(False)
+            self.refusals[name].show_refusal("")
             box.show_value(None if underlay is None else getattr(underlay, name))
             box.setEnabled(free)
         for widget in (self.opacity, self.locked):
@@ -401,12 +406,6 @@ class UnderlayPanel(QDialog):
         for button in self.method_buttons.values():
             button.setEnabled(free and not self._desk.missing)
         self.remove.setEnabled(underlay is not None)
-
-    def _enter(self, name: str, value: float | None) -> None:
-        if value is None or (name == "scale_mm_per_unit" and not value > 0.0):
-            self.boxes[name].set_refused(True)
-        else:
-            self._put(name, value)
 
     def _put(self, name: str, value: Any) -> None:
         if self._desk.underlay is not None:

@@ -214,10 +214,8 @@ class MeasuredDialog(PutDialog):
     def _connect(self) -> None:
         self.form.changed.connect(self._columns_changed)
         for quantity, box in self.errors.items():
-            box.entered.connect(partial(self._state_error, quantity))
-        self.lowest.entered.connect(lambda value: self._change_request(lowest=value))
-        for box in (*self.errors.values(), self.lowest):
-            box.unreadable.connect(lambda box=box: box.set_refused(True))
+            self.ask_number(box, partial(self._state_error, quantity), self.read_and_fit)
+        self.ask_number(self.lowest, lambda value: self._change_request(lowest=value), self.read_and_fit)
         connect_all(
             (self.estimate.clicked, lambda: self._change_request(errors={})),
             (self.keep_all.toggled, lambda on: self._change_request(keep_all=on)),
@@ -306,11 +304,7 @@ class MeasuredDialog(PutDialog):
         self.read_and_fit()
 
     def _state_error(self, quantity: str, value: float) -> None:
-        if value >= 0.0:
-            self._change_request(errors={**self._request.errors, quantity: value})
-        else:
-            self.errors[quantity].set_refused(True)
-            self.show_message("Measuring error must be 0 or more", wrong=True)
+        self._change_request(errors={**self._request.errors, quantity: value})
 
     def _columns_changed(self) -> None:
         """Read with other units or columns; typed errors and levels no longer apply."""

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import Design
-from core.errors import KindynaError
+from core.errors import DesignError, KindynaError
 from core.find import RankingColumn, RankingRow, ranking_columns, ranking_row, sorted_rows
 from core.find.ranking import Candidate
 from core.frozen import frozen
@@ -104,8 +104,7 @@ class NewMotionDialog(RequestDialog):
         )
         self.summary.setFixedWidth(TEXT_WIDTH)
         self.summary.setMinimumHeight(6 * self.fontMetrics().lineSpacing())
-        self.form.changed.connect(self._enable_button)
-        self._enable_button()
+        self.form.note_valid()
 
     def command_options(self) -> tuple[str, list[str]]:
         return f"{self.command}.toml", command_words(self.row.kind, self.form.values)
@@ -120,16 +119,28 @@ class NewMotionDialog(RequestDialog):
     def _message(self, values: Mapping[str, Any]) -> str:
         try:
             return new_design_text(self._build(values))
-        except KindynaError as error:
-            return str(error)
+        except DesignError:
+            return ""
 
-    def _enable_button(self) -> None:
+    @property
+    def is_complete(self) -> bool:
+        return super().is_complete and not self._misfit
+
+    @property
+    def _misfit(self) -> str:
+        """Why the values do not fit together."""
         try:
             self.design()
-        except KindynaError:
-            self.accept_button.setEnabled(False)
-        else:
-            self.accept_button.setEnabled(True)
+        except DesignError as error:
+            return "; ".join(f"{fault.problem}; allowed: {fault.allowed}" for fault in error.faults)
+        return ""
+
+    def update_summary(self) -> None:
+        super().update_summary()
+        if self.form.is_valid:
+            self.form.refuse_last(self._misfit)
+        if self.is_complete:
+            self.form.note_valid()
 
 
 def ask_new_motion(parent: QWidget, name: str) -> Design | None:

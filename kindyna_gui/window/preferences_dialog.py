@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -23,9 +24,10 @@ from PySide6.QtWidgets import (
 
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.forms.fields import fill_choices
+from kindyna_gui.forms.number_box import NameBox
+from kindyna_gui.forms.refusal import RefusalLine
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import MessageLabel, described
-from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.look import described
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
 
@@ -49,8 +51,9 @@ class PreferencesDialog(QDialog):
         self.still = described(
             QCheckBox("Reduced motion"), tip="Menus and docks appear at once; nothing moves except an animation"
         )
-        self.author, self.company, self.logo = QLineEdit(), QLineEdit(), QLineEdit()
-        self.message = MessageLabel(SCREEN.limit)
+        self.author, self.company, self.logo = QLineEdit(), QLineEdit(), NameBox()
+        self.message = RefusalLine((0, 0, 0, 0))
+        self._first_logo = now.logo
         self.logo.textChanged.connect(self._check_logo)
         right = fill(QVBoxLayout(), self._look(), self._paper(), STRETCH)
         sides = fill(QHBoxLayout(), self._units(), (right, 1))
@@ -99,10 +102,15 @@ class PreferencesDialog(QDialog):
             self.logo.setText(name)
 
     def _check_logo(self, *_: object) -> None:
-        """Show a message where the logo cannot be read."""
-        logo = self.logo.text().strip()
-        wrong = logo and not (Path(logo).is_file() and QImageReader(logo).canRead())
-        self.message.show_message(f"{logo}: cannot be read as an image; the logo is omitted" if wrong else "")
+        """Refuse a logo that cannot be read."""
+        logo, first = self.logo.text().strip(), self._first_logo
+        is_wrong = bool(logo) and not is_image(logo)
+        back = {f"Back to {Path(first).name}": first} if first and is_image(first) else {}
+        texts = {**back, "Leave it empty": ""}
+        remedies = {text: partial(self.logo.setText, path) for text, path in texts.items()}
+        self.logo.set_refused(is_wrong)
+        why = f"Logo: {logo} cannot be read as an image; allowed: a PNG, SVG or JPEG file. It is omitted."
+        self.message.show_refusal(why if is_wrong else "", remedies)
 
     def show_units(self, units: dict[str, str]) -> None:
         """Show these units; for other kinds the units of files."""
@@ -140,6 +148,11 @@ class PreferencesDialog(QDialog):
             self.paper.currentData(),
             *(line.text().strip() for line in (self.author, self.company, self.logo)),
         )
+
+
+def is_image(path: str) -> bool:
+    """Whether a file is an image that can be read."""
+    return Path(path).is_file() and QImageReader(path).canRead()
 
 
 def ask_preferences(parent: QWidget, now: Preferences) -> Preferences | None:

@@ -62,8 +62,13 @@ def test_a_gap_is_joined_over_what_is_typed(opened: Opens) -> None:
     assert dialog.gap.text() == "0.002"
     assert "more than 0.002 mm" in dialog.message.text()
     enter(user, dialog.gap, "5")
-    assert "allowed: 0 ... 1 mm" in dialog.message.text()
+    assert dialog.message.text().endswith("outside its range; allowed: 0 ... 1 mm, not 5 mm")
+    assert (dialog.gap.text(), dialog.gap.is_refused) == ("5", True)
+    assert list(dialog.message.buttons) == ["Use 1 mm", "Back to 0.002 mm"]
     assert not dialog.put_button.isEnabled()
+    click(dialog.message.buttons["Back to 0.002 mm"])
+    assert (dialog.gap.text(), dialog.gap.is_refused) == ("0.002", False)
+    assert "more than 0.002 mm" in dialog.message.text()
     enter(user, dialog.gap, "0.01")
     click(dialog.put_button)
     assert user.design == trace(before, read_contour(torn, "tangent.dxf", gap_mm=0.01)).design

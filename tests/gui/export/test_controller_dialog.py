@@ -72,7 +72,7 @@ def test_the_error_over_the_number_of_rows_is_read_off_and_a_click_takes_one(ope
         wanted = round(10.0 ** dialog.curve.across_at(place))
         QTest.mouseClick(viewport, Qt.MouseButton.LeftButton, pos=place)
         assert computed(dialog).startswith(f"{wanted} rows")
-        assert dialog.form.boxes["points"].value() == wanted
+        assert dialog.form.boxes["points"].number == wanted
         pick(dialog, "kollmorgen-csv")
         assert "not certified: how this controller interpolates is not published" in computed(dialog)
         assert dialog.curve.message.startswith("not certified")

@@ -213,7 +213,7 @@ def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
         assert isinstance(dialog, TablesDialog)
         assert dialog.summary.text().startswith("One row every 0.1°.")
         dialog.folder.setText(str(tmp_path))
-        dialog.form.boxes["samples"].setValue(720)
+        dialog.form.show_value("samples", 720)
         assert dialog.summary.text().startswith("One row every 0.5°.")
         press(dialog, OK)
 
@@ -262,7 +262,7 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
 
     def act(dialog: QWidget) -> None:
         assert isinstance(dialog, FilmDialog)
-        assert dialog.form.boxes["seconds"].value() == 3.0
+        assert dialog.form.boxes["seconds"].number == 3.0
         dialog.form.show_value("ending", ".webp")
         dialog.pixels.setCurrentIndex(0)
         dialog.form.show_value("frames", 36)

@@ -88,7 +88,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
     user.session.edit("cam.cutter_radius_mm", 12.5, "Cutter")
 
     def act(dialog: ProfileDialog) -> None:
-        assert dialog.form.boxes["cutter_mm"].value() == 12.5, "the design's own"
+        assert dialog.form.boxes["cutter_mm"].number == 12.5, "the design's own"
         type_number(dialog.form.boxes["cutter_mm"], "0")
         pick(dialog.format, "CSV")
         assert [dialog.form.boxes["fit"].itemText(i) for i in range(dialog.form.boxes["fit"].count())] == [
@@ -100,7 +100,7 @@ def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path:
         pick(dialog.form.boxes["Points"], "At equal arc lengths")
         type_number(chosen(dialog), "20")
         pick(dialog.form.boxes["Points"], "At equal cam angles")
-        assert chosen(dialog).value() == 90, "each keeps its value"
+        assert chosen(dialog).number == 90, "each keeps its value"
         type_number(dialog.form.boxes["cutter_mm"], "2000")
         assert "cutter: a radius of 2000 mm does not reach all of the profile" in computed(dialog)
         assert LIGHT.limit.lower() in dialog.result.palette().windowText().color().name()

@@ -1,16 +1,22 @@
 """A refused entry stays as typed and framed; a sentence in sight says why, and a button does the remedy as one undo step."""
 
+from pathlib import Path
+
 import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QCursor
+from PySide6.QtGui import QCursor, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QWidget
 from shiboken6 import delete, isValid
-from window_user import Alone, Open, User, settle, wait_for
+from window_user import Alone, Open, User, answering, settle, wait_for
 
 from core.design import Info
 from core.number_text import NARROW_SPACE
+from kindyna_gui import dialogs
+from kindyna_gui.export_dialogs import TablesDialog
 from kindyna_gui.forms.refusal import FloatingRefusal, RefusalLine
+from kindyna_gui.forms.request_form import ScaleDialog
+from kindyna_gui.linkage.underlay import UnderlayPanel
 from kindyna_gui.motion.segments_table import RISE, SPAN, TO
 from kindyna_gui.places import example
 from kindyna_gui.studies.study_view import StudyView
@@ -242,6 +248,28 @@ def test_a_refused_bound_of_a_study_goes_back_by_a_button(user: User) -> None:
     assert (box.text(), box.is_refused, view.rows.message.isVisible()) == (before, False, False)
 
 
+@pytest.mark.parametrize(
+    ("width", "buttons"), [(400, ("Use 90°", "Back to 30°")), (220, ("Back to 10.97669855613389",))]
+)
+def test_a_sentence_is_in_sight_above_its_buttons(alone: Alone, width: int, buttons: tuple[str, ...]) -> None:
+    """After another refusal, whose button was beside its shorter sentence."""
+    page = QWidget()
+    editor = QLineEdit(page)
+    alone(page, width, 300)
+    refusal = FloatingRefusal(editor)
+    refusal.show_refusal("Enter a number", {"Back to 5": bool})
+    settle()
+    long = f"Outside its range; allowed: above 0 ... {BILLION} mm, between its neighbours, not 120 mm"
+    refusal.show_refusal(long, dict.fromkeys(buttons, bool))
+    settle()
+    (label,) = refusal.findChildren(QLabel)
+    assert label.height() >= label.heightForWidth(label.width())
+    assert label.width() > 0.9 * refusal.width()
+    for button in refusal.buttons.values():
+        assert place(button).top() > place(label).bottom()
+        assert place(refusal).contains(place(button))
+
+
 def test_a_refusal_ends_with_its_editor(alone: Alone) -> None:
     """A cell of a table is deleted while its refusal is shown, and the focus goes on."""
     page = QWidget()
@@ -257,3 +285,85 @@ def test_a_refusal_ends_with_its_editor(alone: Alone) -> None:
     other.setFocus()
     settle()
     assert not isValid(refusal) or not refusal.isVisible()
+
+
+# -- dialogs -----------------------------------------------------------------------------------------------
+
+
+def refusals(dialog: QWidget) -> list[FloatingRefusal]:
+    """Refusals in sight."""
+    return [line for line in dialog.findChildren(FloatingRefusal) if line.isVisible()]
+
+
+def type_over(box: QWidget, text: str) -> None:
+    box.setFocus()
+    box.selectAll()  # type: ignore[attr-defined]
+    QTest.keyClicks(box, text)
+    settle()
+
+
+def test_a_refused_factor_has_a_button_and_gives_no_command(user: User) -> None:
+    def act(dialog: ScaleDialog) -> None:
+        type_over(dialog.factor, "2")
+        QTest.keyClick(dialog.factor, Qt.Key.Key_Return)
+        type_over(dialog.factor, "-1")
+        (line,) = refusals(dialog)
+        assert line.text().startswith("Outside its range; allowed: ")
+        assert line.text().endswith("not −1")
+        assert (dialog.factor.text(), dialog.factor.is_refused) == ("-1", True)
+        assert not dialog.scale_button.isEnabled()
+        assert not dialog.copy.isEnabled()
+        click(line, "Back to 2")
+        assert (dialog.factor.text(), dialog.factor.is_refused, refusals(dialog)) == ("2", False, [])
+        assert dialog.scale_button.isEnabled()
+        dialog.reject()
+
+    with answering(ScaleDialog, act):
+        user.choose("Edit", "Scale the design...")
+
+
+def test_tables_without_a_folder_or_with_too_many_rows_are_refused(user: User) -> None:
+    def act(dialog: TablesDialog) -> None:
+        type_over(dialog.folder, "")
+        QTest.keyClick(dialog.folder, Qt.Key.Key_Delete)
+        (line,) = refusals(dialog)
+        assert line.text() == "Enter the folder of the tables"
+        assert (dialog.folder.is_refused, dialog.accept_button.isEnabled()) == (True, False)
+        click(line, next(iter(line.buttons)))
+        assert dialog.accept_button.isEnabled()
+        samples = dialog.form.boxes["samples"]
+        type_over(samples, "3.5")
+        (line,) = refusals(dialog)
+        assert line.text().startswith("Must be a whole number; allowed: 4 ... ")
+        assert list(line.buttons) == ["Use 4", "Back to 3600"]
+        type_over(samples, "many")
+        (line,) = refusals(dialog)
+        assert line.text() == "Enter a number, such as 12.5"
+        assert list(line.buttons) == ["Back to 3600"]
+        assert (dialog.accept_button.isEnabled(), dialog.copy.isEnabled()) == (False, False)
+        QTest.keyClick(samples, Qt.Key.Key_Escape)
+        assert (samples.text(), refusals(dialog), dialog.accept_button.isEnabled()) == ("3600", [], True)
+        dialog.reject()
+
+    with answering(TablesDialog, act):
+        user.choose("File", "Export", "Tables...")
+
+
+def test_a_refused_scale_of_an_underlay_goes_back_by_a_button(
+    open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    image = QImage(20, 10, QImage.Format.Format_RGB32)
+    image.save(str(tmp_path / "old.png"))
+    monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "old.png")
+    user = open_user(example("four_bar"))
+    user.choose("Compo", "Underlay...")
+    (panel,) = (widget for widget in QApplication.topLevelWidgets() if isinstance(widget, UnderlayPanel))
+    box = panel.boxes["scale_mm_per_unit"]
+    before = box.text()
+    type_over(box, "0")
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    (line,) = refusals(panel)
+    assert line.text() == "Outside its range; allowed: > 0, not 0"
+    assert (box.text(), box.is_refused) == ("0", True)
+    click(line, next(iter(line.buttons)))
+    assert (box.text(), box.is_refused, refusals(panel)) == (before, False, [])

@@ -19,6 +19,7 @@ from core.output.files.probe import InspectionRequest
 from core.output.files.profile_request import Machining
 from core.output.files.sheet import DrawingRequest
 from core.requests import option
+from kindyna_gui.forms.refusal import FloatingRefusal
 from kindyna_gui.forms.request_form import RequestForm
 from kindyna_gui.inspection import InspectionDialog
 from kindyna_gui.places import example
@@ -71,13 +72,20 @@ def test_a_field_of_a_stranger_is_an_option_and_stands_in_the_dialog(
     def act(dialog: InspectionDialog) -> None:
         pace, side, dry = (dialog.form.boxes[name] for name in ("pace_mm_min", "side", "dry"))
         labels = [dialog.form.rows.labelForField(box) for box in (pace, side)]
-        assert [label.text() for label in labels] == ["Pace of the probe", "Side"]
-        assert (pace.text(), side.currentText(), dry.isChecked()) == ("60 mm/min", "Near", False)
+        assert [label.text() for label in labels] == ["Pace of the probe, mm/min", "Side"]
+        assert (pace.text(), side.currentText(), dry.isChecked()) == ("60", "Near", False)
         assert "Allowed: 1 ... 500 mm/min" in pace.toolTip()
         pace.setFocus()
         pace.selectAll()
         QTest.keyClicks(pace, "501")
-        assert pace.value() <= 500.0, "nothing outside its range can be typed"
+        (line,) = (line for line in dialog.findChildren(FloatingRefusal) if line.isVisible())
+        assert line.text() == "Outside its range; allowed: 1 ... 500 mm/min, not 501 mm/min"
+        assert list(line.buttons) == ["Use 500 mm/min", "Back to 60 mm/min"]
+        assert (pace.text(), pace.is_refused) == ("501", True)
+        assert (dialog.export.isEnabled(), dialog.copy.isEnabled()) == (False, False)
+        QTest.mouseClick(line.buttons["Use 500 mm/min"], Qt.MouseButton.LeftButton)
+        assert (pace.text(), pace.is_refused, line.isVisible()) == ("500", False, False)
+        wait_for(lambda: dialog.export.isEnabled() and dialog.copy.isEnabled())
         pace.selectAll()
         QTest.keyClicks(pace, "45.5")
         QTest.keyClick(side, Qt.Key.Key_Down)

@@ -5,12 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from feeds import FEED
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 from window_user import Open, User, answering, settle, wait_for
 
 from core.project import load
 from core.study import findings_of
 from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.forms.refusal import FloatingRefusal
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.motion.diagram import join_positions
 from kindyna_gui.motion.laws_plot import NewMotionDialog
@@ -91,14 +93,25 @@ def test_the_ends_of_a_table_are_chosen_above_its_rows(same_window: Open, tmp_pa
     assert load(user.session.path) == user.design
 
 
+def type_number(dialog: NewMotionDialog, name: str, text: str) -> None:
+    box = dialog.form.boxes[name]
+    box.setFocus()
+    box.selectAll()
+    QTest.keyClicks(box, text)
+    settle()
+
+
 def test_an_indexer_is_begun(user: User) -> None:
     def act(dialog: NewMotionDialog) -> None:
-        dialog.form.boxes["stops"].setValue(8)
-        dialog.form.boxes["dwell_deg"].setValue(100.0)
+        type_number(dialog, "stops", "8")
+        type_number(dialog, "dwell_deg", "100")
         assert not dialog.accept_button.isEnabled()
-        assert "whole" not in dialog.summary.text()
-        assert "index angle and dwell add up to 370" in dialog.summary.text()
-        dialog.form.boxes["index_deg"].setValue(260.0)
+        (line,) = (line for line in dialog.findChildren(FloatingRefusal) if line.isVisible())
+        assert "Index angle and dwell add up to 370" in line.text()
+        assert dialog.form.boxes["dwell_deg"].is_refused
+        assert list(line.buttons) == ["Back to 90°"]
+        type_number(dialog, "index_deg", "260")
+        assert not line.isVisible()
         assert "advance 45" in dialog.summary.text()
         next(b for b in dialog.findChildren(QPushButton) if b.text() == "Copy as command").click()
         dialog.accept_button.click()

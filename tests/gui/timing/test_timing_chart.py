@@ -160,7 +160,13 @@ def test_a_double_click_asks_for_the_angle_or_the_time(hand: Hand) -> None:
     assert [row.kept for row in distances(hand.design)].count(False) == 1
     typed(hand.join(LIFT, 1), "100")
     assert canvas.typed.is_refused
-    assert "76°" in canvas.typed.toolTip(), "between its neighbours"
+    line = canvas.typed.refusal
+    assert (canvas.typed.text(), line.isVisible()) == ("100", True)
+    assert line.text().startswith("Outside its range; allowed: ")
+    assert line.text().endswith("76°, between its neighbours, not 100°")
+    assert list(line.buttons) == ["Use 76°", "Back to 30°"]
+    QTest.mouseClick(line.buttons["Back to 30°"], Qt.MouseButton.LeftButton)
+    assert (canvas.typed.text(), canvas.typed.is_refused, line.isVisible()) == ("30", False, False)
     QTest.keyClick(canvas.typed, Qt.Key.Key_Escape)
     assert events(hand.design)["Lift.return.1.start"] == 30.0
     canvas.set_unit(MILLISECONDS)

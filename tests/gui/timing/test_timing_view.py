@@ -142,7 +142,15 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     user.type("400")
     user.press(Qt.Key.Key_Return)
     assert rows.least.is_refused
-    assert rows.message.text() == "allowed: -360 ... 360°"
+    assert rows.message.text() == "Outside its range; allowed: −360 ... 360 °, not 400°"
+    assert list(rows.message.buttons) == ["Use 360°", "Back to 165°"]
+    QTest.mouseClick(rows.message.buttons["Use 360°"], Qt.MouseButton.LeftButton)
+    assert (session.full_design.timing[6].least_deg, rows.least.is_refused) == (360.0, False)
+    session.stack.undo()
+    assert session.full_design.timing[6].least_deg == 165.0, "one step"
+    rows.least.selectAll()
+    user.type("400")
+    user.press(Qt.Key.Key_Return)
     user.press(Qt.Key.Key_Escape)
     assert not rows.least.is_refused
     assert rows.message.text() == ""

@@ -219,6 +219,10 @@ def test_broken_settings_and_a_logo_that_is_no_picture_stop_nothing(
     def name_logo(dialog: PreferencesDialog) -> None:
         dialog.logo.setText(str(tmp_path / "logo.png"))
         assert "cannot be read as an image" in dialog.message.text()
+        assert dialog.logo.is_refused
+        QTest.mouseClick(dialog.message.buttons["Leave it empty"], Qt.MouseButton.LeftButton)
+        assert (dialog.logo.text(), dialog.logo.is_refused, dialog.message.isVisible()) == ("", False, False)
+        dialog.logo.setText(str(tmp_path / "logo.png"))
 
     prefer(user, name_logo)
 
