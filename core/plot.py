@@ -28,6 +28,26 @@ class PlotCurve:
     family: str = ""
 
 
+@frozen
+class Span:
+    """A named part of the x axis, such as a segment of the motion: start, end, name, and short name."""
+
+    start: float
+    end: float
+    name: str
+    short: str = ""
+
+
+@frozen
+class PlotDot:
+    """A marked point of a curve with its text; ``row`` is that of the curve."""
+
+    x: float
+    y: float
+    text: str
+    row: int = 0
+
+
 @frozen(eq=False)
 class Plot:
     """Curves over common axes.
@@ -41,6 +61,9 @@ class Plot:
     alike : whether both axes have the same scale
     fit : whether the y axis may begin at another value than zero
     quiet : whether the marks are plain positions, not warnings
+    dots : marked points of the curves
+    spans : parts of the x axis; every second one is shaded
+    ends : ends of the y axis; None where they follow from the curves
     """
 
     across: str
@@ -51,6 +74,9 @@ class Plot:
     alike: bool = False
     fit: bool = False
     quiet: bool = False
+    dots: tuple[PlotDot, ...] = ()
+    spans: tuple[Span, ...] = ()
+    ends: tuple[float, float] | None = None
 
 
 @frozen(eq=False)

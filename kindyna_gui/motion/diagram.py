@@ -21,7 +21,8 @@ from core.frozen import frozen
 from core.motion import Join
 from core.number_text import MINUS, shortest
 from core.output.drawing.scales import nice_below
-from core.output.drawing.turn import Span, peak, shown_range, spans
+from core.output.drawing.turn import peak, shown_range, spans
+from core.plot import Span
 from core.study import Quantity, Study
 from kindyna_gui.labels import sentence, value_text
 from kindyna_gui.pictures.items import text_size

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from html import escape
+from unicodedata import category
 
 import numpy as np
 
@@ -16,16 +17,18 @@ Value = str | float
 def text_of(value: Value, decimals: int | None = None) -> str:
     """Value of an attribute: a text, or a number with all digits or with some decimals; never minus zero."""
     if isinstance(value, str):
-        return escape(_allowed(value))
+        return escape(allowed(value))
     if decimals is None:
         return repr(float(value) + 0.0)
     text = f"{round(float(value), decimals) + 0.0:.{decimals}f}"
     return text.rstrip("0").rstrip(".") if decimals else text
 
 
-def _allowed(text: str) -> str:
+def allowed(text: str) -> str:
     """Text without the characters that XML does not allow."""
-    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return "".join(
+        c if c.isprintable() or c == "\n" or category(c) == "Zs" else "\N{REPLACEMENT CHARACTER}" for c in text
+    )
 
 
 def element(tag: str, content: str = "", /, **attributes: Value | None) -> str:
@@ -40,7 +43,7 @@ def element(tag: str, content: str = "", /, **attributes: Value | None) -> str:
 
 def text(label: str, **attributes: Value | None) -> str:
     """Element with a text."""
-    return element("text", escape(_allowed(label), quote=False), **attributes)
+    return element("text", escape(allowed(label), quote=False), **attributes)
 
 
 def point(z: complex, separator: str = " ", decimals: int | None = None) -> str:
@@ -106,10 +109,10 @@ def document(
         Lines of a comment.
     """
     view = " ".join(f"{value:.9g}" for value in box)
-    remarks = ["<!--", *(re.sub("-(?=-)", "- ", _allowed(remark)) for remark in comment), "-->"] if comment else []
+    remarks = ["<!--", *(re.sub("-(?=-)", "- ", allowed(remark)) for remark in comment), "-->"] if comment else []
     root = element("svg", xmlns=NAMESPACE, width=size[0], height=size[1], viewBox=view, **attributes)
     heads = [
-        f"<{tag}>{escape(_allowed(words), quote=False)}</{tag}>"
+        f"<{tag}>{escape(allowed(words), quote=False)}</{tag}>"
         for tag, words in (("title", title), ("desc", about))
         if words
     ]

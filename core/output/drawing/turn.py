@@ -14,19 +14,10 @@ from core.dynamics import Forces
 from core.frozen import frozen
 from core.laws import named_law
 from core.motion import Angles
+from core.plot import Span
 from core.study import Quantity, Study
 
 # -- segments and samples ---------------------------------------------------------------------------------------
-
-
-@frozen
-class Span:
-    """One segment of the motion: start and end [deg], its law's name, and the short name."""
-
-    start: float
-    end: float
-    name: str
-    short: str = ""
 
 
 def spans(motion: Motion | None) -> list[Span]:

@@ -19,16 +19,18 @@ from core import __version__ as __version__
 if TYPE_CHECKING:
     from core.errors import KindynaError
     from kindyna._design import Design, FindResult, Optimum, Study, design, example, examples, measured, open
+    from kindyna._pictures import Picture
     from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult
 
 __all__ = [
-    "Channel", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Optimum", "Study",
-    "design", "example", "examples", "measured", "open",
+    "Channel", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Optimum", "Picture",
+    "Study", "design", "example", "examples", "measured", "open",
 ]  # fmt: skip
 
 _MODULES = {
     "_columns": ("KindynaError",),
     "_design": ("Design", "FindResult", "Optimum", "Study", "design", "example", "examples", "measured", "open"),
+    "_pictures": ("Picture",),
     "_results": ("Channel", "Explanation", "Extreme", "Finding", "ManyResult"),
 }
 

@@ -74,13 +74,13 @@ class Columns:
     def values(self, name: str) -> Array:
         """Return the values (n,) of a channel, in the unit of its name. Raises KeyError."""
         if name not in self._cache:
-            row = self._row(name)
+            row = self.row(name)
             self._cache[name] = self.angle_deg if row is None else read_only(self._computed(row))
         return self._cache[name]
 
     def extreme(self, name: str, of: str) -> Extreme:
         """Return an extreme over the full turn. Raises KeyError, ValueError, and KindynaError for an angle that wraps."""
-        row = self._row(name)
+        row = self.row(name)
         if of not in _OF:
             raise ValueError(f"of = {of!r}: extreme of {name}; allowed: {', '.join(_OF)}")
         ends = None
@@ -101,7 +101,7 @@ class Columns:
         row = None if self.full.design.listed else self._quantity(name)
         return name if row is None else row.slug
 
-    def _row(self, name: str) -> Quantity | ShaftColumn | None:
+    def row(self, name: str) -> Quantity | ShaftColumn | None:
         """Return what gives the values of a channel, None for an angle of the rows; computes only what the channel depends on.
 
         Raises KeyError.

@@ -210,7 +210,7 @@ class Design:
             raise _no_solution(f"find {goal}: no value satisfies every limit", answer, solution.violations)
         curve = read_only(np.array(solution.curve, dtype=float).reshape(-1, 2))
         reached = {key: float(value) for key, value in solution.reached.items()}
-        return FindResult(answer, reached, curve, Design(solution.machine))
+        return FindResult(answer, reached, curve, Design(solution.machine), self._before(answer))
 
     def many(
         self,
@@ -356,6 +356,7 @@ class Design:
             row["starts"],
             row["agreeing"],
             Design(optimum.design),
+            self._before(row["answer"]),
         )
 
     def compare(self, other: Design) -> dict[str, Any]:
@@ -391,6 +392,11 @@ class Design:
     def __repr__(self) -> str:
         return brief(f"<kindyna.Design {self.kind}: {self.name!r}>")
 
+    def _repr_html_(self) -> str:
+        from kindyna._html import design_html  # only notebooks need it
+
+        return design_html(self)
+
     def _ipython_key_completions_(self) -> list[str]:
         return list(file_values(self._design))
 
@@ -400,6 +406,10 @@ class Design:
         for path in _mapping(what, values):
             if text("path", path) not in known:
                 raise unknown("field of this design", path, known)
+
+    def _before(self, answer: Iterable[str]) -> dict[str, Any]:
+        values = file_values(self._design)
+        return {path: values[path] for path in answer if path in values}
 
 
 def _mapping(what: str, value: Any) -> Mapping[str, Any]:
@@ -468,6 +478,12 @@ class FindResult:
     reached: Mapping[str, float]
     curve: Array
     design: Design
+    _before: Mapping[str, Any]
+
+    def _repr_html_(self) -> str:
+        from kindyna._html import found_html
+
+        return found_html(self)
 
     def __repr__(self) -> str:
         return brief(
@@ -504,6 +520,12 @@ class Optimum:
     starts: int
     agreeing: int
     design: Design
+    _before: Mapping[str, Any]
+
+    def _repr_html_(self) -> str:
+        from kindyna._html import optimum_html
+
+        return optimum_html(self)
 
     def __repr__(self) -> str:
         values = (

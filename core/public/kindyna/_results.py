@@ -74,6 +74,11 @@ class Extreme:
     angle_deg: float
     unit: str
 
+    def _repr_html_(self) -> str:
+        from kindyna._html import extreme_html
+
+        return extreme_html(self)
+
     def __float__(self) -> float:
         return self.value
 
@@ -106,6 +111,11 @@ class Finding:
     field: str
     angle_deg: float | None
     message: str
+
+    def _repr_html_(self) -> str:
+        from kindyna._html import finding_html
+
+        return finding_html(self)
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.Finding {self.severity} {self.code}: {self.message}>")
@@ -154,6 +164,11 @@ class Explanation:
     def __str__(self) -> str:
         return self._text
 
+    def _repr_html_(self) -> str:
+        from kindyna._html import explanation_html
+
+        return explanation_html(self)
+
     def __repr__(self) -> str:
         return brief(f"<kindyna.Explanation {self.quantity} = {self.value:.6g} {self.unit}: {self.equation[0]}>")
 
@@ -201,6 +216,11 @@ class ManyResult:
     def to_frame(self) -> Any:
         """Return a pandas DataFrame: a row for each design, its columns the inputs, the figures and the reason."""
         return frame({**self.inputs, **self.value, "reason": self.reason})
+
+    def _repr_html_(self) -> str:
+        from kindyna._html import many_html
+
+        return many_html(self)
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.ManyResult {len(self)} designs, {', '.join(self.value)}>")

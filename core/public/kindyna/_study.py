@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,9 @@ from core.study.study import Study as CoreStudy
 from kindyna._checks import Array, brief, number, path_to_write, points, text, unknown, vector, whole
 from kindyna._columns import Columns
 from kindyna._results import Channel, Explanation, Extreme, Finding, explanation, finding, frame
+
+if TYPE_CHECKING:
+    from kindyna._pictures import Picture
 
 D = TypeVar("D")
 
@@ -256,6 +259,40 @@ class StudyResults(Generic[D]):
         at = None if at_deg is None else number("at_deg", at_deg)
         return explanation(explained(self._columns.solved, self._columns.quantity_of(text("name", name)), at))
 
+    def plot(self, *names: str) -> Picture:
+        """Return channels over the angle, one plot for each unit, with segments of the motion and marked extremes.
+
+        Parameters
+        ----------
+        *names : str
+            Channels; where none is named, those that say most about the design.
+
+        Raises
+        ------
+        KeyError
+            The design lacks a channel.
+        """
+        from kindyna._pictures import plot  # no reader of numbers needs pictures
+
+        return plot(self._columns, names)
+
+    def picture(self, at_deg: float = 0.0) -> Picture:
+        """Return the mechanism drawn to scale; of several drives all of them.
+
+        Parameters
+        ----------
+        at_deg : float
+            Angle of cam, driver or machine.
+
+        Raises
+        ------
+        KindynaError
+            The mechanism cannot be assembled at this angle.
+        """
+        from kindyna._pictures import machine
+
+        return machine(self._columns, number("at_deg", at_deg))
+
     def export(self, target: str | os.PathLike[str], **options: Any) -> list[Path]:
         """Write files, completely or not at all.
 
@@ -333,6 +370,16 @@ class StudyResults(Generic[D]):
 
         path = None if out is None else path_to_write("out", out)
         return ecam_table(self._columns.full, text("controller", controller), path, options)
+
+    def _repr_html_(self) -> str:
+        from kindyna._html import study_html  # only notebooks need it
+
+        return study_html(self._columns, self._kind)
+
+    @property
+    def _kind(self) -> str:
+        full = self._columns.full.design
+        return "shaft" if full.listed else full.drive.kind
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.channels)

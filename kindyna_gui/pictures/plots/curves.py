@@ -18,7 +18,6 @@ from core.motion.extremes import Extremes
 from core.output.drawing.scales import DisplayUnit
 from core.output.drawing.turn import (
     FREE,
-    Span,
     TurnSamples,
     axis_range,
     line_of,
@@ -27,6 +26,7 @@ from core.output.drawing.turn import (
     spans,
     typical_range,
 )
+from core.plot import Span
 from core.study import Quantity, Study
 from core.study.quantities import TRANSMISSION, shape_of
 from kindyna_gui.pictures.items import Outline

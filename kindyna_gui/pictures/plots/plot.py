@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizeP
 
 from core.frozen import frozen
 from core.output.drawing.scales import decimals_of, ticks
-from core.output.drawing.turn import Span
+from core.plot import Span
 from kindyna_gui.pictures.items import Outline, Tag, text_size, wrapped
 from kindyna_gui.pictures.plots.library import pg
 from kindyna_gui.pictures.plots.lines import (

@@ -23,7 +23,8 @@ from PySide6.QtWidgets import QWidget
 from core.design import motion_of
 from core.motion.extremes import Extremes
 from core.output.drawing.scales import decimals_of, needed, nice_step
-from core.output.drawing.turn import Span, peak, spans, typical_range
+from core.output.drawing.turn import peak, spans, typical_range
+from core.plot import Span
 from core.study import Quantity, Study
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import NO_BANDS, PINNED, TurnCurves

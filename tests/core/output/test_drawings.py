@@ -1,5 +1,8 @@
 """Drawings of mechanisms: what ``pose`` writes and pictures show, against positions that are computed without them."""
 
+import math
+import re
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -7,15 +10,18 @@ import drawing_readers as drawings
 import ezdxf
 import numpy as np
 import pytest
+from mechanisms import LIFT
 from sampled import stressed
 
 from core.__main__ import main
+from core.output.drawing.picture import mechanism_picture
 from core.project import load
 from core.study import Study
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*.toml"))
 SVG = drawings.SVG
+MOST_BYTES = 200_000
 
 
 def posed(design: Path, angle: float, out: Path) -> Path:
@@ -89,3 +95,66 @@ def test_every_example_has_a_pose_and_ghosts(name: str, tmp_path: Path) -> None:
         assert ("PROFILE" in groups) is (design.drives[0].cam is not None)
         layers = {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "p.dxf").layers}
         assert set(groups) <= layers
+
+
+# -- pictures ---------------------------------------------------------------------------------------------------
+
+
+def circles(text: str) -> np.ndarray:
+    """Centres of all circles of a picture, y upwards."""
+    root = ElementTree.fromstring(text.encode())
+    return np.array([centre(circle) for circle in root.iter(f"{SVG}circle")])
+
+
+@pytest.mark.parametrize("name", ["lecture_six_bar", *map(stressed, NAMES)])
+def test_a_picture_is_small_well_formed_and_the_same_again(name: str) -> None:
+    study = Study(load(EXAMPLES / f"{name}.toml"), 1440)
+    text = mechanism_picture(study, 40.0)
+    assert text == mechanism_picture(Study(load(EXAMPLES / f"{name}.toml"), 1440), 40.0)
+    assert len(text.encode()) < MOST_BYTES
+    root = ElementTree.fromstring(text.encode())
+    assert {element.tag.removeprefix(SVG) for element in root.iter()}.isdisjoint(
+        {"script", "image", "a", "foreignObject"}
+    )
+    assert "href" not in text
+    assert "url(" not in text
+
+
+def test_pins_are_where_the_crank_and_the_slider_are() -> None:
+    """In millimetres, by the triangle of crank and connecting rod."""
+    design = load(EXAMPLES / "slider_crank.toml")
+    crank, rod = (
+        abs(np.subtract(*[complex(p.x_mm, p.y_mm) for p in link.points])) for link in design.drive.linkage.links[1:3]
+    )
+    pins = circles(mechanism_picture(Study(design), 50.0))
+    a = crank * np.exp(1j * np.deg2rad(50.0))
+    b = a.real + math.sqrt(rod**2 - a.imag**2)
+    for point in (0.0, a, b):
+        assert np.abs(pins - point).min() < 0.01
+
+
+def test_the_cam_of_a_picture_is_turned_by_the_angle() -> None:
+    """Each point of the thinned profile is within a tenth of a pixel of the turned profile."""
+    study = Study(load(EXAMPLES / "tappet_flat.toml"), 3600)
+    root = ElementTree.fromstring(mechanism_picture(study, 70.0).encode())
+    mm_per_pixel = float(root.get("viewBox", "").split()[2]) / float(root.get("width", "nan"))
+    cams = [shape for shape in root.iter(f"{SVG}polygon") if "kd-f-cam" in (shape.get("class") or "").split()]
+    (drawn_profile,) = (shape for shape in cams if len(corners(shape)) > 20)
+    turned = study.cam.flank.profile * 1e3 * np.exp(1j * np.deg2rad(70.0) * study.sense)
+    distances = [np.abs(turned - point).min() for point in corners(drawn_profile)]
+    assert max(distances) < 0.1 * mm_per_pixel
+    assert turned.size > 5 * len(distances)
+
+
+def test_a_name_stays_text_and_colours_follow_dark_paper() -> None:
+    text = mechanism_picture(Study(replace(LIFT, name="<script>alert(1)</script> & \x01"), 90))
+    root = ElementTree.fromstring(text.encode())
+    title = root.find(f"{SVG}title")
+    assert title is not None
+    assert title.text == "<script>alert(1)</script> & \N{REPLACEMENT CHARACTER}"
+    style = root.find(f"{SVG}style")
+    assert style is not None
+    rules = set(re.findall(r"\.(kd-[fs]-[a-z0-9-]+)\{", style.text or ""))
+    used = {name for element in root.iter() for name in (element.get("class") or "").split()}
+    assert used == rules, "every colour has its twin on dark paper"
+    assert "kd-f-paper" in rules
