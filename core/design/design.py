@@ -144,7 +144,7 @@ class Drive:
         drawn = self.mechanism.drawn if isinstance(self.mechanism, Linkage) else None
         if drawn is None or self.motion is None or drawn.driver_deg is not None or drawn.driver_mm is not None:
             return self.mechanism
-        position: dict[str, Any] = {"driver_deg" if driver_turns(self.linkage) else "driver_mm": self.motion.start}
+        position: dict[str, Any] = {"driver_deg" if driver_turns(self.linkage) else "driver_mm": self.motion.first}
         return replace(self.linkage, drawn=replace(drawn, **position))
 
     @property

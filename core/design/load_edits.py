@@ -267,7 +267,7 @@ def with_when(design: Design, path: str, when: str) -> Design:
         changes |= {"force_n": 0.0, "torque_nm": 0.0}
     elif when == MOTION_PART and design.drive.motion is not None:
         motion = design.drive.motion
-        levels = [motion.start + sum(s.rise for s in motion.segments[:i]) for i in range(len(motion.segments) + 1)]
+        levels = [motion.first + sum(s.rise for s in motion.segments[:i]) for i in range(len(motion.segments) + 1)]
         low, high = min(levels), max(levels)
         changes |= {f"position_from_{motion.unit}": 0.5 * (low + high), f"position_to_{motion.unit}": high}
     else:

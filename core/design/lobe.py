@@ -195,12 +195,13 @@ def lobe_sides(lobe: Lobe) -> tuple[Side, Side]:
         raise DesignError([])
     for fault in _contradictions(lobe):
         raise DesignError([fault])
-    opening = closing = _solved(_form(lobe, lobe.nose_at_deg), *_typed(lobe))
+    opening = closing = _solved(_form(lobe, 180.0 if lobe.closing is None else 360.0), *_typed(lobe))
     if lobe.closing not in (None, LobeClosing()):
         nose = TypedValue("", 0.0, Condition(NOSE_ACCELERATION, opening.nose_acceleration))
-        closing = _solved(_form(_closing_lobe(lobe), 360.0 - lobe.nose_at_deg), nose, _last_of_closing(lobe))
-    for fault in _place_faults(lobe, opening.span, closing.span):
-        raise DesignError([fault])
+        closing = _solved(_form(_closing_lobe(lobe), 360.0 - opening.span), nose, _last_of_closing(lobe))
+    if (span := opening.span + closing.span) > 360.0:
+        value, allowed = f"{result_text(span)} deg of the cam", "at most 360 deg: a shorter duration, or a faster ramp"
+        raise DesignError([Fault("", value, "longer than the turn", allowed)])
     return opening, closing
 
 
@@ -311,16 +312,6 @@ def _ramp_faults(lobe: Lobe, prefix: str) -> Iterator[Fault]:
         problem = f"the run-up rises {result_text(rise)} mm, higher than the ramp of {lobe.ramp_mm:g} mm"
         most = 2.0 * lobe.ramp_mm / lobe.ramp_mm_per_deg
         yield Fault(f"{prefix}ramp_runup_deg", lobe.ramp_runup_deg, problem, f"<= {result_text(most)} deg")
-
-
-def _place_faults(lobe: Lobe, opening: float, closing: float) -> Iterator[Fault]:
-    """A lobe fits in the turn, and does not extend beyond cam angle 0; spans of the sides in deg."""
-    if opening + closing > 360.0:
-        value = f"{result_text(opening + closing)} deg of the cam"
-        yield Fault("", value, "longer than the turn", "at most 360 deg: a shorter duration, or a faster ramp")
-    elif not opening <= lobe.nose_at_deg <= 360.0 - closing:
-        allowed = f"{_inwards(opening, 360.0 - closing)} deg"
-        yield Fault("nose_at_deg", lobe.nose_at_deg, "the lobe extends beyond cam angle 0", allowed)
 
 
 def _is_in_range(part: Any) -> bool:

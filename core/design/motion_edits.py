@@ -49,7 +49,7 @@ def join_angles(motion: Motion) -> tuple[float, ...]:
 
 def join_levels(motion: Motion) -> tuple[float, ...]:
     """Levels of the joins [mm or deg]."""
-    return tuple(balance(motion.start, (-s.rise for s in motion.segments[:k])) for k in range(len(motion.segments)))
+    return tuple(balance(motion.first, (-s.rise for s in motion.segments[:k])) for k in range(len(motion.segments)))
 
 
 def joins_of_level(motion: Motion, join: int) -> frozenset[int]:

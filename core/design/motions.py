@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from math import fsum
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+import numpy as np
+
 from core.design.fields import LAW, FileLayout, choice, number, placed
 from core.design.lobe import Lobe, lobe_sides
 from core.errors import DesignError
 from core.frozen import frozen
-from core.laws import LAWS, Piece
+from core.laws import LAWS, Piece, PieceTable, split
+from core.laws.pieces import stretched
 from core.numerics.lazy import map_columns, one_design
 from core.units import UNITS
 
@@ -212,24 +215,79 @@ class Follows:
 
 
 class LobeSegments(tuple[Segment, ...]):
-    """Segments that follow from a lobe; an edit of a segment makes a plain tuple of them."""
+    """Segments that follow from a lobe; an edit of a segment makes a plain tuple of them.
+
+    Attributes
+    ----------
+    level : lift at cam angle 0 [mm]
+    """
+
+    level = 0.0
 
 
 @lru_cache(maxsize=64)
 def lobe_segments(lobe: Lobe) -> LobeSegments:
-    """Dwell, rise, return and dwell of a lobe; a dwell over the turn where its values make no lobe."""
+    """Rise, return and dwell of a lobe from cam angle 0 on; a dwell over the turn where its values make no lobe."""
     try:
         opening, closing = lobe_sides(lobe)
     except DesignError:
         return LobeSegments((Segment(360.0, 0.0),))
-    before = lobe.nose_at_deg - opening.span
     sides = (
         Segment(opening.span, lobe.lift_mm, ComputedCurve(opening.pieces())),
         Segment(closing.span, -lobe.lift_mm, ComputedCurve(closing.pieces(closing=True))),
     )
-    after = 360.0 - fsum((before, opening.span, closing.span))
-    dwells = [(Segment(span, 0.0),) if span > 0.0 else () for span in (before, after)]
-    return LobeSegments((*dwells[0], *sides, *dwells[1]))
+    segments, level = from_zero(sides, lobe.nose_at_deg - opening.span)
+    result = LobeSegments(segments)
+    result.level = level
+    return result
+
+
+NO_SPAN = 1e-9  # a cut this near to an end of a segment is there [deg]
+
+
+def from_zero(segments: Sequence[Segment], begin: float) -> tuple[tuple[Segment, ...], float]:
+    """Turn with segments from a cam angle on, and a dwell over the rest, as segments from cam angle 0 on.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        Of computed curves and dwells, whose rises add up to 0.
+    begin : float
+        Cam angle at which the first one starts [deg].
+
+    Returns
+    -------
+    segments : tuple of Segment
+    level : float
+        Position at cam angle 0 above that at the start of the first segment.
+    """
+    rest = 360.0 - fsum(segment.span_deg for segment in segments)
+    rows = [*segments, *([Segment(rest, 0.0)] if rest > NO_SPAN else [])]
+    left, level = -begin % 360.0, 0.0
+    for i, segment in enumerate(rows):
+        if left <= NO_SPAN:
+            return (*rows[i:], *rows[:i]), level
+        if left < segment.span_deg - NO_SPAN:
+            before, after = _cut(segment, left)
+            return (after, *rows[i + 1 :], *rows[:i], before), level + before.rise
+        left, level = left - segment.span_deg, level + segment.rise
+    return tuple(rows), 0.0
+
+
+def _cut(segment: Segment, span: float) -> tuple[Segment, Segment]:
+    """Both parts of a segment of a computed curve, or of a dwell, that is cut at a span from its start [deg]."""
+    rest = segment.span_deg - span
+    if not isinstance(segment.curve, ComputedCurve):
+        return Segment(span, 0.0), Segment(rest, 0.0)
+    u = span / segment.span_deg
+    pieces = split(segment.curve.pieces, u)
+    level = float(PieceTable(pieces).at(np.array([u]))[0][0])
+    first = stretched([piece for piece in pieces if piece.start < u], 0.0, 1.0 / u, 0.0, 1.0, 0.0)
+    second = stretched([piece for piece in pieces if piece.start >= u], u, 1.0 / (1.0 - u), 0.0, 1.0, -level)
+    return (
+        Segment(span, level, ComputedCurve(tuple(first))),
+        Segment(rest, segment.rise - level, ComputedCurve(tuple(second))),
+    )
 
 
 @frozen
@@ -238,7 +296,7 @@ class Motion:
 
     Attributes
     ----------
-    start : position at cam angle 0
+    start : position at cam angle 0; of a lobe, off the lobe
     segments : in the order of the turn
     unit : ``mm`` for a slide, ``deg`` for a swing
     advance : displacement per turn of a feed or an indexer; None where the motion returns
@@ -262,6 +320,11 @@ class Motion:
     def __post_init__(self) -> None:
         if self.lobe is not None and (not self.segments or isinstance(self.segments, LobeSegments)):
             vars(self)["segments"] = lobe_segments(map_columns(self.lobe, one_design(0)))
+
+    @property
+    def first(self) -> float:
+        """Position at cam angle 0: the start, above which a lobe may extend there."""
+        return self.start + self.segments.level if isinstance(self.segments, LobeSegments) else self.start
 
     @property
     def is_computed(self) -> bool:

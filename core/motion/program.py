@@ -334,7 +334,7 @@ def _table_rows(motion: Motion) -> tuple[list[Piece], list[tuple[Any, ...]]]:
         begin, span, level = (
             np.deg2rad(start_deg) * to_turn,
             np.deg2rad(segment.span_deg) * to_turn,
-            motion.start + height,
+            motion.first + height,
         )
         pieces += shape.pieces
         for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):

@@ -22,6 +22,7 @@ from core.design import (
 )
 from core.design.lobe import lobe_sides
 from core.design.motion_edits import MIRRORS, without_marks
+from core.design.motions import from_zero
 from core.errors import MISSING, DesignError, Fault
 from core.laws import PieceTable
 from core.laws.lobe import Side
@@ -45,20 +46,25 @@ def lobe_to_segments(design: Design) -> Design:
     if motion.lobe is None:
         raise DesignError([Fault("motion.lobe", MISSING, "the segments of this motion are typed")])
     opening, closing = lobe_sides(motion.lobe)
-    parts: list[Segment] = []
-    for segment in motion.segments:
-        if isinstance(segment.curve, ComputedCurve):
-            names = _names(opening) if segment.rise > 0.0 else [MIRRORS.get(n, "") for n in reversed(_names(closing))]
-            parts += _parts(segment, segment.curve, names)
-        else:
-            parts.append(segment)
-    parts[-1] = replace(parts[-1], span_deg=360.0 - fsum(part.span_deg for part in parts[:-1]))
-    split = Motion(motion.start, tuple(parts), motion.unit)
+    rise = Segment(opening.span, motion.lobe.lift_mm, ComputedCurve(opening.pieces()))
+    fall = Segment(closing.span, -motion.lobe.lift_mm, ComputedCurve(closing.pieces(closing=True)))
+    parts = [*_parts(rise), *_parts(fall)]
+    laws = [*_names(opening), *(MIRRORS.get(name, "") for name in reversed(_names(closing)))]
+    segments, level = from_zero(parts, motion.lobe.nose_at_deg - opening.span)
+    last = replace(segments[-1], span_deg=360.0 - fsum(part.span_deg for part in segments[:-1]))
+    segments = (*segments[:-1], last)
+    split = Motion(motion.start + level, segments, motion.unit)
     compiled = program(split)
-    segments = [
-        tabled(compiled, i, part) if isinstance(part.curve, ComputedCurve) else part for i, part in enumerate(parts)
+    named = {id(part): NamedCurve(law) for part, law in zip(parts, laws, strict=True) if law}
+    result = [
+        replace(part, curve=named[id(part)])
+        if id(part) in named
+        else tabled(compiled, i, part)
+        if isinstance(part.curve, ComputedCurve)
+        else part
+        for i, part in enumerate(segments)
     ]
-    return with_drive(without_marks(design), motion=replace(split, segments=tuple(segments)))
+    return with_drive(without_marks(design), motion=replace(split, segments=tuple(result)))
 
 
 def _names(side: Side) -> list[str]:
@@ -70,16 +76,15 @@ def _names(side: Side) -> list[str]:
     return ["c1", *ramp, *flank, *nose]
 
 
-def _parts(segment: Segment, curve: ComputedCurve, names: list[str]) -> Iterator[Segment]:
+def _parts(segment: Segment) -> Iterator[Segment]:
     """A segment for each piece of a computed curve."""
-    starts = [*(piece.start for piece in curve.pieces), 1.0]
-    levels = [*PieceTable(curve.pieces).at(np.array(starts[:-1]))[0].tolist(), segment.rise]
-    spans = [(b - a) * segment.span_deg for a, b in pairwise(starts)]
-    for piece, span, (a, b), (low, high), name in zip(
-        curve.pieces, spans, pairwise(starts), pairwise(levels), names, strict=True
-    ):
+    assert isinstance(segment.curve, ComputedCurve)
+    pieces = segment.curve.pieces
+    starts = [*(piece.start for piece in pieces), 1.0]
+    levels = [*PieceTable(pieces).at(np.array(starts[:-1]))[0].tolist(), segment.rise]
+    for piece, (a, b), (low, high) in zip(pieces, pairwise(starts), pairwise(levels), strict=True):
         alone = stretched([piece], a, 1.0 / (b - a), 0.0, 1.0, -low)
-        yield Segment(span, high - low, NamedCurve(name) if name else ComputedCurve(tuple(alone)))
+        yield Segment((b - a) * segment.span_deg, high - low, ComputedCurve(tuple(alone)))
 
 
 # -- tables -------------------------------------------------------------------------------------------------------

@@ -251,7 +251,7 @@ def _sum_motion(request: _Request) -> tuple[Motion, list[str]]:
 
     gains = [motion.advance for motion in motions if motion.advance is not None]
     fitted = _fitted(rows, parts, motions[0].unit, sum(gains) if gains else None)
-    return replace(fitted, start=sum(motion.start for motion in motions)), files
+    return replace(fitted, start=sum(motion.first for motion in motions)), files
 
 
 def _on_piece(part: CompiledMotion, theta: np.ndarray, inside: float) -> np.ndarray:
@@ -321,7 +321,7 @@ class _Branch:
         if requested.unit == "deg":
             y = np.unwrap(y)
         slow = DEAD * float(np.abs(rate).max())
-        begin = requested.start * requested.scale
+        begin = requested.first * requested.scale
         first = self._first(design, at, y, begin)
         i = int(np.clip(np.searchsorted(at, first) - 1, 0, SAMPLES - 2))
         sign = np.sign(y[i + 1] - y[i])
@@ -390,7 +390,7 @@ class _Branch:
         """Position [rad or m] of the linkage's driver: start of its motion, else as drawn, else 0."""
         motion, drawn = design.drive.motion, design.drive.linkage.drawn
         if motion is not None:
-            return motion.start * motion.scale
+            return motion.first * motion.scale
         return 0.0 if drawn is None or drawn.driver_deg is None else float(np.deg2rad(drawn.driver_deg))
 
     def _first(self, design: Design, at: np.ndarray, y: np.ndarray, begin: float) -> float:

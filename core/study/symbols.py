@@ -168,7 +168,7 @@ def speed_field(study: Study) -> str:
 def segment_of(study: Study) -> tuple[int, float, float]:
     """Number of the segment at the angle, displacement at its start and rise [m or rad]."""
     motion = study.program.motion
-    at, start, theta = 0.0, motion.start * motion.scale, float(np.rad2deg(study.theta[0]))
+    at, start, theta = 0.0, motion.first * motion.scale, float(np.rad2deg(study.theta[0]))
     for number, segment in enumerate(motion.segments):
         rise = segment.rise * motion.scale
         if theta < at + segment.span_deg - 1e-9 or number == len(motion.segments) - 1:

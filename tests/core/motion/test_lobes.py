@@ -334,8 +334,20 @@ def test_many_lobes_are_those_one_by_one() -> None:
     assert result.reason[3], "no lobe has this duration"
 
 
+@pytest.mark.parametrize("nose", [0.0, 40.0, 86.5, 273.5, 350.0, 360.0])
+def test_a_lobe_may_extend_beyond_cam_angle_0(nose: float) -> None:
+    """It is the lobe at 180 degrees, shifted; the start is the position off the lobe."""
+    shifted, lobe = lobed(A + ROWS + f"nose_at_deg = {nose}\n"), lobed(A + ROWS)
+    theta = np.linspace(0.0, 2.0 * np.pi, 1001)
+    y, z = (each.state(each.angles(t)).y for each, t in ((shifted, theta), (lobe, theta - np.deg2rad(nose - 180.0))))
+    assert (np.abs(y - z).max(axis=1)[:3] <= 1e-12 * np.abs(z).max(axis=1)[:3]).all()
+    assert findings(shifted) == []
+    assert faults(loads(text(A + ROWS + f"nose_at_deg = {nose}\n"))) == []
+    assert sum(segment.span_deg for segment in shifted.motion.segments) == pytest.approx(360.0, abs=1e-12)
+
+
 def test_a_lobe_becomes_ordinary_segments() -> None:
-    for lobe in (A + ROWS, B + ROWS + CLOSING):
+    for lobe in (A + ROWS, B + ROWS + CLOSING, A + ROWS + "nose_at_deg = 0.0\n", A + ROWS + "nose_at_deg = 40.0\n"):
         design = loads(text(lobe))
         plain = loads(dumps(lobe_to_segments(design)))
         assert plain.drive.motion.lobe is None
@@ -358,7 +370,7 @@ def test_a_lobe_becomes_ordinary_segments() -> None:
         (A + "duration = [[0.05, 270.0], [0.15, 250.0]]\n", "motion.lobe.duration[1]", "on the ramp"),
         (A + ROWS + "ramp_mm_per_deg = 0.06\n", "motion.lobe.ramp_runup_deg", "higher than the ramp"),
         (A + "duration = [[0.15, 690.0], [1.27, 600.0]]\n", "motion.lobe", "longer than the turn"),
-        (A + ROWS + "nose_at_deg = 40.0\n", "motion.lobe.nose_at_deg", "beyond cam angle 0"),
+        (A + ROWS + "nose_at_deg = 400.0\n", "motion.lobe.nose_at_deg", "0 ... 360"),
         (A + ROWS + '[[motion.segments]]\nlaw = "dwell"\nspan_deg = 360.0\n', "motion.segments", "motion.lobe"),
         (A.replace("0.2", "9.5") + ROWS, "motion.lobe.ramp_mm", "lower than the lift"),
         (A + ROWS + CLOSING.replace("]]", "], [0.2, 130.0]]"), "motion.lobe.closing.to_nose", "one row"),
