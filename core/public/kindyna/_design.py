@@ -393,9 +393,7 @@ class Design:
         return brief(f"<kindyna.Design {self.kind}: {self.name!r}>")
 
     def _repr_html_(self) -> str:
-        from kindyna._html import design_html  # only notebooks need it
-
-        return design_html(self)
+        return self.study()._repr_html_()
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(file_values(self._design))
@@ -481,9 +479,9 @@ class FindResult:
     _before: Mapping[str, Any]
 
     def _repr_html_(self) -> str:
-        from kindyna._html import found_html
+        from kindyna._html import found_html  # only notebooks need it
 
-        return found_html(self)
+        return found_html(self.design.study()._columns, self._before, self.answer, self.reached)
 
     def __repr__(self) -> str:
         return brief(
@@ -525,7 +523,11 @@ class Optimum:
     def _repr_html_(self) -> str:
         from kindyna._html import optimum_html
 
-        return optimum_html(self)
+        columns, note = (
+            self.design.study()._columns,
+            f"best of {self.starts} starts, {self.agreeing} of which lead to it",
+        )
+        return optimum_html(columns, self._before, self.answer, self.goal, self.binding, note)
 
     def __repr__(self) -> str:
         values = (

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.findings import Finding as CoreFinding
+from core.number_text import result_text
 from kindyna._checks import Array, brief, read_only, words_column
 
 if TYPE_CHECKING:
@@ -75,9 +76,9 @@ class Extreme:
     unit: str
 
     def _repr_html_(self) -> str:
-        from kindyna._html import extreme_html
+        from kindyna._cards import extreme_line
 
-        return extreme_html(self)
+        return extreme_line(self.value, self.unit, self.angle_deg)
 
     def __float__(self) -> float:
         return self.value
@@ -113,9 +114,9 @@ class Finding:
     message: str
 
     def _repr_html_(self) -> str:
-        from kindyna._html import finding_html
+        from kindyna._cards import message  # only notebooks need it
 
-        return finding_html(self)
+        return message(self.severity, self.message, self.field)
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.Finding {self.severity} {self.code}: {self.message}>")
@@ -165,9 +166,10 @@ class Explanation:
         return self._text
 
     def _repr_html_(self) -> str:
-        from kindyna._html import explanation_html
+        from kindyna._cards import equation_card
 
-        return explanation_html(self)
+        value = f"{result_text(self.value, 6)} {self.unit}"
+        return equation_card(self.quantity, value, self.equation, self.source, self.symbols)
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.Explanation {self.quantity} = {self.value:.6g} {self.unit}: {self.equation[0]}>")
@@ -218,9 +220,9 @@ class ManyResult:
         return frame({**self.inputs, **self.value, "reason": self.reason})
 
     def _repr_html_(self) -> str:
-        from kindyna._html import many_html
+        from kindyna._cards import designs_card
 
-        return many_html(self)
+        return designs_card({**self.inputs, **self.value}, self.reason)
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.ManyResult {len(self)} designs, {', '.join(self.value)}>")

@@ -1,6 +1,7 @@
 """Pictures and what notebooks show: well-formed, without scripts, small, and with the numbers of the study."""
 
 import re
+import tomllib
 from collections.abc import Callable
 from operator import methodcaller
 from pathlib import Path
@@ -165,6 +166,13 @@ def test_a_design_without_a_solution_says_why() -> None:
     impossible = LIFT.edit({"cam.base_radius_mm": 5.0})
     text = words(read(notebook(impossible)))
     assert "the roller cannot reach the base circle" in text
+
+
+def test_a_shaft_without_a_solution_says_why() -> None:
+    lift = tomllib.loads(LIFT.edit({"cam.base_radius_mm": 5.0}).toml)
+    drive = {"name": "A", **{key: lift[key] for key in ("motion", "follower", "cam", "loads")}}
+    unit = kd.design({"format": 1, "name": "Unit", "shaft": lift["shaft"], "drives": [drive]})
+    assert "drives[0].follower.roller_arm_mm: the roller cannot reach" in words(read(notebook(unit)))
 
 
 def shown(result: Any) -> str:
