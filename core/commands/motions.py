@@ -37,7 +37,7 @@ from core.commands.common import (
 )
 from core.contour import GAP_MM, MOST_GAP_MM, UNITS, read_contour, trace
 from core.design import Design, alone, only, split_unit, with_motion_of, with_only
-from core.design.fields import choice, number
+from core.design.fields import choice, flag, number
 from core.errors import KindynaError
 from core.find import (
     RankingColumn,
@@ -54,6 +54,7 @@ from core.frozen import frozen
 from core.laws import LAWS, Peaks, peaks
 from core.motion.new_motions import FlyingShear, Indexer, flying_shear, indexer
 from core.motion.split import shift_motion
+from core.motion.tables import lobe_to_segments
 from core.output.channels import new_design_text
 from core.output.lines import columns, digits
 from core.output.summary import to_json
@@ -449,6 +450,7 @@ class MotionArguments:
     shift_deg: float = option(
         number("Shift", -360.0, 360.0, default=0.0, help="delay of the motion: at DEG it has the value it had at 0")
     )
+    segments: bool = flag("Segments", help="replace a lobe by the laws and tables of its segments")
     out: Path | None = text_option("file of the motion alone to write", default=None, type=Path, metavar="FILE.toml")
     into: Path | None = text_option("design file to write the motion into", default=None, type=Path, metavar="DESIGN")
     into_drive: str = text_option(
@@ -462,6 +464,8 @@ def run_motion(arguments: MotionArguments, painter: Painter | None) -> int:
         raise KindynaError("motion: give --out FILE.toml, or --into DESIGN")
     source = load_one(arguments.design, arguments.drive)
     shifted = shift_motion(alone(source), arguments.shift_deg)
+    if arguments.segments:
+        shifted = lobe_to_segments(shifted)
     if arguments.out is not None:
         save(shifted, arguments.out)
     elif arguments.into is not None:

@@ -122,10 +122,13 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
 def shift_motion(design: Design, by_deg: float) -> Design:
     """Shift a motion to later cam angles: y(θ - by).
 
-    The segment that contains the new start of the turn is split, and adjacent dwells are merged. Raises DesignError
-    where that segment cannot be split, because parts of its law are no laws.
+    The segment that contains the new start of the turn is split, and adjacent dwells are merged; of a lobe the nose moves.
+    Raises DesignError where that segment cannot be split, because parts of its law are no laws.
     """
     motion = require_motion(design)
+    if motion.lobe is not None:
+        nose = balance(motion.lobe.nose_at_deg, (-by_deg,)) % 360.0
+        return with_motion(design, replace(motion, lobe=replace(motion.lobe, nose_at_deg=nose)))
     at = balance(360.0, (by_deg % 360.0,)) % 360.0
     begins, numbers = join_angles(motion), list(range(len(motion.segments)))
     index = max(i for i, begin in enumerate(begins) if begin <= at + _SAME)

@@ -360,6 +360,17 @@ def test_a_lobe_becomes_ordinary_segments() -> None:
         lobe_to_segments(plain)
 
 
+def test_the_command_motion_shifts_a_lobe_and_writes_its_segments(tmp_path: Path) -> None:
+    path, out = tmp_path / "lobe.toml", tmp_path / "motion.toml"
+    path.write_text(text(A + ROWS), "utf-8")
+    assert main(["motion", str(path), "--shift", "200", "--out", str(out)]) == 0
+    assert get(load(out), "motion.lobe.nose_at_deg") == 20.0
+    assert main(["motion", str(path), "--segments", "--into", str(path)]) == 0
+    motion = load(path).drive.motion
+    assert [segment.curve.law for segment in motion.segments][4:8] == ["table", "h2", "h3", "table"]
+    assert main(["motion", str(path), "--segments", "--out", str(out)]) == 2, "there is no lobe left"
+
+
 @pytest.mark.parametrize(
     ("lobe", "field", "words"),
     [
