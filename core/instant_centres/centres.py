@@ -222,12 +222,21 @@ def cam_centres(kinematics: Kinematics, rotation_sign: float) -> CentreTable:
         bodies=MappingProxyType({FRAME: frame, **kinematics.bodies, CAM: cam}),
         pairs=MappingProxyType({**kinematics.pairs, CAMSHAFT: Pair(REVOLUTE, FRAME, CAM, CAMSHAFT)}),
     )
-    size = float(np.abs(kinematics.follower.origin[0]).max())
+    size = _size(kinematics)
     table = all_centres(with_cam, size, names)
     contact = {table.key(kinematics.carrier, CAM): cam_follower_centre(kinematics, rotation_sign).scaled(size)}
     return replace(
         table, centres=MappingProxyType({**table.centres, **contact}), primary=table.primary | frozenset(contact)
     )
+
+
+def _size(kinematics: Kinematics) -> float:
+    """Largest distance of the follower from the camshaft [m], rounded up to a power of two, which scales without rounding.
+
+    So a centre does not depend on the other positions that are calculated with it.
+    """
+    _, exponent = np.frexp(np.abs(kinematics.follower.origin[0]).max())
+    return float(np.ldexp(1.0, exponent))
 
 
 def _pole(kinematics: Kinematics) -> Centres | None:
@@ -238,7 +247,7 @@ def _pole(kinematics: Kinematics) -> Centres | None:
         )
     )
     order = {name: i for i, name in enumerate(names)}
-    size = float(np.abs(kinematics.follower.origin[0]).max())
+    size = _size(kinematics)
     centres = {key: centre.scaled(size) for key, centre in primary_pairs(kinematics, order).items()}
     key = (FRAME, kinematics.carrier)
     for step in () if key in centres else construction(names, frozenset(centres)).steps:

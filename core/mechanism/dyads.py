@@ -395,8 +395,7 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     np.add(sum_and_difference, square, out=to_a.real)
     to_b.imag = to_a.imag = k
     scale = d[0] * (0.5 / square)
-    to_b *= scale
-    to_a *= scale
+    to_b, to_a = to_b * scale, to_a * scale  # in place, numpy rounds the product of a single angle differently
 
     def known(order: int, turns: Chain) -> np.ndarray:
         if order == 1:
@@ -485,7 +484,7 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     s = side * leg(r, np.asarray(offset), abs(offset))
     along = np.empty(s.shape, dtype=complex)
     along.real, along.imag = s, -offset
-    along *= d[0] / square
+    along = along * (d[0] / square)
 
     def known(order: int, both: Chain) -> np.ndarray:
         turn, slide = both.part(0), both.part(1)
