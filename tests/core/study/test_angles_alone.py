@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import kindyna as kd
 import numpy as np
 import pytest
+
+import kindyna as kd
 
 ALONE = range(0, 360, 7)
 
