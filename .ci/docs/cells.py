@@ -65,7 +65,7 @@ def shown(printed: str, value: Any) -> str:
     parts = [f"<pre>{escape(printed)}</pre>"] if printed else []
     for name in ("_repr_html_", "_repr_svg_"):
         if hasattr(value, name):
-            parts.append(getattr(value, name)())
+            parts.append(re.sub(r"^<\?xml.*?\?>\s*", "", getattr(value, name)()))
             break
     else:
         parts += [] if value is None else [f"<pre>{escape(repr(value))}</pre>"]

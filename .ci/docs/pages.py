@@ -93,9 +93,9 @@ def notebooks(folder: Path) -> None:
 
 def gallery(folder: Path) -> None:
     """A page for each example, and an index with their pictures."""
-    index = ["# Gallery", "Every example, with the lines of Python that make its picture and its findings."]
+    index = ["# Gallery", "Every example, with the lines of Python that draw it and list its findings."]
     for title, examples in subjects():
-        index.append(f"## {title}")
+        cards = []
         for row in examples:
             design = kd.example(row.file)
             lines = f"```python\n{example_lines(row.file, design)}\n```"
@@ -107,13 +107,20 @@ def gallery(folder: Path) -> None:
             ]
             write_page(folder / f"{row.file}.md", "\n\n".join(page))
             write_page(folder / f"{row.file}.toml", design.toml)
-            if DRAWN:
-                write_page(folder / f"{row.file}.svg", design.study().picture(at_deg=45.0).svg)
-                index.append(f"[![{row.name}]({row.file}.svg)]({row.file}.md)")
-            index.append(f"**[{row.name}]({row.file}.md)**: {row.text}")
+            write_page(folder / f"{row.file}.svg", design.study().picture(at_deg=45.0).svg)
+            cards.append(CARD.format(slug=row.file, name=row.name, text=row.text))
+        index += [f"## {title}", f"````{{container}} cards\n{''.join(cards)}````"]
     slugs = [row.file for _, examples in subjects() for row in examples]
     write_page(folder / "index.md", "\n\n".join([*index, contents(slugs, ":hidden:")]))
 
+
+CARD = """
+```{{container}} card
+[![{name}]({slug}.svg)]({slug}.md)
+
+**[{name}]({slug}.md)**: {text}
+```
+"""
 
 FILE = """<details>
 <summary>The file of the design</summary>
@@ -125,9 +132,6 @@ FILE = """<details>
 
 </details>
 """
-
-
-DRAWN = "picture = study.picture(at_deg=extreme.angle_deg)\npicture" if hasattr(kd.Study, "picture") else ""
 
 
 def example_lines(slug: str, design: kd.Design) -> str:
@@ -142,4 +146,4 @@ extreme = study.extreme("{name}", "{of}")
 print(f"{name}: {{extreme.value:.5g}} {{extreme.unit}} at {{extreme.angle_deg:.5g}}°")
 for finding in design.findings:
     print(f"{{finding.severity}}: {{finding.message}}")
-{DRAWN}"""
+study.picture(at_deg=extreme.angle_deg)"""
