@@ -40,6 +40,7 @@ START = "start with the lift, settled, by an empty window"
 RANK = "rank of a drawing: twelve links"
 FINDINGS = "findings: a new lift"
 LOBE = "lobe: a new duration, by a law"
+DURATIONS = count(1)  # solved lobes are remembered
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
 
 Limits = Mapping[str, Mapping[str, Any]]
@@ -122,11 +123,9 @@ def look_at_findings(seconds: float = 2.0 * SECONDS) -> float:
 
 def look_at_lobe(seconds: float = SECONDS) -> float:
     """Both sides of a lobe on the default ramp, of another duration each time, by a law at 3,600 angles."""
-    rows, lengths = ((0.1524, 268.0), (1.27, 218.0)), count(1)
 
     def another() -> Lobe:
-        (low, longer), (high, shorter) = rows
-        return Lobe(lift_mm=7.75, duration=(LobeRow(low, longer), LobeRow(high, shorter + 1e-6 * next(lengths))))
+        return Lobe(lift_mm=7.75, duration=(LobeRow(0.1524, 268.0), LobeRow(1.27, 218.0 + 1e-6 * next(DURATIONS))))
 
     ours = Fresh(lambda: partial(lobe_sides, another()))
     told = measure({"ours": ours, "rival": partial(laws.ours, laws.KERNEL.grid(3600), None)}, seconds).seconds
