@@ -1,9 +1,7 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
-from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
-from core.measured.fitting import ColumnFit, Contradiction, Errors, MotionFit, fit, guess_error, with_measured_motion
-from core.measured.gap import FitError, Gap, OpenTurnError, mirror_rows
-from core.measured.outliers import Outliers, outliers
+from typing import TYPE_CHECKING
+
 from core.measured.sheet import (
     DECIMALS,
     DELIMITERS,
@@ -15,9 +13,25 @@ from core.measured.sheet import (
     read_workbook,
     sheet_names,
 )
-from core.measured.structure import AccelerationJump, SegmentFit, SwitchError, Switches, segment_kinds
-from core.measured.table import MeasuredColumn, MeasuredTable, load_points, load_table_text, read_table
 from core.measured.units import ANGLE_UNITS, DERIVATIVES, QUANTITIES, TIME_UNITS, value_units
+from core.process import lazy_attributes
+
+if TYPE_CHECKING:
+    from core.measured.columns import ALL_DETECTED, ColumnChoice, ColumnLayout, layout
+    from core.measured.fitting import (
+        ColumnFit,
+        Contradiction,
+        Errors,
+        MotionFit,
+        fit,
+        guess_error,
+        with_measured_motion,
+    )
+    from core.measured.gap import FitError, Gap, OpenTurnError, mirror_rows
+    from core.measured.structure import AccelerationJump, SegmentFit, SwitchError, Switches, segment_kinds
+    from core.measured.table import MeasuredColumn, MeasuredTable, load_points, load_table_text, read_table
+else:
+    __getattr__ = lazy_attributes(__name__, "columns", "table", "fitting", "gap", "structure")
 
 __all__ = [
     "ALL_DETECTED",
@@ -39,7 +53,6 @@ __all__ = [
     "MeasuredTable",
     "MotionFit",
     "OpenTurnError",
-    "Outliers",
     "RowFault",
     "SegmentFit",
     "SwitchError",
@@ -53,7 +66,6 @@ __all__ = [
     "load_points",
     "load_table_text",
     "mirror_rows",
-    "outliers",
     "read_sheet",
     "read_table",
     "read_workbook",

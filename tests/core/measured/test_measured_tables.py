@@ -26,17 +26,16 @@ from core.measured import (
     FitError,
     MeasuredTable,
     MotionFit,
-    Outliers,
     TableError,
     fit,
     guess_error,
     layout,
-    outliers,
     read_sheet,
     read_table,
     value_units,
     with_measured_motion,
 )
+from core.measured.outliers import Outliers, outliers
 from core.motion import program
 from core.output.export import table as exported
 from core.output.measured_text import fit_data, fit_text, notes, wrong_row_lines

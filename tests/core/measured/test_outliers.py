@@ -12,7 +12,8 @@ from sampled import spread
 
 from core.__main__ import main
 from core.design import Motion
-from core.measured import FitError, MeasuredTable, Outliers, fit, layout, outliers, read_sheet, read_table
+from core.measured import FitError, MeasuredTable, fit, layout, read_sheet, read_table
+from core.measured.outliers import Outliers, outliers
 from core.output.measured_text import notes
 
 SEEDED, MANY = 5, 1000
