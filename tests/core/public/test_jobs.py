@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -135,10 +136,15 @@ def test_a_measured_lift_in_a_data_frame() -> None:
 
     s = kd.measured("lift.csv", speed=300).study()
     largest = s.to_frame()["acceleration_mm_s2"].abs().nlargest(5)
+    picture = s.plot("acceleration_mm_s2")
 
     peak = 10.0 / math.sqrt(3.0) * STROKE / math.radians(RISE) ** 2 * (300.0 * math.tau / 60.0) ** 2
     assert largest.iloc[0] == pytest.approx(peak, rel=2e-3)
     assert largest.index.name == "cam_angle_deg"
+    texts = [
+        element.text or "" for element in ElementTree.fromstring(picture.svg).iter() if element.tag.endswith("}text")
+    ]
+    assert "Acceleration, m/s²" in texts
     assert np.abs(s["displacement_mm"] - y).max() < 1e-3
 
 
