@@ -83,7 +83,7 @@ def mechanism_picture(study: Study, at_deg: float = 0.0) -> str:
     if not study.design.listed:
         return _single(study, at_deg, angle)
     cells: list[str] = []
-    rows = list(study.solved_drives.items())
+    rows = [(name, drive) for name, drive in study.drives.items() if name not in study.camshaft.failures]
     phases = {drive.name: drive.phase_deg for drive in study.design.drives}
     if not rows:
         raise next(iter(study.camshaft.failures.values()))

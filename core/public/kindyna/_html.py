@@ -17,8 +17,10 @@ from kindyna._pictures import headlines, largest, machine
 _MOST_FINDINGS = 20
 
 
-def _picture(columns: Columns, at_deg: float = 0.0) -> str:
+def _picture(columns: Columns) -> str:
+    """Return the mechanism at the first angle at which it can be assembled, or the reason why there is none."""
     try:
+        at_deg = 0.0 if columns.full.design.listed else float(columns.full.angle_degrees[0])
         return machine(columns, at_deg).svg.removeprefix(DECLARATION)
     except KindynaError as error:
         return message("error", str(error))

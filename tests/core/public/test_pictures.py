@@ -131,7 +131,7 @@ def test_a_coupler_point_of_a_picture_is_that_of_the_study() -> None:
 # -- what notebooks show --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("slug", ["transfer_lift", "four_bar", *map(stressed, kd.examples())])
+@pytest.mark.parametrize("slug", ["transfer_unit", "four_bar", *map(stressed, kd.examples())])
 def test_every_example_shows_itself(slug: str) -> None:
     design = kd.example(slug)
     text = notebook(design)
@@ -166,6 +166,14 @@ def test_a_design_without_a_solution_says_why() -> None:
     impossible = LIFT.edit({"cam.base_radius_mm": 5.0})
     text = words(read(notebook(impossible)))
     assert "the roller cannot reach the base circle" in text
+
+
+def test_a_crank_that_cannot_turn_is_drawn_where_it_can_be() -> None:
+    crank = kd.example("four_bar").edit({"linkage.links[1].points.A.x_mm": 90.0})
+    text = words(read(notebook(crank)))
+    assert f"Driver angle {crank.study().angle_deg[0]:g}°" in text
+    assert "error the crank cannot turn fully" in text
+    assert len(lines(read(crank.study().plot("link3_deg").svg), "angle")) > 10
 
 
 def test_a_shaft_without_a_solution_says_why() -> None:
