@@ -392,12 +392,14 @@ def rolling_life(
 
 
 def pressure_findings(worst: Mapping[str, Extreme], pairings: Mapping[str, Pairing], limits: Limits) -> list[Finding]:
-    """Pressures beyond the user's limit or the allowable one of a material; worst: flank -> greatest pressure [Pa]."""
+    """Pressures beyond the user's limit, or without one the allowable one of a material; worst: flank -> greatest pressure [Pa]."""
     findings = []
     greatest, limit = max(worst.values(), key=lambda extreme: extreme.value), limits.contact_pressure_mpa
     if limit is not None and greatest.value > MPA * limit * (1.0 + ROUNDING):
         values: dict[str, float | str] = {"value": greatest.value / MPA, "limit": limit}
         findings.append(Finding("contact-pressure", WARNING, _PRESSURE_LIMIT, degrees(greatest.theta), values))
+    if limit is not None:
+        return findings
     surfaces = {surface.path: surface for pairing in pairings.values() for surface in pairing.surfaces}
     for path, surface in surfaces.items():
         flanks = [flank for flank in worst if any(s.path == path for s in pairings[flank].surfaces)]

@@ -531,5 +531,5 @@ def effect(before: Motion, after: Motion, blended: BlendResult) -> str:
     if changed is None:
         return "The rest of the motion does not change."
     n, segment = changed
-    height = brief(round(segment.rise, 6), UNITS[after.unit].symbol, 10)
+    height = brief(segment.rise, UNITS[after.unit].symbol)
     return f"Segment {n}, {law_label(segment.curve.law)}, then rises by {height} to close the motion; the rest does not change."

@@ -222,6 +222,9 @@ def test_a_pressure_beyond_the_users_limit_or_what_a_material_bears_is_a_finding
     said = found(heavy)["material-pressure"]
     assert (said.field, said.severity, said.values["limit"]) == ("cam.material", WARNING, 1500.0)
     assert "the cam's 16MnCr5, case-hardened allows 1500 MPa (ISO 6336-5" in said.message
+    stated = with_values(heavy, limits__contact_pressure_mpa=1400.0)
+    assert list(found(stated)) == ["contact-pressure"], "one limit is in force, the stated one"
+    assert found(with_values(heavy, limits__contact_pressure_mpa=1600.0)) == {}
     (row,) = [
         row
         for row in json.loads(files(Study(heavy, 8))["summary.json"])["limits"]
