@@ -260,7 +260,7 @@ def _taken_text(design: Design, solution: Solution, path: str, value: float) -> 
 
 
 def _cost_text(design: Design, solution: Solution) -> str:
-    """Tightest limit with the rounded result, and the change of the torque."""
+    """Tightest limit with the rounded result, and the change of the torque by rounding."""
     texts = []
     key = next((key for key in solution.cost if key in LIMITS), "")
     if key:
@@ -268,7 +268,7 @@ def _cost_text(design: Design, solution: Solution) -> str:
         texts.append(f"{in_sentence(label)} {brief(solution.cost[key][1], unit.symbol)}")
     exact, taken = solution.cost.get(TORQUE, solution.cost.get("peak_torque_nm", (0.0, 0.0)))
     if exact and (change := round(100.0 * (taken / exact - 1.0), 2)):
-        texts.append(f"torque {signed(change)} %")
+        texts.append(f"torque {signed(change)} % by rounding")
     return ", ".join(texts)
 
 

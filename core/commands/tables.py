@@ -259,6 +259,8 @@ def run_measured(arguments: MeasuredArguments, painter: Painter | None) -> int:
 
 def measured_design(arguments: MeasuredArguments) -> Design:
     """Design of the measured motion alone, as for a new file of ``into``. Raises KindynaError."""
+    if arguments.made_as == "segment":
+        raise KindynaError("--as segment: requires a design with that segment; allowed: design | motion")
     if arguments.controller:
         motion = _controller_motion(arguments).motion
     else:

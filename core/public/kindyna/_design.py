@@ -626,7 +626,7 @@ def measured(table: str | os.PathLike[str], **options: Any) -> Design:
     """
     from core.commands.tables import MeasuredArguments, measured_design  # few designs are measured
 
-    left_out = ("segment", "as_is", "joined", "made_as", "into", "drive", "json")
+    left_out = ("segment", "as_is", "joined", "into", "drive", "json")
     request = requested(MeasuredArguments, options, *left_out, table=Path(path_of("table", table)))
     return Design(measured_design(request))
 

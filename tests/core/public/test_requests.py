@@ -157,7 +157,7 @@ def test_rounded_dimensions_are_those_of_the_command(capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({}, []),
+        ({"as_": "motion"}, []),
         ({"error": 0.05}, ["--error", "0.05"]),
         ({"error": {"s": 0.05}, "leave_out": [3, 5]}, ["--error", "s=0.05", "--leave-out", "3,5"]),
         ({"leave_out": "3-9", "no_laws": True}, ["--leave-out", "3-9", "--no-laws"]),
@@ -337,6 +337,7 @@ VALUES = [
     (lambda: kd.measured("lift.csv", leave_out=[1, "a"]), "leave_out"),
     (lambda: kd.measured("lift.csv", lift=[[1.0]]), "lift"),
     (lambda: kd.measured("lift.csv", half="yes"), "half"),
+    (lambda: kd.measured("lift.csv", as_="segment"), "segment"),
     (lambda: kd.measured("lift.csv", speed="300"), "speed"),
     (lambda: kd.measured("lift.csv", speed=0), "speed"),
     (lambda: ROCKER.vary({BASE: (40, 50)}, [PRESSURE]), BASE),

@@ -46,6 +46,10 @@ design: kd.Design = kd.example("transfer_lift").edit({"cam.base_radius_mm": 430.
 study: kd.Study = design.study(36)
 torque: np.ndarray[tuple[int, ...], np.dtype[np.float64]] = study["drive_torque_nm"]
 largest: float = float(study.extreme("drive_torque_nm", of="abs"))
+best: float = design.optimise({"cam.base_radius_mm": (400, 460)}, "drive_torque_nm:abs", {"radius_mm:min": {"min": 380}}).goal
+radii: float = design.vary({"cam.base_radius_mm": (400, 460, 3)}, ["life_hours"]).inputs["cam.base_radius_mm"].max()
+names: list[str] = [path.name for path in study.export("cam.dxf", tolerance=0.01, as_="arcs")]
+lift: kd.Study = kd.measured("lift.csv", speed=300).study()
 messages: list[str] = [finding.message for finding in study.at([0.0, 90.0]).findings]
 try:
     kd.design({})

@@ -186,6 +186,7 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
     seek(view, "lift-off-speed")
     fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
     assert text_of(view).splitlines()[0].startswith(f"Speed 1130 rpm, exact {fact:.8g} rpm: torque ")
+    assert "% by rounding" in text_of(view).splitlines()[0], "not the change from the present design"
     QTest.mouseClick(view.exact, Qt.MouseButton.LeftButton)
     assert text_of(view).splitlines()[0] == f"Speed {fact:.8g} rpm now 300 rpm"
     assert text_of(view).endswith("Applied just below this value, so that the limit is met.")

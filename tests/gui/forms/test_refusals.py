@@ -355,7 +355,8 @@ def test_a_refused_scale_of_an_underlay_goes_back_by_a_button(
     image = QImage(20, 10, QImage.Format.Format_RGB32)
     image.save(str(tmp_path / "old.png"))
     monkeypatch.setattr(dialogs, "file_to_open", lambda *_: tmp_path / "old.png")
-    user = open_user(example("four_bar"))
+    user = open_user()
+    user.choose("File", "New by type", "Linkage by drawing")
     user.choose("Compo", "Underlay...")
     (panel,) = (widget for widget in QApplication.topLevelWidgets() if isinstance(widget, UnderlayPanel))
     box = panel.boxes["scale_mm_per_unit"]
