@@ -159,7 +159,6 @@ class FindView(BackgroundView):
         self._typed: dict[str, float | None] = {}  # limits that the user typed; None: removed
         self._defaults: Mapping[str, LimitValue] = {}  # limits without those typed
         self.what, self.choice, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), XYPlot("", "")
-        self.plot.setMinimumSize(220, 110)
         self.what.setAccessibleName("Dimension to find")
         self.choice.setAccessibleName("Which one")
         self.answer = QLabel(

@@ -69,8 +69,6 @@ class ServoView(View):
             plot.setToolTip("Click or drag to set the cam angle")
             plot.moved.connect(self._turn)
             turn.addWidget(plot)
-        for plot in (self.torque, self.force, self.field):
-            plot.setMinimumSize(160, 70)
         plots.addWidget(turn)
         plots.addWidget(self.field)
         plots.setSizes([3000, 2000])
@@ -176,8 +174,6 @@ class AgainstSpeedView(BackgroundView):
         self.pins.changed.connect(self.invalidate)
         self.answer = answer_label()
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
-        for plot in (self.torque, self.fluctuation):
-            plot.setMinimumSize(220, 70)
         self.bar = described(QProgressBar(minimum=0, maximum=0, textVisible=False), name="Computing")
         self.bar.setFixedHeight(6)
         self.bar.hide()
@@ -318,7 +314,6 @@ class _TurnView(View):
         splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         for number, plot in enumerate(self.plots, 1):
             plot.setToolTip(MACHINE_TIP)
-            plot.setMinimumSize(220, 70)
             plot.show_numbers(number == count)
             plot.moved.connect(self._turn)
             splitter.addWidget(plot)

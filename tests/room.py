@@ -121,7 +121,7 @@ def _tabs(window: MainWindow) -> Iterator[str]:
     for bar in window.findChildren(QTabBar):
         if not is_in_sight(bar):
             continue
-        arrows = [b for b in bar.findChildren(QToolButton) if b.isVisible()]
+        arrows = [b for b in bar.findChildren(QToolButton) if b.isVisible() and b.objectName() != "tab_list"]
         if arrows:
             yield f"tabs {[bar.tabText(i) for i in range(bar.count())]}: behind arrows"
         for i in range(bar.count()):

@@ -287,7 +287,6 @@ class PagedView(BackgroundView):
         self.page.setAccessibleName(name)
         fill_choices(self.page, pages)
         self.page.setMinimumWidth(width)
-        self.plot.setMinimumSize(220, 100)
         self._work.result.connect(self._show_result)
         self.page.activated.connect(self._choose)
 

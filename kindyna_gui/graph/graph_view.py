@@ -29,7 +29,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import ContentArea
 from kindyna_gui.saving import save_numbers, save_picture
 
-LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
+LEAST_STRAIGHT, LEAST_POLAR = 144, 280  # height of a plot before the column scrolls, pixels
 EMPTY = "Tick channels in the tree on the left to draw them here"
 TREE_SHARE = 0.4  # of the width, at most
 Plot = LivePlot | LivePolar

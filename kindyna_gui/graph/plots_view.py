@@ -9,7 +9,7 @@ from math import degrees, radians
 from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QPalette
 from PySide6.QtWidgets import QStackedWidget
 
@@ -42,8 +42,6 @@ from kindyna_gui.saving import save_numbers, save_picture
 from kindyna_gui.view import ExplainableNumber
 
 TORQUE = "drive_torque"  # the quantity whose sum over the drives is drawn, too
-LEAST_WIDTH = 240  # below it labels and axes no longer fit
-LEAST_HEIGHT = 126  # with 80 pixels between the axes, without names of curves
 SHARES: Mapping[str, int] = MappingProxyType(
     {"displacement": 22, "velocity": 18, "acceleration": 18, "jerk": 18, "pressure_angle": 24}
 )
@@ -128,19 +126,12 @@ def _closed(machine_angle: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 class PlotView(PlotsView):
-    """Plot of a few quantities of one unit; quantities that the design does not have are listed with the reason.
-
-    Signal ``height_requested`` (pixels, False): least height with the names of the curves.
-    """
-
-    height_requested = Signal(int, bool)
+    """Plot of a few quantities of one unit; quantities that the design does not have are listed with the reason."""
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)
         self.names = tuple(quantities)
         self.plot = LivePlot()
-        self.plot.setMinimumWidth(LEAST_WIDTH)
-        self.plot.getViewBox().sigResized.connect(self._request_height)
         self.note = Note(SCREEN.quiet, margin=3)
         self.note.setIndent(6)
         self.rows: tuple[Quantity, ...] = ()
@@ -237,12 +228,7 @@ class PlotView(PlotsView):
         else:
             self.plot.show_message(self.message)
         self.note.show_message("\n".join(filter(None, notes)) if drawn else "")
-        self._request_height()
         self.request_extremes(study)
-
-    def _request_height(self) -> None:
-        below = 0 if self.note.isHidden() else self.note.heightForWidth(self.width())
-        self.height_requested.emit(LEAST_HEIGHT + round(self.plot.legend.height) + below, False)
 
     def shown_parts(self, study: Study) -> Hashable:
         drive, quantities = study.design.drive, self.quantities
@@ -293,7 +279,6 @@ class StackView(PlotsView):
         self.plots = {name: LivePlot(names=name == first, angles=name == last) for name in SHARES}
         self._drawn: dict[str, list[Quantity]] = {}
         for plot in self.plots.values():
-            plot.setMinimumHeight(1)
             self.offer_explanation(plot)
             self.offer_actions(plot, partial(self._rows_of, plot))
         self.set_column(*self.plots.values(), grows=self.plots[first])

@@ -365,10 +365,8 @@ class MotionDiagram(CurvePlot):
         self._view.addItem(item, ignoreBounds=True)
         return item
 
-    def _size_axes(self) -> None:
-        super()._size_axes()
-        if self._numbered_below:
-            self._axes["bottom"].setHeight(sized(AXIS_HEIGHT))
+    def _height_below(self, numbered: bool, low: bool) -> float:
+        return sized(AXIS_HEIGHT) if numbered else super()._height_below(numbered, low)
 
     # -- curves ------------------------------------------------------------------------------------------
 

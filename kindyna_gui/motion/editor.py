@@ -7,7 +7,7 @@ from math import radians
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFocusEvent,
@@ -51,7 +51,6 @@ from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import fill
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
-LEAST_HEIGHT = 350  # pixels of height from which the derivatives are shown
 DIAGRAM, PLOT, LAST = 32, 21, 26  # shares of the height; the last plot has the numbers of the angle axis
 SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
     {
@@ -80,9 +79,9 @@ MOUSE_HELP = (
 
 
 class DerivativePlots(QWidget):
-    """The diagram, and below it the plots of ``QUANTITIES``, which are shown from ``LEAST_HEIGHT`` on.
+    """The diagram, and below it the plots of ``QUANTITIES``, as many of the first ones as have room.
 
-    Signals: ``angle_moved`` (cam angle [rad]) when a plot is clicked or its cursor dragged; ``visibility_changed`` when the
+    Signals: ``angle_moved`` (cam angle [rad]) when a plot is clicked or its cursor dragged; ``visibility_changed`` when
     plots are shown or hidden.
     """
 
@@ -93,29 +92,28 @@ class DerivativePlots(QWidget):
         super().__init__(autoFillBackground=True)
         self.setBackgroundRole(QPalette.ColorRole.Base)
         self._diagram = diagram
-        self.plots = tuple(LivePlot(names=False, angles=name == QUANTITIES[-1]) for name in QUANTITIES)
-        column = fill(QVBoxLayout(self), (diagram, DIAGRAM), margins=0, spacing=0)
+        self.plots = tuple(LivePlot(names=False) for _ in QUANTITIES)
+        self.shown = 0
+        """Number of plots that are shown."""
+        self._column = fill(QVBoxLayout(self), (diagram, DIAGRAM), margins=0, spacing=0)
         for plot in self.plots:
-            plot.setMinimumHeight(1)
             plot.hide()
             plot.angle_moved.connect(self.angle_moved)
-            column.addWidget(plot, LAST if plot is self.plots[-1] else PLOT)
+            self._column.addWidget(plot, PLOT)
 
-    @property
-    def shows_plots(self) -> bool:
-        """Whether the plots are shown."""
-        return not self.plots[0].isHidden()
+    def minimumSizeHint(self) -> QSize:
+        """Least size of the diagram alone, which has the numbers of the angle then."""
+        return QSize(self._diagram.minimumSizeHint().width(), self._diagram.least_height(numbered=True))
 
     def show_study(self, study: Study, companions: Callable[[Sequence[Quantity]], dict[str, Any]]) -> None:
         """Draw velocity, acceleration and jerk of a study; companions: returns what is drawn next to a quantity."""
-        if self.shows_plots:
-            for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
-                rows = rows_of(study, (quantity,))
-                plot.set_curves(study, rows, read=False, **companions(rows))
+        for plot, quantity in zip(self.plots[: self.shown], QUANTITIES, strict=False):
+            rows = rows_of(study, (quantity,))
+            plot.set_curves(study, rows, read=False, **companions(rows))
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         """Channels of the plots whose extremes are not marked yet."""
-        pairs = zip(self.plots, QUANTITIES, strict=True) if self.shows_plots else ()
+        pairs = zip(self.plots[: self.shown], QUANTITIES, strict=False)
         return tuple(row for plot, quantity in pairs if plot.lacks_extremes for row in rows_of(study, (quantity,)))
 
     def show_extremes(self, extremes: Mapping[str, Extremes] | None) -> None:
@@ -126,18 +124,28 @@ class DerivativePlots(QWidget):
 
     def set_angle(self, theta: float, at_angle: Study) -> None:
         """Move the cursors to cam angle theta [rad]; at_angle: the study there."""
-        if self.shows_plots:
-            for plot in self.plots:
-                plot.set_angle(theta, at_angle)
+        for plot in self.plots[: self.shown]:
+            plot.set_angle(theta, at_angle)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        has_room = self.height() >= LEAST_HEIGHT
-        if has_room != self.shows_plots:
-            for plot in self.plots:
-                plot.setVisible(has_room)
-            self._diagram.show_numbers(not has_room)
-            self.visibility_changed.emit()
+        numbers = range(len(self.plots), 0, -1)
+        shown = next((number for number in numbers if self._least_height(number) <= self.height()), 0)
+        if shown == self.shown:
+            return
+        self.shown = shown
+        for number, plot in enumerate(self.plots, 1):
+            plot.show_angles(number == shown)
+            plot.setVisible(number <= shown)
+            self._column.setStretchFactor(plot, LAST if number == shown else PLOT)
+        self._diagram.show_numbers(not shown)
+        self.visibility_changed.emit()
+
+    def _least_height(self, number: int) -> int:
+        """Least height with so many plots, the last one with the numbers of the angle."""
+        plots = self.plots[:number]
+        above = sum(plot.least_height(numbered=False) for plot in plots[:-1])
+        return self._diagram.least_height(numbered=False) + above + plots[-1].least_height(numbered=True)
 
 
 # -- editor ----------------------------------------------------------------------------------------------

@@ -52,8 +52,8 @@ EMPTY = "Tick laws in the table to draw them here"
 FIRST_TICKED = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
 """Ticked at first, together with the law of the selected segment."""
 WIDE = 900  # pixels: from this width on the plots are in a column next to the table, else two by two below it
+AROUND_PLOTS = 16  # pixels of margins and gaps of a column of plots
 LEAST_NAME_WIDTH = 160  # pixels for the names of laws
-LEAST_PLOTS_HEIGHT = 100  # pixels, so that the window fits on a small screen
 TABLE_WIDTH, TABLE_SHARE = 560, 0.42  # pixels next to the plots, share of the height above them
 
 # -- columns and rows ------------------------------------------------------------------------------------
@@ -368,6 +368,8 @@ class LawsTable(QTableView):
 class LawsView(View):
     """View of the laws: table, plots, and ranking in the design."""
 
+    arranges_itself = True
+
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.model = LawsModel(self)
@@ -409,7 +411,7 @@ class LawsView(View):
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
         self._grid = fill(QGridLayout(self._paper), margins=(0, 4, 4, 4), spacing=2)
         self._grid.addWidget(self.legend, 0, 0, 1, 2)
-        pages = QWidget(minimumHeight=LEAST_PLOTS_HEIGHT, autoFillBackground=True)
+        pages = QWidget(autoFillBackground=True)
         pages.setBackgroundRole(QPalette.ColorRole.Base)
         self._pages = fill(QStackedLayout(pages), self._paper, self.empty, self.ranking)
         return pages
@@ -544,10 +546,15 @@ class LawsView(View):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        is_wide = self.width() >= WIDE
+        is_wide = self.width() >= WIDE and self.height() >= self._column_height()
         if is_wide != self._is_wide:
             self._is_wide = is_wide
             self._arrange(is_wide)
+
+    def _column_height(self) -> int:
+        """Least height of the view with its plots in a column."""
+        plots = sum(plot.least_height(numbered=plot is self.plots[-1]) for plot in self.plots)
+        return plots + self.legend.sizeHint().height() + self._splitter.y() + AROUND_PLOTS
 
     def _arrange(self, is_wide: bool) -> None:
         """Arrange table and plots side by side, or one above the other."""

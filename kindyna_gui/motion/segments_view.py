@@ -318,7 +318,6 @@ class SegmentsView(MarkedView):
         self.model = SegmentsModel(session, self)
         self.table = SegmentsTable(session, self.model)
         self.diagram = MotionEditor(session, player)
-        self.diagram.setMinimumSize(240, 90)
         self.derivatives = DerivativePlots(self.diagram)
         self.curve = SegmentCurveForm(session, player)
         self.header = MotionHeader(session)
@@ -464,7 +463,7 @@ class SegmentsView(MarkedView):
             self._follow_in_derivatives(theta)
 
     def _follow_in_derivatives(self, theta: float) -> None:
-        if self.derivatives.shows_plots:
+        if self.derivatives.shown:
             self.derivatives.set_angle(theta, self.session.at(theta))
             self.extremes.resume()
 

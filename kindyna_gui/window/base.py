@@ -20,7 +20,7 @@ from kindyna_gui.rebuilt import fill, single_shot
 from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
-from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, DockShares
+from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, DockShares, least_size
 from kindyna_gui.window.status_line import PAUSE_MS, StatusLine
 
 # -- pages in the middle ---------------------------------------------------------------------------------
@@ -97,10 +97,7 @@ class CentralPages(QWidget):
     def least(self) -> tuple[int, int]:
         """Least width and height for the page in front, above the player bar."""
         page = self.tabs.currentWidget()
-        sizes = [VIEWS[page.name].least] if isinstance(page, TabPage) else []
-        if self.current is not None:
-            sizes.append(self.current.minimumSizeHint().toTuple())
-        width, height = (max((size[axis] for size in sizes), default=0) for axis in (0, 1))
+        width, height = least_size(VIEWS[page.name].least, page.view) if isinstance(page, TabPage) else (0, 0)
         tabs = self.tabs.tabBar().sizeHint().height() if self.tabs.count() > 1 else 0
         return max(width, self.bar.minimumWidth()), height + tabs + self.bar.minimumHeight()
 
@@ -287,8 +284,9 @@ class Titles(QObject):
         self._named = kind
         for name, dock in self._window.docks.items():
             title = title_of(name, design)
-            if title != dock.windowTitle():
-                dock.setWindowTitle(title)
+            if title != dock.title:
+                dock.title = title
+                dock.setWindowTitle(title)  # shortened once the tabs are laid out
             self._name_entry(name, title)
 
     def _name_entry(self, name: str, title: str) -> None:

@@ -179,8 +179,8 @@ class Need:
     tab: int = 0
 
 
-PLOT = (250, 126)
-"""Least size of a plot with its axes: 160 by 80 pixels inside."""
+PLOT = (250, 140)
+"""Least size of a plot with its axes and a line of names: 160 by 80 pixels inside."""
 
 Make = Callable[[Session, Player], View]
 
@@ -217,6 +217,8 @@ class ViewRow:
         Whether it is empty without a cam.
     help : str
         Page of the help and, after #, the text to search there.
+    short : str
+        Title where its tab has no room for the full one; empty: no shorter one.
     """
 
     title: str
@@ -231,6 +233,12 @@ class ViewRow:
     quantities: tuple[str, ...] = ()
     of_cam: bool = False
     help: str = "tour"
+    short: str = ""
+
+    @property
+    def short_title(self) -> str:
+        """Title where there is little room."""
+        return self.short or self.title
 
 
 def _plot(
@@ -240,9 +248,12 @@ def _plot(
     tip: str,
     of_cam: bool = False,
     help: str = "tour#Plots, in the tasks",
+    short: str = "",
 ) -> ViewRow:
     make = lazily("graph.plots_view", "PlotView", quantities=quantities)
-    return ViewRow(title, make, RIGHT, menu, tip, picture=True, quantities=quantities, of_cam=of_cam, help=help)
+    return ViewRow(
+        title, make, RIGHT, menu, tip, picture=True, quantities=quantities, of_cam=of_cam, help=help, short=short
+    )
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
@@ -258,17 +269,17 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             icon="graph", picture=True, help="graphs#Curves on one graph"),
         "space": ViewRow("Path in space", lazily("space_view", "SpaceView"), CENTRE,
             "Path in &space", "Show the path of the part that all drives move, in three dimensions", least=(240, 212), picture=True,
-            help="camshaft#Path in space"),
+            help="camshaft#Path in space", short="Space"),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
             "&Law table", "Compare the motion laws: curves and peak values",
-            least=(500, 400), keys="Ctrl+L", picture=True, help="laws#Motion laws"),
+            least=(500, 440), keys="Ctrl+L", picture=True, help="laws#Motion laws"),
         "stability": ViewRow("Stability", lazily("stability_view", "StabilityView"), CENTRE,
             "&Chart", "Show the stability chart of the flexible camshaft: tongues of instability and wind-up",
             least=(860, 340), keys="Ctrl+T", picture=True,
             help="stability#What you see"),
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "Show the error log", least=(400, 120),
             help="tour#If something fails"),
-        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, least=(388, 185), help="tour#Change it"),
+        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, least=(388, 185), help="tour#Change it", short="Param."),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
             "&Motion table", "Edit the segments of the motion: law, span, rise", least=(384, 480), keys="Ctrl+M", help="making#By mouse"),
         "drives": ViewRow("Drives", lazily("drives_view", "DrivesView"), LEFT,
@@ -283,52 +294,52 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             picture=True, least=(600, 300), help="studies#In the window"),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT,
             "&Instant centres", "List instant centres, angular velocities and points at the current angle", least=(330, 180),
-            help="linkages#Instant centres and velocities"),
+            help="linkages#Instant centres and velocities", short="Centres"),
         "circle": ViewRow("Circle diagram", lazily("linkage.centres_view", "CircleView"), LEFT,
             "Circle &diagram", "Construct the instant centres step by step, as in the lecture",
-            least=(310, 180), help="linkages#Circle diagram"),
+            least=(310, 180), help="linkages#Circle diagram", short="Circle"),
         "polygon": ViewRow("Polygons", lazily("linkage.centres_view", "PolygonView"), LEFT, least=(240, 200), picture=True,
             help="linkages#draws all velocities from one pole"),
         "stack": ViewRow("Motion and pressure angle", lazily("graph.plots_view", "StackView"), LEFT,
             "Motion and pressure an&gle", "Plot displacement, velocity, acceleration, jerk and pressure angle over one cam angle axis",
-            picture=True, least=(250, 540), help="tour#Plots, in the tasks"),
+            picture=True, least=(250, 540), help="tour#Plots, in the tasks", short="Motion"),
         "displacement": _plot("Displacement", ("displacement", "elastic_displacement"),
-            "&Displacement", "Plot the displacement over the cam angle"),
-        "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Plot the velocity over the cam angle"),
+            "&Displacement", "Plot the displacement over the cam angle", short="Displ."),
+        "velocity": _plot("Velocity", ("velocity",), "&Velocity", "Plot the velocity over the cam angle", short="Vel."),
         "acceleration": _plot("Acceleration", ("acceleration", "elastic_acceleration"),
-            "&Acceleration", "Plot the acceleration over the cam angle"),
+            "&Acceleration", "Plot the acceleration over the cam angle", short="Accel."),
         "jerk": _plot("Jerk", ("jerk",), "&Jerk", "Plot the jerk over the cam angle"),
         "pressure_angle": _plot("Pressure angle", ("pressure_angle", "second_pressure_angle"),
-            "&Pressure angle", "Plot the pressure angle over the cam angle", help="followers#Limits and checks"),
+            "&Pressure angle", "Plot the pressure angle over the cam angle", help="followers#Limits and checks", short="Pr. angle"),
         "curvature": _plot("Curvature", ("pitch_curvature", "profile_curvature", "outer_curvature", "second_profile_curvature"),
             "&Curvature", "Plot the curvature of pitch curve and profile", of_cam=True, help="followers#Limits and checks"),
         "torque": _plot("Torque", ("drive_torque", "motor_torque", "linear_motor_torque"),
             "&Torque", "Plot the torque at the camshaft, with and without flywheel", help="tour#Plots, in the tasks"),
         "camshaft_speed": _plot("Camshaft speed", ("camshaft_speed",),
-            "Camshaft &speed", "Plot the camshaft speed over the cam angle, smoothed by the flywheel", help="tour#Camshaft speed"),
+            "Camshaft &speed", "Plot the camshaft speed over the cam angle, smoothed by the flywheel", help="tour#Camshaft speed", short="Speed"),
         "contact_force": _plot("Contact force", ("contact_force", "second_contact_force", "elastic_contact_force"),
-            "&Contact force", "Plot the force between follower and cam", help="tour#Plots, in the tasks"),
+            "&Contact force", "Plot the force between follower and cam", help="tour#Plots, in the tasks", short="Force"),
         "contact_pressure": _plot("Contact pressure", ("contact_pressure", "second_contact_pressure"),
             "Contact &pressure", "Plot the Hertz pressure between follower and cam, and the allowable pressure", of_cam=True,
-            help="followers#Contact pressure and rolling life"),
+            help="followers#Contact pressure and rolling life", short="Pressure"),
         "shaft_torque": ViewRow("Shaft torque", lazily("shaft", "ShaftTorqueView"), RIGHT,
-            "Shaft tor&que", "Plot the total torque of all drives, with flywheel and balance cam", least=(250, 204), picture=True,
-            help="camshaft#Shaft torque"),
+            "Shaft tor&que", "Plot the total torque of all drives, with flywheel and balance cam", least=(250, 250), picture=True,
+            help="camshaft#Shaft torque", short="Sh. torque"),
         "shaft_figures": ViewRow("Shaft figures", lazily("shaft", "ShaftFiguresView"), RIGHT,
             "Shaft fig&ures", "Show the true speed of the shaft, and mean, RMS and peak torque and power of all drives",
             least=(380, 142), picture=True,
-            help="camshaft#Shaft figures"),
+            help="camshaft#Shaft figures", short="Figures"),
         "against_speed": ViewRow("Torque against speed", lazily("shaft", "AgainstSpeedView"), RIGHT,
             "Torque agai&nst speed", "Plot torque and speed fluctuation of the shaft against the machine's speed",
             least=(250, 310), picture=True,
-            help="camshaft#Torque against speed"),
+            help="camshaft#Torque against speed", short="Over speed"),
         "servo": ViewRow("Cam or servo", lazily("shaft", "ServoView"), CENTRE,
             "Ca&m or servo", "Compare a cam with flywheel and a servo: torque, operating points of the motor, energy",
             least=(480, 260), picture=True,
-            help="controllers#The motor"),
+            help="controllers#The motor", short="Servo"),
         "findings": ViewRow("Findings", lazily("findings", "FindingsView"), BOTTOM, least=(300, 110), help="tour#also behind their number"),
         "certificate": ViewRow("Certificate", lazily("findings", "CertificateView"), BOTTOM, least=(300, 110),
-            help="tour#the residuals that prove the results"),
+            help="tour#the residuals that prove the results", short="Certif."),
         "timing": ViewRow("Timing", lazily("timing_view", "TimingView"), BOTTOM,
             "T&iming chart", "Show the motions of all drives over the machine angle, with sequence conditions",
             least=(690, 200), picture=True,
@@ -336,13 +347,13 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "contact": ViewRow("Keeping contact", lazily("graph.flywheel_view", "ContactView"), RIGHT,
             "&Keeping contact", "Map the contact force over angle and speed, and plot the lift-off of the follower",
             least=(250, 262), of_cam=True,
-            help="finding#Keeping contact"),
+            help="finding#Keeping contact", short="Contact"),
         "vibration": ViewRow("Response spectrum", lazily("graph.flywheel_view", "VibrationView"), RIGHT,
             "Resp&onse spectrum", "Plot the vibration of an elastic follower in its dwells, at the design speed and against speed",
-            picture=True, least=(250, 262), of_cam=True, help="followers#Elastic follower"),
+            picture=True, least=(250, 262), of_cam=True, help="followers#Elastic follower", short="Spectrum"),
         "compare": ViewRow("What changed", lazily("compare", "CompareView"), BOTTOM,
             "&What changed", "Compare inputs and results with the pinned variant, largest change first",
-            least=(480, 200), help="tour#What changed"),
+            least=(480, 200), help="tour#What changed", short="Changed"),
         "explain": ViewRow("Explain", lazily("compare", "ExplainView"), RIGHT,
             "&Explain a number", "Show the equation of the selected value, and each symbol with its value and origin", least=(480, 330),
             help="tour#Explain a number"),
@@ -353,6 +364,13 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
 """Every view by the name that menus and ``show_view`` use."""
 
 PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
+
+
+def least_size(row: tuple[int, int], view: View | None) -> tuple[int, int]:
+    """Return the least size of a view [pixels]: that of its row of ``VIEWS``, or more where its content needs it."""
+    hint = QSize() if view is None or view.arranges_itself else view.minimumSizeHint()
+    return max(row[0], hint.width()), max(row[1], hint.height())
+
 
 # -- docks -----------------------------------------------------------------------------------------------
 
@@ -371,7 +389,9 @@ class Dock(QDockWidget):
     def __init__(self, name: str, row: ViewRow, make: Callable[[], View], window: QMainWindow) -> None:
         super().__init__(row.title, window)  # without a parent it would float until it is laid out
         self.setObjectName(name)
-        self._make = make
+        self._row, self._make = row, make
+        self.title = row.title
+        """Full title; the window title, which its tab shows, may be shorter."""
         self.view: View | None = None  # None while it has not been created
         self._paused = False
         self._least, self._height = row.least, (0, False)
@@ -395,11 +415,8 @@ class Dock(QDockWidget):
             self.need_changed.emit()
 
     def need(self) -> Need:
-        """Return the size that the view needs: that of its row, or more where its controls or its content do."""
-        width, height = self._least
-        if self.view is not None:
-            hint = QSize() if self.view.arranges_itself else self.view.minimumSizeHint()
-            width, height = max(width, hint.width()), max(self._height[0] or height, hint.height())
+        """Return the size that the view needs."""
+        width, height = least_size((self._least[0], self._height[0] or self._least[1]), self.view)
         return Need(width, height, height if self._height[1] else ANY_HEIGHT, self._tab_width())
 
     def event(self, event: QEvent) -> bool:
@@ -411,8 +428,13 @@ class Dock(QDockWidget):
                 self.need_changed.emit()
         return super().event(event)
 
+    @property
+    def short_title(self) -> str:
+        """Title where its tab has little room; one that the design gives has no shorter one."""
+        return self._row.short_title if self.title == self._row.title else self.title
+
     def _tab_width(self) -> int:
-        return self.fontMetrics().horizontalAdvance(self.windowTitle()) + TAB
+        return self.fontMetrics().horizontalAdvance(self.short_title) + TAB
 
     def wake(self) -> None:
         """Make or update the view if any part of the dock is visible."""

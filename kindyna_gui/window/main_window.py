@@ -44,6 +44,7 @@ from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, DockShares
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
 from kindyna_gui.window.status_line import StatusLine
+from kindyna_gui.window.tabs import WindowTabs
 from kindyna_gui.window.tasks import TASKS, TaskLayers
 
 if TYPE_CHECKING:
@@ -130,6 +131,7 @@ class MainWindow(Window):
         self.titles = Titles(self)
         self.resize(first_size(self.screen().availableGeometry().size()))
         self.shares = DockShares(self, self.docks.values())
+        self.tabs = WindowTabs(self)
         self.layouts = Layouts(self)
         self.task_layers = TaskLayers(self)
         self.layouts.changed.connect(self._task_changed)

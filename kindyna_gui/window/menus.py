@@ -173,7 +173,8 @@ def fill_docks(window: Window, menu: QMenu) -> None:
     for dock in window.docks.values():
         action = dock.toggleViewAction()
         why = why_absent(dock.objectName(), window.session.design)
-        action.setStatusTip(why or f"Show or hide {dock.windowTitle()}")
+        action.setText(dock.title)  # Qt's is that of the tab
+        action.setStatusTip(why or f"Show or hide {dock.title}")
         action.setEnabled(action.isChecked() or not why)
         menu.addAction(action)
 

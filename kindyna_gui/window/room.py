@@ -130,14 +130,13 @@ class _Room:
         self._homes = {name: index for index, (_, names) in enumerate(task.all_docks) for name in names}
 
     def plan(self, opened: Sequence[str], in_front: Collection[str], called: str) -> Plan:
-        placed: list[Names] = [() for _ in self._task.groups]
         large = self._task.large
-        firsts = (FORMS, large) if called and called not in self._homes else (large, FORMS, called)
-        for name in sorted(opened, key=lambda n: (firsts.index(n) if n in firsts else len(firsts), n not in in_front)):
-            trials = [self._with(placed, index, name) for index in self._positions(name, placed)]
-            fitting = (trial for tabs in (True, False) for trial in trials if self._fits(trial, tabs))
-            is_needed = name in (FORMS, called) or not self._fits(placed, False)
-            placed = next(fitting, trials[0] if is_needed else placed)
+        firsts = (FORMS, large) if called and called not in self._homes else (large, FORMS)
+        behind = sorted(opened, key=lambda name: name not in in_front)
+        for order in ((*firsts, *in_front, called, *behind), (*firsts, called, *behind)):
+            placed = self._placed([name for name in dict.fromkeys(order) if name in opened], called)
+            if self._fits(placed, False) and (called not in self._homes or any(called in names for names in placed)):
+                break  # else what is in front has to make room for what is called
         extents = {**self._widths(placed), **self._heights(placed)}
         groups: list[PlacedGroup] = []
         for area in (*COLUMNS, *ROWS):
@@ -145,8 +144,23 @@ class _Room:
             for index, length in zip(indices, self._lengths(placed, area, extents), strict=True):
                 names = placed[index]
                 front = called if called in names else next((n for n in names if n in in_front), names[0])
-                groups.append(PlacedGroup(index, area, names, front, length))
+                groups.append(PlacedGroup(index, area, self._in_order(names, index), front, length))
         return Plan(self._task, tuple(opened), tuple(groups), extents, self._fits(placed, False), called)
+
+    def _in_order(self, names: Names, index: int) -> Names:
+        """Names of a group in the order of the task, those at home first: no tab moves when another view is called."""
+        order = list(self._homes)
+        return tuple(sorted(names, key=lambda name: (self._homes[name] != index, order.index(name))))
+
+    def _placed(self, order: Sequence[str], called: str) -> list[Names]:
+        """Names at each group, placed in this order."""
+        placed: list[Names] = [() for _ in self._task.groups]
+        for name in order:
+            trials = [self._with(placed, index, name) for index in self._positions(name, placed)]
+            fitting = (trial for tabs in (True, False) for trial in trials if self._fits(trial, tabs))
+            is_needed = name in (FORMS, called) or not self._fits(placed, False)
+            placed = next(fitting, trials[0] if is_needed else placed)
+        return placed
 
     @staticmethod
     def _with(placed: list[Names], index: int, name: str) -> list[Names]:

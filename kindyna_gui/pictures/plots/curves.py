@@ -159,7 +159,6 @@ class CurvePlot(TurnCurves, FixedPlot):
         super().__init__(parent, theme, top=True)
         self._axes["top"].setStyle(showValues=names)
         self.show_numbers(angles, angle_title("cam angle"))
-        self._with_angles = angles
         self._cursor = Cursor(self._view, theme)
         self._spans: list[Span] = []
         self._samples: TurnSamples | None = None
@@ -380,8 +379,11 @@ class CurvePlot(TurnCurves, FixedPlot):
 
     def name_angle(self, study: Study) -> None:
         """Name the angle below by the study's driver, with curves or only a message in the plot."""
-        if self._with_angles:
-            self.name_below(angle_title(study.angle_name))
+        self.name_below(angle_title(study.angle_name))
+
+    def show_angles(self, on: bool) -> None:
+        """Show numbers and name of the angle below, or neither."""
+        self.show_numbers(on, self._title_below)
 
     def show_message(self, text: str) -> None:
         """Show only a text in the middle, such as the input that is missing."""

@@ -8,10 +8,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
+from math import ceil
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QBrush, QPainter, QPainterPath, QPen, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
 
@@ -42,6 +43,7 @@ NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
 EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
 TOP_MARGIN = 6  # above a plot that has no axis at the top
 BARE, NUMBERS = 6, 20  # heights of an axis without numbers, and with numbers alone
+LEAST = QSize(160, 80)  # between the axes, at which curves can be read [pixels]
 LOW = 150  # pixels of height without the legend, below which a plot has no room for the name of its angle
 DEGREES = ", °"  # end of such a name
 LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
@@ -391,11 +393,26 @@ class FixedPlot(pg.GraphicsView):
     def _is_low(self) -> bool:
         return self._numbered_below and self._title_below.endswith(DEGREES) and self.height() - self.legend.height < LOW
 
+    def minimumSizeHint(self) -> QSize:
+        """Size at which the curves have ``LEAST`` between the axes."""
+        width = EDGE + self._axes["left"].minimumWidth() + RIGHT_MARGIN
+        return QSize(LEAST.width() + ceil(width), self.least_height(self._numbered_below))
+
+    def least_height(self, numbered: bool) -> int:
+        """Height that ``minimumSizeHint`` has with numbers along the bottom, or without."""
+        top = self._axes["top"].minimumHeight() if "top" in self._axes else 0.0
+        below = self._height_below(numbered, low=self._title_below.endswith(DEGREES))
+        return LEAST.height() + ceil(self._above + self.legend.height + top + below + EDGE)
+
+    def _height_below(self, numbered: bool, low: bool) -> float:
+        """Height of the axis below, in a low plot over an angle or in another one."""
+        return sized(NUMBERS if low else BOTTOM_HEIGHT) if numbered else BARE
+
     def _size_axes(self) -> None:
         """Give the axes room for their numbers and titles."""
+        self.updateGeometry()
         self._axes["left"].setWidth(sized(LEFT_WIDTH))
-        below = NUMBERS if self._low else BOTTOM_HEIGHT if self._numbered_below else BARE
-        self._axes["bottom"].setHeight(sized(below) if self._numbered_below else below)
+        self._axes["bottom"].setHeight(self._height_below(self._numbered_below, self._low))
         if "top" in self._axes:
             self._axes["top"].setHeight(sized(TOP_HEIGHT))
 
@@ -453,6 +470,7 @@ class FixedPlot(pg.GraphicsView):
         layout = self._canvas.layout
         if layout.rowMinimumHeight(0) != self.legend.height:
             layout.setRowFixedHeight(0, self.legend.height)
+            self.updateGeometry()
         if self._low != self._is_low:
             self._show_below()
 
