@@ -292,9 +292,6 @@ def band_in(bands: Band, name: str, unit: float = 1.0) -> tuple[np.ndarray, np.n
     return closed_band(bands[name] / unit) if name in bands else None
 
 
-ROOMY = 260  # height from which the table has a plot above it, pixels
-
-
 class _TurnView(View):
     """Plots over the machine angle for all drives; slow results follow once editing pauses."""
 
@@ -311,7 +308,7 @@ class _TurnView(View):
         """Lay out a number of plots with common angles, and other widgets below them."""
         self.plots = tuple(CursorPlot(MACHINE_ANGLE) for _ in range(count))
         self.note = Note(SCREEN.quiet, margin=3)
-        splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        self.splitter = splitter = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         for number, plot in enumerate(self.plots, 1):
             plot.setToolTip(MACHINE_TIP)
             plot.show_numbers(number == count)
@@ -445,8 +442,11 @@ class ShaftFiguresView(_TurnView):
         self._show_speed_if_roomy()
 
     def _show_speed_if_roomy(self) -> None:
-        """Show the plot of the speed where it leaves room for the table."""
-        self.speed.setVisible(self._has_speed and self.height() >= ROOMY)
+        """Show the plot of the speed where it leaves room for the rows of the table."""
+        table = self.table.height_of(self.table.rows.rowCount())
+        above = self.height() - table - self.splitter.handleWidth()
+        self.speed.setVisible(self._has_speed and above >= self.speed.minimumSizeHint().height())
+        self.splitter.setSizes([above, table])
 
     def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
@@ -457,7 +457,6 @@ class ShaftFiguresView(_TurnView):
 
     def draw_later(self, shaft: Camshaft[Study]) -> None:
         self._has_speed = shaft.levels_torque
-        self._show_speed_if_roomy()
         try:
             if shaft.levels_torque:
                 band = band_in(self.bands.of_motor(), "camshaft_speed", RPM)
@@ -466,6 +465,7 @@ class ShaftFiguresView(_TurnView):
         except NoSolution as error:
             self.speed.show_message(reason(shaft.design, error))
         self.table.show_rows(figures(shaft))
+        self._show_speed_if_roomy()
 
 
 def figures(shaft: Camshaft[Study]) -> list[TableRow]:

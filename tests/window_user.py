@@ -268,6 +268,22 @@ class User:
         wait_for(lambda: view.up_to_date and view.on_screen())
         return view
 
+    def drag_width(self, name: str, width: int) -> None:
+        """Drag the edge between a dock at a side and the middle until the dock has this width."""
+        window: QWidget = self.window
+        dock = self.window.docks[name]
+        at_right = self.window.dockWidgetArea(dock) == Qt.DockWidgetArea.RightDockWidgetArea
+        box = dock.geometry()
+        edge = QPoint(box.left() - 3 if at_right else box.right() + 3, box.center().y())
+        end = edge + QPoint((box.width() - width) if at_right else (width - box.width()), 0)
+        QTest.mousePress(window, Qt.MouseButton.LeftButton, pos=edge)
+        for at in (edge + (end - edge) / 2, end):
+            QTest.mouseMove(window, at)
+            settle()
+        wait_for(lambda: abs(dock.width() - width) <= 1)
+        QTest.mouseRelease(window, Qt.MouseButton.LeftButton, pos=end)
+        settle()
+
     def drag(self, start: complex, end: complex) -> None:
         """Draw with the left button from one place of the drawing to another [mm]."""
         canvas = self.drawing().canvas

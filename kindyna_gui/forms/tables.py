@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 EDGE = 4  # pixels around a text across several columns
 LEADING = 5  # pixels between the lines of a table
+LEAST_ROWS, MOST_LEAST_HEIGHT = 3, 160  # rows, or all where there are fewer, at which it can be read; at most [pixels]
 LEAST_WIDE = 110  # width of a column that takes the remaining width, below which its texts cannot be read [pixels]
 
 # -- Copy takes the full table to the clipboard, for a spreadsheet ---------------------------------------
@@ -421,6 +422,7 @@ class RowsTable(QTableView):
         self.rows = RowsModel(headings)
         self.rows.setParent(self)
         self.setAccessibleName(", ".join(heading.title for heading in headings if heading.title))
+        self._least_height = 0  # for ``LEAST_ROWS``
         self._widths: dict[int, tuple[int, int]] = {}  # column -> width of its widest text, and the width it needs
         self.setModel(self.rows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
@@ -485,6 +487,15 @@ class RowsTable(QTableView):
         """The number of the current row that can be explained."""
         current = self.currentIndex().row()
         return self.rows.rows[current].number if 0 <= current < len(self.rows.rows) else None
+
+    def height_of(self, rows: int) -> int:
+        """Height of the headings and the first rows, at most all [pixels]."""
+        heights = (self.rowHeight(row) for row in range(min(rows, self.rows.rowCount())))
+        heading = 0 if self.horizontalHeader().isHidden() else self.horizontalHeader().sizeHint().height()
+        return heading + sum(heights) + 2 * self.frameWidth()
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(super().minimumSizeHint().width(), self._least_height)
 
     def show_rows(self, rows: Sequence[TableRow]) -> None:
         """Show these rows, and keep the number of the current one."""
@@ -561,6 +572,10 @@ class RowsTable(QTableView):
         least = self.fontMetrics().height() + LEADING
         for number in range(len(self.rows.rows)):
             self.setRowHeight(number, max(self.sizeHintForRow(number), least))
+        least_height = min(self.height_of(LEAST_ROWS), MOST_LEAST_HEIGHT)
+        if least_height != self._least_height:
+            self._least_height = least_height
+            self.updateGeometry()
         self.rows_resized.emit()
 
     def scrollContentsBy(self, dx: int, dy: int) -> None:

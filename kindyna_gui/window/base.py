@@ -20,8 +20,10 @@ from kindyna_gui.rebuilt import fill, single_shot
 from kindyna_gui.requirements import NO_CAM
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
-from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, DockShares, least_size
+from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, least_size
 from kindyna_gui.window.status_line import PAUSE_MS, StatusLine
+
+FRAME = 4  # pixels of a tab widget around its pages
 
 # -- pages in the middle ---------------------------------------------------------------------------------
 
@@ -93,13 +95,11 @@ class CentralPages(QWidget):
         if isinstance(front, TabPage):
             front.build()
 
-    @property
-    def least(self) -> tuple[int, int]:
-        """Least width and height for the page in front, above the player bar."""
-        page = self.tabs.currentWidget()
-        width, height = least_size(VIEWS[page.name].least, page.view) if isinstance(page, TabPage) else (0, 0)
+    def least_with(self, name: str) -> tuple[int, int]:
+        """Least width and height with this page in front, above the player bar."""
+        width, height = least_size(VIEWS[name].least, self.page(name))
         tabs = self.tabs.tabBar().sizeHint().height() if self.tabs.count() > 1 else 0
-        return max(width, self.bar.minimumWidth()), height + tabs + self.bar.minimumHeight()
+        return max(width + FRAME, self.bar.minimumWidth()), height + FRAME + tabs + self.bar.minimumHeight()
 
     @property
     def open_pages(self) -> tuple[tuple[str, ...], str]:
@@ -174,7 +174,6 @@ class Window(QMainWindow):
     status: StatusLine
     centre: CentralPages
     docks: dict[str, Dock]
-    shares: DockShares
     actions_by_key: dict[str, QAction]
 
     @property

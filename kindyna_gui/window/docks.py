@@ -1,16 +1,16 @@
-"""The views of the window, the docks that show them, and the sizes of docks when the window is resized.
+"""The views of the window, and the docks that show them.
 
 ``VIEWS`` has one row for each view: title, constructor, side of the window, menu entry, tip, keys, page of the help.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import QPaintEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -19,7 +19,6 @@ from PySide6.QtWidgets import (
     QStyleOptionDockWidget,
     QStyleOptionFrame,
     QStylePainter,
-    QTabBar,
     QWidget,
 )
 
@@ -39,122 +38,7 @@ LEFT, RIGHT, TOP, BOTTOM = (
 )
 CENTRE = Area.NoDockWidgetArea  # no dock: a page in the middle of the window
 TAB = 26  # width of a tab beyond its text [pixels]
-NEAR = 8  # largest gap between a tab bar and its dock [pixels]
-FORMS = frozenset({"parameters"})
-"""Docks that need no more width in a large window; pictures do."""
 ANY_HEIGHT = (1 << 24) - 1  # Qt's QWIDGETSIZE_MAX
-
-# -- sizes of docks when the window is resized -------------------------------------------------------------
-
-# When a window shrinks, Qt squeezes its docks; when it grows, Qt widens only the middle: a column of plots would stay
-# narrow for ever.
-
-
-def _grown(size: int, then: int, now: int) -> int:
-    return round(size * now / then)
-
-
-def _same(size: int, then: int, now: int) -> int:
-    return size
-
-
-@frozen
-class ResizeRule:
-    """Width and height of a side's docks after a resize, each from its size and the window's size then and now."""
-
-    across: Callable[[int, int, int], int]
-    upwards: Callable[[int, int, int], int]
-
-
-RULES: Mapping[Area, ResizeRule] = MappingProxyType(
-    {
-        LEFT: ResizeRule(_grown, _grown),
-        RIGHT: ResizeRule(_grown, _grown),
-        TOP: ResizeRule(_grown, _same),
-        BOTTOM: ResizeRule(_grown, _same),
-    }
-)
-
-
-class DockShares(QObject):
-    """Notes the sizes of docks when the user changes them, and restores their proportions when the window is resized."""
-
-    def __init__(self, window: QMainWindow, docks: Iterable[QDockWidget]) -> None:
-        super().__init__(window)
-        self._window, self._docks = window, tuple(docks)
-        self._sizes: dict[str, QSize] = {}
-        self._noted, self._seen = QSize(), QSize()  # sizes of the window: at the note, and at the last check
-        self._echo = False
-        self.refit: Callable[[], bool] = lambda: False
-        """Lays out the docks for another size of the window; False: their proportions are restored."""
-        self._late = single_shot(self, self._settle)
-        window.installEventFilter(self)
-        for dock in self._docks:
-            dock.installEventFilter(self)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if event.type() in (QEvent.Type.Resize, QEvent.Type.Show, QEvent.Type.Hide):
-            self._late.start()
-        return super().eventFilter(watched, event)
-
-    @property
-    def noted_sizes(self) -> tuple[Mapping[str, QSize], QSize]:
-        """Sizes of docks that the user last saw, by name, and the size of the window at that time."""
-        if self._noted == self._seen == self._window.size():  # tabs may have been added since
-            self._sizes = {name: self._size(dock) for name, dock in self._front().items()}
-        return self._sizes, self._noted
-
-    def set_sizes(self, sizes: Mapping[str, QSize], window: QSize) -> None:
-        """Take these sizes of docks, valid for a window of this size, as those to restore."""
-        self._sizes, self._noted, self._seen = dict(sizes), window, QSize()
-        self._echo = False
-        self._late.start()
-
-    def _front(self) -> dict[str, QDockWidget]:
-        """Visible docks that are not floating, by name."""
-        return {dock.objectName(): dock for dock in self._docks if not dock.isFloating() and is_in_sight(dock)}
-
-    def _settle(self) -> None:
-        """Restore the sizes of docks if the window's size has changed, else note them; called once Qt has laid them out."""
-        if not self._window.isVisible():
-            return
-        front, size = self._front(), self._window.size()
-        grown = size != self._seen
-        is_by_rule = grown and self.refit()
-        self._seen = size
-        if self._sizes.keys() != front.keys():
-            grown = self._echo = False
-        if is_by_rule:
-            self._late.start()
-        elif grown:
-            self._restore(front)
-            self._echo = True  # the docks report the sizes that they have just received
-            self._late.start()
-        elif self._echo:
-            self._echo = False
-        else:
-            self._sizes = {name: self._size(dock) for name, dock in front.items()}
-            self._noted = size
-
-    def _size(self, dock: QDockWidget) -> QSize:
-        """Size of a dock including its tab bar, as ``resizeDocks`` counts it."""
-        box = dock.geometry()
-        bars = self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
-        visible = [bar.geometry() for bar in bars if bar.isVisible()]
-        above = [tabs for tabs in visible if tabs.left() == box.left() and 0 < box.top() - tabs.bottom() < NEAR]
-        return QSize(box.width(), box.bottom() + 1 - min([tabs.top() for tabs in above], default=box.top()))
-
-    def _restore(self, front: Mapping[str, QDockWidget]) -> None:
-        then, now = self._noted, self._window.size()
-        for area, rule in RULES.items():
-            docks = [dock for dock in front.values() if self._window.dockWidgetArea(dock) == area]
-            sizes = [self._sizes[dock.objectName()] for dock in docks]
-            form = rule.upwards is _grown and any(dock.objectName() in FORMS for dock in docks)
-            across = [(_same if form else rule.across)(size.width(), then.width(), now.width()) for size in sizes]
-            upwards = [rule.upwards(size.height(), then.height(), now.height()) for size in sizes]
-            self._window.resizeDocks(docks, across, ACROSS)
-            self._window.resizeDocks(docks, upwards, UPWARDS)
-
 
 # -- rows of the views -----------------------------------------------------------------------------------
 
@@ -279,7 +163,8 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             help="stability#What you see"),
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, "Lo&g", "Show the error log", least=(400, 120),
             help="tour#If something fails"),
-        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, least=(388, 185), help="tour#Change it", short="Param."),
+        "parameters": ViewRow("Parameters", lazily("motion.inspector", "inspector"), RIGHT, least=(388, 185), help="tour#Change it",
+            short="Param."),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT,
             "&Motion table", "Edit the segments of the motion: law, span, rise", least=(384, 480), keys="Ctrl+M", help="making#By mouse"),
         "drives": ViewRow("Drives", lazily("drives_view", "DrivesView"), LEFT,
@@ -316,7 +201,8 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "torque": _plot("Torque", ("drive_torque", "motor_torque", "linear_motor_torque"),
             "&Torque", "Plot the torque at the camshaft, with and without flywheel", help="tour#Plots, in the tasks"),
         "camshaft_speed": _plot("Camshaft speed", ("camshaft_speed",),
-            "Camshaft &speed", "Plot the camshaft speed over the cam angle, smoothed by the flywheel", help="tour#Camshaft speed", short="Speed"),
+            "Camshaft &speed", "Plot the camshaft speed over the cam angle, smoothed by the flywheel", help="tour#Camshaft speed",
+            short="Speed"),
         "contact_force": _plot("Contact force", ("contact_force", "second_contact_force", "elastic_contact_force"),
             "&Contact force", "Plot the force between follower and cam", help="tour#Plots, in the tasks", short="Force"),
         "contact_pressure": _plot("Contact pressure", ("contact_pressure", "second_contact_pressure"),

@@ -1,16 +1,16 @@
 """The layouts of the window: one for each task, restored as the user left it, and those saved under a name.
 
-A task is laid out by the rule of ``room`` when it is first shown, when a view is called, when the window has another size
-and when the design is of another kind. Once the user has changed a layout with the mouse, it keeps its proportions until a
-view is called. Showing a task moves docks and pages and does nothing else: visible views update themselves, hidden ones
-wait.
+A task is laid out by the rule of ``room`` whenever it is shown, a view is called or closed, and the window or the content of
+a view has another size. What the user changes with the mouse is the arrangement that the rule then follows, until the layout
+is reset. Showing a task moves docks and pages and does nothing else: visible views update themselves, hidden ones wait.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
-from PySide6.QtCore import QObject, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtWidgets import QToolBar
 
 from core.design import Design, motion_of
@@ -18,13 +18,15 @@ from kindyna_gui.rebuilt import is_in_sight, single_shot
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.docks import LEFT, VIEWS, Dock
+from kindyna_gui.window.docks import VIEWS, Dock
+from kindyna_gui.window.hand import docks_in_sight, task_by_hand
 from kindyna_gui.window.room import COLUMNS, Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, TASKS, Task
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 SMALL = QSize(200, 100)  # size of a dock before it is laid out, else Qt would count its previous size
-NEAR = 3  # pixels by which Qt may miss the size of a dock
+SHOWN = {QEvent.Type.Show: False, QEvent.Type.Hide: True}
+"""Event of a dock -> whether the dock is hidden then; Qt sends both also where only its window, or a tab, is shown."""
 
 
 def first_task(design: Design) -> str:
@@ -43,20 +45,72 @@ class Layouts(QObject):
     def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._docks, self._centre = window, window.docks, window.centre
-        self._shares, self._settings = window.shares, window.settings
+        self._settings = window.settings
         self._last: dict[str, TaskLayout] = {}  # layouts of this run, by task
         self._plans: dict[str, Plan] = {}  # those that the rule has laid out, by task
-        self._sizes: dict[str, tuple[Mapping[str, QSize], QSize]] = {}
+        self._opened_then: dict[str, tuple[list[str], list[str]]] = {}  # docks open and in front when a task was left
+        self._by_hand: dict[str, Task] = {}  # arrangements by the user, by task
+        self._pages_behind: dict[str, str] = {}  # pages that gave way to the mechanism for want of room, by task
         self._kinds: dict[str, tuple[bool, bool]] = {}  # whether a task is laid out for a linkage, for several drives
         self.current = ""
         self._inspector = INSPECTOR  # width of the parameters in every task; the user may have changed it
-        self._is_laying = False  # whether pages are being set, before the docks are laid out
+        self._is_laying = False  # whether docks or pages are being laid out here
+        self._is_furnished = False  # whether docks have been raised
         self._begun = False  # whether the window has been shown, or has its size of the last run
+        self._grabbed: dict[str, QSize] = {}  # sizes of docks when the mouse was pressed on an edge
         self._soon = single_shot(self, self.refit)
-        self._shares.refit = self.refit
+        self._released = single_shot(self, self._take_dragged)
+        self._moved = single_shot(self, self._take_by_hand)
+        self._restored = single_shot(self, self._take_restored)
         self._centre.tabs.currentChanged.connect(self._make_room)
+        window.installEventFilter(self)
         for dock in self._docks.values():
             dock.need_changed.connect(self._soon.start)
+            dock.installEventFilter(self)
+            dock.dockLocationChanged.connect(self._dock_moved)
+            dock.topLevelChanged.connect(self._dock_moved)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is not self._window:
+            if not self._is_laying and SHOWN.get(event.type()) == watched.isHidden():  # type: ignore[attr-defined]
+                self._soon.start()
+        elif event.type() == QEvent.Type.Resize:
+            self._soon.start()
+        elif event.type() == QEvent.Type.MouseButtonPress:  # only the edges of docks leave it to the window
+            self._grabbed = self._sizes
+        elif event.type() == QEvent.Type.MouseButtonRelease:
+            self._released.start()
+        return super().eventFilter(watched, event)
+
+    # -- changes by the user ----------------------------------------------------------------------------------
+
+    @property
+    def _sizes(self) -> dict[str, QSize]:
+        return {dock.objectName(): dock.size() for dock in docks_in_sight(self._window)}
+
+    def _take_dragged(self) -> None:
+        """Take the arrangement where the user has dragged the edge of a dock."""
+        if self._sizes != self._grabbed:
+            self._take_by_hand()
+
+    def _dock_moved(self, *_: object) -> None:
+        if not self._is_laying:
+            self._moved.start()
+
+    def _take_by_hand(self) -> None:
+        """Take what the user sees as the arrangement of the current task."""
+        if not self._window.isVisible():
+            return
+        row, forms = self._row, self._docks["parameters"]
+        if is_in_sight(forms) and not forms.isFloating():
+            self._inspector = forms.width()
+        self._by_hand[self.current] = task_by_hand(self._window, row, QSize(*self._size()))
+        self._plans[self.current] = self._plan(self._opened, self._in_front, "", self._centre.open_pages[1])
+
+    def _take_restored(self) -> None:
+        """Take the arrangement of an earlier run, and lay it out by the rule."""
+        self._take_by_hand()
+        self.refit()
 
     # -- from run to run ------------------------------------------------------------------------------------
 
@@ -69,7 +123,6 @@ class Layouts(QObject):
         self.current = last if is_usable else first_task(design)
         self._arrange()  # Qt restores only docks that were laid out before
         if self._settings.layout(self.current) is not None:
-            del self._plans[self.current]
             self._lay()
         self.changed.emit(self.current)
 
@@ -82,8 +135,8 @@ class Layouts(QObject):
 
     @property
     def _row(self) -> Task:
-        """The current task, for a window of this width."""
-        return TASKS[self.current].at(self._window.width())
+        """The current task as the user has arranged it, or for a window of this width."""
+        return self._by_hand.get(self.current) or TASKS[self.current].at(self._window.width())
 
     # -- tasks ----------------------------------------------------------------------------------------------
 
@@ -96,52 +149,35 @@ class Layouts(QObject):
         self._note()
         self.current = task
         self._lay()
-        if task in self._sizes and task not in self._plans:
-            sizes, window = self._sizes[task]
-            self._shares.set_sizes(self._with_width(sizes), window)
         self.changed.emit(task)
 
     def _note(self) -> None:
         """Note the layout of the current task."""
-        self._sizes[self.current] = self._shares.noted_sizes
-        if self._is_by_hand:
-            self._plans.pop(self.current, None)
-            forms = self._docks["parameters"]
-            if is_in_sight(forms) and not forms.isFloating():
-                self._inspector = forms.width()
+        for pending in (self._moved, self._restored):
+            if pending.isActive():
+                pending.stop()
+                self._take_by_hand()
+        if self._window.isVisible():
+            self._opened_then[self.current] = self._opened, self._in_front
         self._last[self.current] = TaskLayout(
             self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
         )
 
-    def _with_width(self, sizes: Mapping[str, QSize]) -> Mapping[str, QSize]:
-        """Return sizes of docks in which the parameters have their width of the previous task."""
-        then = sizes.get("parameters")
-        if then is None:
-            return sizes
-        area, wider = self._window.dockWidgetArea(self._docks["parameters"]), self._inspector - then.width()
-        side, change = (area, wider) if area in COLUMNS else (LEFT, -wider)
-        changed = {name for name in sizes if self._window.dockWidgetArea(self._docks[name]) == side}
-        return {
-            name: QSize(max(size.width() + change * (name in changed), 1), size.height())
-            for name, size in sizes.items()
-        }
-
     def _lay(self) -> None:
         """Lay out the current task as it was left, for this window and design."""
-        layout, plan = (
-            self._last.get(self.current) or self._settings.layout(self.current),
-            self._plans.get(self.current),
-        )
-        if layout is not None and plan is not None:
-            names = self._names_now(plan)
-            self._hide_others(names)
-            self._set_pages(layout.pages, layout.front)
-            self._apply(names, plan.fronts)
-        elif layout is None or not self._restore(layout):
-            self._arrange()
-        else:
-            self._kinds[self.current] = (layout.links, layout.several)
-        self._show_kind_docks()
+        layout = self._last.get(self.current) or self._settings.layout(self.current)
+        with self._laying():
+            if layout is not None and self.current in self._opened_then:
+                opened, fronts = self._opened_then[self.current]
+                names = self._names_now(self._plans[self.current].task, opened)
+                self._hide_others(names)
+                self._set_pages(layout.pages, layout.front)
+                self._apply(names, fronts)
+            elif layout is None or not self._restore(layout):
+                self._arrange()
+            else:
+                self._kinds[self.current] = (layout.links, layout.several)
+            self._show_kind_docks()
 
     def _restore(self, layout: TaskLayout) -> bool:
         """Restore docks and pages; False where the layout is damaged.
@@ -149,15 +185,24 @@ class Layouts(QObject):
         Pages, and docks that no group names, are hidden first: Qt counts their sizes until all docks are laid out, and
         they would enlarge the window.
         """
-        self._plans.pop(self.current, None)
-        self._set_pages(tuple(name for name in layout.pages if name in VIEWS), layout.front)
-        self._hide_others({name for group in self._row.groups for name in (*group.names, *group.more)})
-        return self._window.restoreState(layout.state, self._settings.VERSION)
+        for kept in (self._by_hand, self._pages_behind, self._plans, self._opened_then):
+            kept.pop(self.current, None)
+        with self._laying():
+            self._set_pages(tuple(name for name in layout.pages if name in VIEWS), layout.front)
+            self._hide_others({name for group in self._row.groups for name in (*group.names, *group.more)})
+            self._restored.start()
+            return self._window.restoreState(layout.state, self._settings.VERSION)
 
     def _set_pages(self, names: Sequence[str], front: str) -> None:
-        self._is_laying = True
-        self._centre.set_pages(names, front)
-        self._is_laying = False
+        with self._laying():
+            self._centre.set_pages(names, front)
+
+    @contextmanager
+    def _laying(self) -> Iterator[None]:
+        """What happens to docks and pages within is no change by the user."""
+        before, self._is_laying = self._is_laying, True
+        yield
+        self._is_laying = before
 
     def _hide_others(self, names: Collection[str]) -> None:
         """Hide all docks but these before pages with other least sizes are shown: together they could widen the window."""
@@ -183,10 +228,12 @@ class Layouts(QObject):
         if task not in TASKS:
             raise ValueError("this version has no such task")
         self._note()
+        before, self.current = self.current, task
         restored = self._restore(layout)
         if restored:
-            self._last[task], self.current = layout, task
-            self._plans.pop(task, None)
+            self._last[task] = layout
+        else:
+            self.current = before
         self._lay()
         if not restored:
             raise ValueError("it is damaged")
@@ -197,17 +244,20 @@ class Layouts(QObject):
 
     def _arrange(self) -> None:
         """Lay out the current task for the first time."""
+        for kept in (self._by_hand, self._pages_behind):
+            kept.pop(self.current, None)
         row, self._kinds[self.current] = self._row, self._kinds_of_design
-        for dock in self._docks.values():
-            if dock.isFloating():
-                dock.setFloating(False)
-            self._window.removeDockWidget(dock)
-            dock.resize(SMALL)
-        self._set_pages(row.pages, row.pages[-1])
-        kinds = zip(self._kinds[self.current], row.kind_docks, strict=True)
-        of_kind = [name for is_kind, names in kinds if is_kind for name in names]
-        first = [name for group in row.groups for name in group.names]
-        self._apply((*of_kind, *first), self._fronts((*of_kind, *first)))
+        with self._laying():
+            for dock in self._docks.values():
+                if dock.isFloating():
+                    dock.setFloating(False)
+                self._window.removeDockWidget(dock)
+                dock.resize(SMALL)
+            self._set_pages(row.pages, row.pages[-1])
+            kinds = zip(self._kinds[self.current], row.kind_docks, strict=True)
+            of_kind = [name for is_kind, names in kinds if is_kind for name in names]
+            first = [name for group in row.groups for name in group.names]
+            self._apply((*of_kind, *first), self._fronts((*of_kind, *first)))
 
     def _fronts(self, names: Iterable[str]) -> list[str]:
         """The first of these docks in each group."""
@@ -216,21 +266,24 @@ class Layouts(QObject):
 
     def _apply(self, names: Iterable[str], fronts: Collection[str], called: str = "") -> None:
         """Open these docks, with room for the one, or the page in the middle, that has just been called."""
-        needs = {name: dock.need() for name, dock in self._docks.items()}
-        names, size = tuple(dict.fromkeys(names)), self._size()
-
-        def planned() -> Plan:
-            least, forms = self._centre.least, self._inspector
-            return plan_docks(self._row, needs, least, size, names, in_front=fronts, called=called, forms=forms)
-
-        plan = planned()
+        pages, page = self._centre.open_pages
+        wanted = self._pages_behind.get(self.current, page) if page == "mechanism" else page
+        plan = self._plan(names, fronts, called, wanted)
         if not plan.fits and called in self._docks:
-            self._set_pages(self._centre.open_pages[0], "mechanism")  # it needs least room
-            plan = planned()
-        if not self._is_at(plan):
-            self._move(plan)
-        self._plans[self.current] = plan
-        self._resize()
+            self._pages_behind[self.current], wanted = wanted, "mechanism"  # it needs least room
+            plan = self._plan(names, fronts, called, wanted)
+        with self._laying():
+            if wanted in pages and wanted != page:
+                self._set_pages(pages, wanted)
+            if not self._is_at(plan):
+                self._move(plan)
+            self._plans[self.current] = plan
+            self._resize()
+
+    def _plan(self, names: Iterable[str], fronts: Collection[str], called: str, page: str) -> Plan:
+        needs, opened = {name: dock.need() for name, dock in self._docks.items()}, tuple(dict.fromkeys(names))
+        least, size, forms = self._centre.least_with(page), self._size(), self._inspector
+        return plan_docks(self._row, needs, least, size, opened, in_front=fronts, called=called, forms=forms)
 
     def _size(self) -> tuple[int, int]:
         """Size of docks and middle: of the window without menus, toolbars and status line."""
@@ -263,6 +316,7 @@ class Layouts(QObject):
             for dock in docks[1:]:
                 window.tabifyDockWidget(docks[0], dock)
             for dock in docks:
+                dock.show_title(len(rows.get(index, ())) < 2)  # at once: Qt would count it with the tabs
                 dock.setVisible(dock.objectName() in opened)
         self._raise_fronts(plan)
 
@@ -292,47 +346,44 @@ class Layouts(QObject):
     def _in_front(self) -> list[str]:
         return [name for name in self._opened if is_in_sight(self._docks[name])]
 
-    @property
-    def _is_by_hand(self) -> bool:
-        """Whether the docks that the user last saw have other sizes than the rule has given them."""
-        plan, (noted, _) = self._plans.get(self.current), self._shares.noted_sizes
-        if plan is None or len(noted) != len(plan.groups) or not noted.keys() <= plan.sizes.keys():
-            return True
-        laid = ((noted[name], plan.sizes[name]) for name in noted)
-        return any(abs(now.width() - w) > NEAR or abs(now.height() - h) > NEAR for now, (w, h) in laid)
-
-    def refit(self, *, page_called: bool = False) -> bool:
-        """Lay out the docks anew for the size of the window and of their content; False in a layout by hand.
+    def refit(self, *, page_called: bool = False) -> None:
+        """Lay out the docks anew for the size of the window and of their content, and for docks just shown or closed.
 
         ``page_called``: the page in front has just been called, which no dock called before sends to the back.
         """
-        if self._is_by_hand:
-            return False
-        plan, in_front, page = self._plans[self.current], set(self._in_front), self._centre.open_pages[1]
+        plan = self._plans.get(self.current)
+        if plan is None or not self._window.isVisible():
+            return
+        placed, opened = {name for group in plan.groups for name in group.names}, self._opened
+        names = [name for name in plan.names if name in opened or name not in placed]
+        in_front, page, shown = set(self._in_front), self._centre.open_pages[1], set(opened) - placed
         is_dock_called = plan.called in in_front and not page_called
         called = plan.called if is_dock_called else "" if page in self._row.pages else page
         fronts = [
             g.front if g.front in in_front else next((n for n in g.names if n in in_front), g.front)
             for g in plan.groups
         ]
-        self._apply(self._names_now(plan), fronts, called)
-        return True
+        fronts = fronts if self._is_furnished else list(plan.fronts)
+        self._apply((*self._names_now(plan.task, names), *shown), fronts, next(iter(shown), called))
 
-    def _names_now(self, plan: Plan) -> list[str]:
-        """Docks of a plan, with those that a window of this width opens at first in place of those of its width."""
-        then, now = ([name for group in row.groups for name in group.names] for row in (plan.task, self._row))
-        return [name for name in plan.names if name in now or name not in then] + [n for n in now if n not in then]
+    def _names_now(self, then: Task, names: Sequence[str]) -> list[str]:
+        """Open docks of a task, with those that a window of this width opens at first in place of those of its width then."""
+        before, now = ([name for group in row.groups for name in group.names] for row in (then, self._row))
+        return [name for name in names if name in now or name not in before] + [n for n in now if n not in before]
 
     def shown(self) -> None:
         """Lay out the docks for the size in which the window is first shown."""
-        if not self._begun:
-            self._begun = True
+        if self.current not in self._plans:
+            self._restored.start()
+        elif not self._begun:
             plan = self._plans[self.current]
             closed = {name for name in plan.names if self._docks[name].isHidden()}
-            self._apply([name for name in self._names_now(plan) if name not in closed], plan.fronts)
+            self._apply([name for name in self._names_now(plan.task, plan.names) if name not in closed], plan.fronts)
+        self._begun = True
 
     def furnish(self) -> None:
         """Raise the front docks of a first layout; Qt ignores it before the docks are shown."""
+        self._is_furnished = True
         if self.current in self._plans:
             self._raise_fronts(self._plans[self.current])
 
@@ -346,11 +397,9 @@ class Layouts(QObject):
 
     def _make_room(self) -> None:
         """Give the middle the size that the page needs which has come to the front."""
-        if self._is_laying or not self._window.isVisible() or self.refit(page_called=True):
-            return
-        least, now = self._centre.least, self._centre.size()
-        if least[0] > now.width() or least[1] > now.height():
-            self._apply(self._opened, self._in_front, called=self._centre.open_pages[1])
+        if not self._is_laying:
+            self._pages_behind.pop(self.current, None)
+            self.refit(page_called=True)
 
     # -- kinds of design ------------------------------------------------------------------------------------
 

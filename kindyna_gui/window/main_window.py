@@ -40,7 +40,7 @@ from kindyna_gui.view import ExplainableNumber, View
 from kindyna_gui.window import menus
 from kindyna_gui.window.actions import DesignActions
 from kindyna_gui.window.base import CentralPages, Titles, Window
-from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, DockShares
+from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
 from kindyna_gui.window.faults import Faults
 from kindyna_gui.window.layouts import Layouts
 from kindyna_gui.window.status_line import StatusLine
@@ -130,7 +130,6 @@ class MainWindow(Window):
         self.status.insertPermanentWidget(0, self.disk)
         self.titles = Titles(self)
         self.resize(first_size(self.screen().availableGeometry().size()))
-        self.shares = DockShares(self, self.docks.values())
         self.tabs = WindowTabs(self)
         self.layouts = Layouts(self)
         self.task_layers = TaskLayers(self)

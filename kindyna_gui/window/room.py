@@ -211,23 +211,27 @@ class _Room:
     def _fits(self, placed: list[Names], with_tabs: bool) -> bool:
         width, height = self._size
         sides = {area: self._side(placed, area) for area in (*COLUMNS, *ROWS)}
-        middle = self._middle(placed)
         columns = [across for area in COLUMNS if (across := sides[area][0])]
         rows = [across for area in ROWS if (across := sides[area][0])]
         for area in COLUMNS:
             wide = max((self._least(placed[i], area, with_tabs)[0] for i in self._indices(placed, area)), default=0)
             if wide > sides[area][0]:  # the parameters stand there
                 return False
-        at_edge = sides[LEFT][0] and not sides[RIGHT][0]  # the parameters are at the right of the window in every task
-        if self._has_forms(placed, LEFT) or (
-            self._forms_in_row(placed) and (middle > self._forms + NEAR or not at_edge)
-        ):
-            return False
         return (
-            sum(columns) + middle + SEPARATOR * len(columns) <= width
+            self._are_forms_in_place(placed)
+            and sum(columns) + self._middle(placed) + SEPARATOR * len(columns) <= width
             and sum(rows) + self._page[1] + SEPARATOR * len(rows) <= height
             and all(sides[area][1] <= height for area in COLUMNS)
         )
+
+    def _are_forms_in_place(self, placed: list[Names]) -> bool:
+        """Whether the parameters are at the right of the window, and as wide as in every task, or where the user put them."""
+        if self._task.by_hand:
+            return True
+        if not self._forms_in_row(placed):
+            return not self._has_forms(placed, LEFT)
+        is_at_edge = self._indices(placed, LEFT) and not self._indices(placed, RIGHT)
+        return bool(is_at_edge) and self._middle(placed) <= self._forms + NEAR
 
     # -- sizes ------------------------------------------------------------------------------------------------
 

@@ -69,7 +69,9 @@ class TabList(QToolButton):
         """Show the tabs that have room, and this list for the others; ``names``: full names, which are the tips."""
         bar = self.bar
         shown = fitting_tabs(self._widths, bar.width(), bar.currentIndex())
-        for number in sorted(range(bar.count()), key=lambda number: number not in shown):  # the front one is never hidden
+        for number in sorted(
+            range(bar.count()), key=lambda number: number not in shown
+        ):  # the front one is never hidden
             bar.setTabToolTip(number, names[number])
             if bar.isTabVisible(number) != (number in shown):
                 bar.setTabVisible(number, number in shown)
@@ -104,8 +106,9 @@ class WindowTabs(QObject):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if isinstance(event, QChildEvent):
-            if event.type() == QEvent.Type.ChildPolished and isinstance(event.child(), QTabBar):
-                self._follow(event.child())
+            child = event.child()
+            if event.type() == QEvent.Type.ChildPolished and isinstance(child, QTabBar):
+                self._follow(child)
         elif event.type() in RELAID:
             self._soon.start()
         return super().eventFilter(watched, event)

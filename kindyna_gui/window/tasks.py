@@ -97,6 +97,8 @@ class Task:
         Layers of the drawing shown at first in this task.
     wide, wide_sides : as groups, sides
         Used in windows at least ``wide_from`` pixels wide; empty: as in others.
+    by_hand : bool
+        Whether the user has arranged it.
     """
 
     title: str
@@ -112,6 +114,7 @@ class Task:
     wide: tuple[DockGroup, ...] = ()
     wide_sides: Mapping[Area, DockExtent] = field(default_factory=lambda: DEFAULT_SIDES)
     wide_from: int = WIDE
+    by_hand: bool = False
 
     def at(self, width: int) -> Task:
         """Return the task for a window of this width."""

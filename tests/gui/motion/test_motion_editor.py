@@ -386,7 +386,7 @@ def test_plots_below_the_diagram_are_read_only_after_they_are_drawn(
     view = user.motion()
     user.window.docks["motion"].setFloating(True)
     user.window.docks["motion"].resize(1000, 900)
-    wait_for(lambda: view.derivatives.shows_plots)
+    wait_for(lambda: view.derivatives.shown)
     settle()
     lines: list[str] = []
     for name in ("set_curves", "set_angle"):

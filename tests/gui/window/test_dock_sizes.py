@@ -1,10 +1,10 @@
 """kindyna_gui.window.docks: docks keep their part of the window when it shrinks and grows."""
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
-from window_user import Open, User, settle, wait_for
+from window_user import Open, User, settle
+
+from kindyna_gui.window.docks import LEFT
+from kindyna_gui.window.tasks import TASKS
 
 NAMES = ("parameters", "displacement", "pressure_angle", "torque", "findings")
 
@@ -50,27 +50,17 @@ def test_plots_take_their_part_of_a_larger_window_and_forms_what_they_need(user:
     before = sizes(user)
     resize(user, 1900, 1000)
     after = sizes(user)
-    assert after["displacement"][0] == pytest.approx(before["displacement"][0] * 1900 / 1440, abs=2)
+    assert after["displacement"][0] == pytest.approx(TASKS["graph"].sides[LEFT].part * 1900, abs=2)
     assert after["parameters"][0] == before["parameters"][0]
     assert after["findings"][1] == before["findings"][1]
 
 
 @pytest.mark.stress
 def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
-    """Between the plots and the drawing the mouse takes the edge and draws it to the right."""
-    window: QWidget = user.window
     dock = user.window.docks["pressure_angle"]
-    edge = QPoint(dock.geometry().right() + 3, dock.geometry().center().y())
-    before = dock.width()
-    QTest.mousePress(window, Qt.MouseButton.LeftButton, pos=edge)
-    for step in (20, 60, 100):
-        QTest.mouseMove(window, edge + QPoint(step, 0))
-        wait_for(lambda wide=before + step: dock.width() >= wide - 6)  # type: ignore[misc]
-    QTest.mouseRelease(window, Qt.MouseButton.LeftButton, pos=edge + QPoint(100, 0))
-    for _ in range(3):
-        settle()
-    drawn = dock.width()
-    assert drawn == pytest.approx(before + 100, abs=6)
+    drawn = dock.width() + 100
+    user.drag_width("pressure_angle", drawn)
+    assert dock.width() == pytest.approx(drawn, abs=1)
     resize(user, 1100, 700)
     assert dock.width() < drawn
     resize(user, 1440, 900)
@@ -100,7 +90,7 @@ def test_the_first_layout_comes_back_from_the_menu(user: User) -> None:
         return [user.window.docks[name].width() for name in names]
 
     before = widths()
-    user.window.resizeDocks([user.window.docks["findings"]], [560], Qt.Orientation.Horizontal)
+    user.drag_width("findings", 560)
     for _ in range(3):
         settle()
     assert user.window.docks["findings"].width() == 560

@@ -237,7 +237,7 @@ def test_each_task_shows_its_large_view_at_half_of_the_window_and_the_parameters
             shows_half(user, name, size)
         if name == "study" and size == USUAL:
             wide = 450
-            user.window.resizeDocks([user.window.docks["study"]], [size[0] - wide - 5], Qt.Orientation.Horizontal)
+            user.drag_width("study", size[0] - wide - 5)
             rest(user)
 
 
@@ -325,17 +325,17 @@ def test_sections_and_scroll_are_remembered_for_each_drive(open_user: Open) -> N
 def test_figures_of_a_shaft_are_read_in_a_small_window(open_user: Open) -> None:
     user = open_user(example("transfer_unit"), size=SMALL, whole=True)
     press(user, "dyna")
-    wait_for(lambda: user.window.view("shaft_figures") is not None)
-    table = user.window.view("shaft_figures").table  # type: ignore[union-attr]
-    wait_for(lambda: table.model().rowCount() == 6)
-    assert user.window.size().toTuple() == SMALL
-    assert sum(map(table.rowHeight, range(6))) <= table.viewport().height(), "four drives, their shaft and its motor"
     drives = user.window.view("drives").table  # type: ignore[union-attr]
     assert sum(map(drives.rowHeight, range(4))) <= drives.viewport().height()
     for plot in user.window.view("shaft_torque").plots:  # type: ignore[union-attr]
-        assert plot.getViewBox().height() > 50.0
+        assert plot.getViewBox().height() >= 80.0
     for name in ("drives", "shaft_torque", "timing"):
         assert user.window.view(name).on_screen(), name  # type: ignore[union-attr]
+    table = user.see("shaft_figures").table  # type: ignore[attr-defined]
+    wait_for(lambda: table.model().rowCount() == 6)
+    rest(user)
+    assert sum(map(table.rowHeight, range(6))) <= table.viewport().height(), "four drives, their shaft and its motor"
+    assert user.window.size().toTuple() == SMALL
 
 
 @pytest.mark.stress
@@ -365,7 +365,7 @@ def test_each_task_is_found_as_it_was_left_also_in_the_next_session(open_user: O
         press(user, name)
         if name == "compo":
             user.window.docks["pressure_angle"].close()
-            user.window.resizeDocks([user.window.docks["parameters"]], [470], Qt.Orientation.Horizontal)
+            user.drag_width("parameters", 470)
         if name == "kine":
             user.choose("Kine", "Velocity")
             user.choose("Make", "Law table")
@@ -532,7 +532,7 @@ def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis
     assert user.window.player.theta == pytest.approx(1.5708, abs=0.03)
     user.window.docks["motion"].setFloating(True)
     user.window.docks["motion"].resize(384, 420)
-    wait_for(lambda: not view.derivatives.shows_plots)
+    wait_for(lambda: not view.derivatives.shown)
     before = view.derivatives.plots[0].angle
     user.turn(200.0)
     assert view.derivatives.plots[0].angle == before, "what cannot be seen rests"
