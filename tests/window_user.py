@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
-from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt, QTimer, QTimerEvent
+from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, QRect, Qt, QTimer, QTimerEvent
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractItemView, QApplication, QMenu, QMessageBox, QWidget
@@ -277,7 +277,7 @@ class User:
         edge = QPoint(box.left() - 3 if at_right else box.right() + 3, box.center().y())
         end = edge + QPoint((box.width() - width) if at_right else (width - box.width()), 0)
         QTest.mousePress(window, Qt.MouseButton.LeftButton, pos=edge)
-        for at in (edge + (end - edge) / 2, end):
+        for at in (QRect(edge, end).center(), end):
             QTest.mouseMove(window, at)
             settle()
         wait_for(lambda: abs(dock.width() - width) <= 1)

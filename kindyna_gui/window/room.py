@@ -155,9 +155,10 @@ class _Room:
     def _placed(self, order: Sequence[str], called: str) -> list[Names]:
         """Names at each group, placed in this order."""
         placed: list[Names] = [() for _ in self._task.groups]
+        room_for_tabs = (False,) if self._task.by_hand else (True, False)  # all names of tabs in sight, if possible
         for name in order:
             trials = [self._with(placed, index, name) for index in self._positions(name, placed)]
-            fitting = (trial for tabs in (True, False) for trial in trials if self._fits(trial, tabs))
+            fitting = (trial for tabs in room_for_tabs for trial in trials if self._fits(trial, tabs))
             is_needed = name in (FORMS, called) or not self._fits(placed, False)
             placed = next(fitting, trials[0] if is_needed else placed)
         return placed

@@ -1,17 +1,21 @@
 """kindyna_gui.window.room: no dock is laid below its least size; what does not fit is a tab, and the parameters keep their width."""
 
 import random
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import pytest
+from PySide6.QtWidgets import QApplication, QTabBar
 from room import unreadable
 from sampled import spread
-from window_user import Open, User
+from window_user import Open, User, settle
 
+from kindyna_gui.look import apply_preferences
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
+from kindyna_gui.settings import INCH, Preferences
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS, Need
 from kindyna_gui.window.room import Plan, plan_docks
+from kindyna_gui.window.tabs import TabList
 from kindyna_gui.window.tasks import INSPECTOR, SEPARATOR, TASKS
 
 SIZES = (1280, 720), (1440, 900), (1920, 1080)
@@ -109,8 +113,22 @@ def test_what_is_behind_tabs_in_a_small_window_is_next_to_it_in_a_large_one() ->
 # -- in a window -------------------------------------------------------------------------------------------
 
 CALLED = ("", "explain", "compare", "timing", "find", "velocity", "certificate", "stability", "laws")
-OPENED = [(name, size) for size in SIZES for name in ("transfer_lift", "lecture_six_bar")]
-WALKS = [(name, size) for size in SIZES for name in ("transfer_lift", "transfer_unit", "lecture_six_bar")]
+LIGHT, DARK_INCH = Preferences(), Preferences(units=dict(INCH), theme="dark")
+NAMES = "transfer_lift", "transfer_unit", "lecture_six_bar"
+OPENED = [
+    (name, size, look)
+    for look, names in ((LIGHT, NAMES[::2]), (DARK_INCH, NAMES[1::2]))
+    for size in SIZES
+    for name in names
+]
+WALKS = [(name, size) for size in SIZES for name in NAMES]
+
+
+@pytest.fixture
+def look(app: QApplication) -> Iterator[Callable[[Preferences], None]]:
+    """Applies preferences; at the end those of a new user."""
+    yield lambda preferences: apply_preferences(preferences, app)
+    apply_preferences(LIGHT, app)
 
 
 def walk(
@@ -134,20 +152,28 @@ def walk(
     return {case: lines for case, lines in wrong.items() if lines}
 
 
-@pytest.mark.parametrize(("name", "size"), spread(OPENED, 2))
-def test_all_tasks_can_be_read_as_they_open(open_user: Open, name: str, size: tuple[int, int]) -> None:
+@pytest.mark.parametrize(("name", "size", "preferences"), spread(OPENED, 3))
+def test_all_tasks_can_be_read_as_they_open(
+    open_user: Open,
+    look: Callable[[Preferences], None],
+    name: str,
+    size: tuple[int, int],
+    preferences: Preferences,
+) -> None:
     user = open_user(example(name), size=size, whole=True)
+    look(preferences)
     assert walk(user, size, TASKS, ("",)) == {}
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize(("name", "size"), WALKS)
 def test_all_tasks_can_be_read_with_a_view_called_after_any_order_of_tasks(
-    open_user: Open, name: str, size: tuple[int, int]
+    open_user: Open, look: Callable[[Preferences], None], name: str, size: tuple[int, int]
 ) -> None:
-    user = open_user(example(name), size=size, whole=True)
-    tasks = random.Random(f"{name} {size}").choices(list(TASKS), k=10)
-    assert walk(user, size, tasks, CALLED) == {}
+    user, chance = open_user(example(name), size=size, whole=True), random.Random(f"{name} {size}")
+    for preferences in (LIGHT, DARK_INCH):
+        look(preferences)
+        assert walk(user, size, chance.sample(list(TASKS), k=len(TASKS)), CALLED) == {}, preferences.theme
 
 
 def test_explain_is_read_in_make_and_the_parameters_keep_their_width(open_user: Open) -> None:
@@ -164,3 +190,65 @@ def test_a_page_called_comes_to_the_front_over_a_dock_called_before(open_user: O
     view = user.window.view("stability")
     assert view is not None
     assert view.on_screen()
+
+
+# -- tabs --------------------------------------------------------------------------------------------------
+
+
+def bar_of(user: User, name: str) -> QTabBar:
+    """The tabs above a dock."""
+    dock = user.window.docks[name]
+    bars = [bar for bar in user.window.findChildren(QTabBar) if bar.parentWidget() is user.window and bar.isVisible()]
+    return next(bar for bar in bars if dock.windowTitle() in [bar.tabText(i) for i in range(bar.count())])
+
+
+def test_names_of_tabs_are_shortened_before_tabs_are_in_a_list(open_user: Open) -> None:
+    """Dragged behind the parameters, one dock after another; the list brings a view to the front."""
+    user = open_user(size=SIZES[1], whole=True)
+    window = user.window
+    window.show_task("kine")
+    docks, seen = ("certificate", "contact_force", "camshaft_speed", "contact_pressure", "vibration", "torque"), []
+    for name in docks:
+        window.tabifyDockWidget(window.docks["parameters"], window.docks[name])
+        window.docks[name].show()
+        rest(window, 1.0)
+        bar = bar_of(user, "parameters")
+        assert bar.count() == len(seen) + 2
+        texts = [bar.tabText(i) for i in range(bar.count()) if bar.isTabVisible(i)]
+        is_short = any(bar.tabText(i) != bar.tabToolTip(i) for i in range(bar.count()))
+        seen.append((len(texts), bar.count(), is_short))
+        assert unreadable(window) == [], name
+        assert bar.tabToolTip(0) == "Parameters", "the tip is the full name"
+    assert seen[0] == (2, 2, False)
+    assert any(shown == count and is_short for shown, count, is_short in seen), "shortened, and all in sight"
+    assert seen[-1][0] < seen[-1][1], "some are in the list"
+    hidden = next(i for i in range(bar.count()) if not bar.isTabVisible(i))
+    (button,) = [button for button in bar.findChildren(TabList) if button.isVisible()]
+    menu = button.menu()
+    menu.aboutToShow.emit()
+    assert button.text() == f"{len(menu.actions())} more"
+    title = bar.tabToolTip(hidden)
+    next(action for action in menu.actions() if action.text() == title).trigger()
+    settle()
+    assert bar.currentIndex() == hidden
+    assert bar.isTabVisible(hidden)
+    assert unreadable(window) == []
+
+
+# -- the user's own arrangement ------------------------------------------------------------------------------
+
+
+def test_a_view_called_or_closed_leaves_the_width_that_the_user_has_drawn(open_user: Open) -> None:
+    user = open_user(size=(1920, 1080), whole=True)
+    user.window.show_task("kine")
+    rest(user.window, 1.0)
+    user.drag_width("stack", 700)
+    for act in (lambda: user.choose("Make", "Motion table"), lambda: user.window.docks["findings"].close()):
+        act()
+        rest(user.window, 1.0)
+        assert user.window.docks["motion"].isVisible()
+        assert user.window.docks["motion"].width() == pytest.approx(700, abs=2)
+        assert unreadable(user.window) == []
+    user.choose("View", "Reset layout")
+    rest(user.window, 1.0)
+    assert user.window.docks["stack"].width() == pytest.approx(0.28 * 1920, abs=2)
