@@ -25,6 +25,7 @@ from kindyna_gui.pictures.plots.plot import FixedPlot
 from kindyna_gui.rebuilt import is_in_sight
 from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.tabs import TabList
 
 PLOT, MECHANISM = QSize(160, 80), QSize(240, 180)
 PARAMETERS, NEAR = 388, 6
@@ -121,7 +122,7 @@ def _tabs(window: MainWindow) -> Iterator[str]:
     for bar in window.findChildren(QTabBar):
         if not is_in_sight(bar):
             continue
-        arrows = [b for b in bar.findChildren(QToolButton) if b.isVisible() and b.objectName() != "tab_list"]
+        arrows = [b for b in bar.findChildren(QToolButton) if b.isVisible() and not isinstance(b, TabList)]
         if arrows:
             yield f"tabs {[bar.tabText(i) for i in range(bar.count())]}: behind arrows"
         for i in range(bar.count()):

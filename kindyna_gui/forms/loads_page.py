@@ -43,9 +43,9 @@ _ROW = re.compile(r"(loads\.\w+\[\d+\])")
 MOST_VALUES = 3  # values that a line lists
 HEADINGS = (
     TableHeading("Load"),
-    TableHeading("Where", wide=True, spare=1),
+    TableHeading("Where", wide=True, spare=2),
     TableHeading("Value"),
-    TableHeading("Largest", number=True),
+    TableHeading("Largest", number=True, spare=1),
 )
 PART = 0.38  # largest share of the height for the list
 LOWEST = 40  # height of the form, pixels

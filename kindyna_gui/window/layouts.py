@@ -18,7 +18,7 @@ from kindyna_gui.rebuilt import is_in_sight, single_shot
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.docks import VIEWS, Dock
+from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
 from kindyna_gui.window.hand import docks_in_sight, task_by_hand
 from kindyna_gui.window.room import COLUMNS, Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, TASKS, Task
@@ -304,19 +304,21 @@ class Layouts(QObject):
         )
 
     def _move(self, plan: Plan) -> None:
-        """Move the docks to the groups of a plan, those not open to their groups of the task."""
+        """Move the docks to the groups of a plan, those without a position to their groups of the task."""
         window, opened = self._window, {name for group in plan.groups for name in group.names}
         rows = {group.index: list(group.names) for group in plan.groups}
         self._hide_others(opened)
         for index, (group, members) in enumerate(self._row.all_docks):
-            closed = [n for n in members if n not in opened and not self._docks[n].isFloating()]
-            docks = [self._docks[name] for name in (*rows.get(index, ()), *closed)]
+            placed = rows.get(index, [])
+            others = (name for name in members if name not in opened and not self._docks[name].isFloating())
+            closed = [name for name in others if window.dockWidgetArea(self._docks[name]) == CENTRE]
+            docks = [self._docks[name] for name in (*placed, *closed)]
             for dock in docks[:1]:
                 window.addDockWidget(group.area, dock, UPWARDS if group.area in COLUMNS else ACROSS)
             for dock in docks[1:]:
                 window.tabifyDockWidget(docks[0], dock)
             for dock in docks:
-                dock.show_title(len(rows.get(index, ())) < 2)  # at once: Qt would count it with the tabs
+                dock.show_title(len(placed) < 2)  # at once: Qt would count it with the tabs
                 dock.setVisible(dock.objectName() in opened)
         self._raise_fronts(plan)
 

@@ -42,54 +42,47 @@ class TabList(QToolButton):
     def __init__(self, bar: QTabBar) -> None:
         super().__init__(bar, popupMode=QToolButton.ToolButtonPopupMode.InstantPopup)
         described(self, tip="List the views whose tabs have no room")
-        self.setObjectName("tab_list")
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.hide()
-        self.bar, self._menu = bar, QMenu(self)
+        self._bar, self._menu = bar, QMenu(self)
         self._menu.aboutToShow.connect(self._fill)
         self.setMenu(self._menu)
 
-    def fitting_names(self, names: Sequence[str], short_names: Sequence[str]) -> list[str]:
-        """Return the names, shortened where that saves most until all have room."""
-        text_width, bar = self.bar.fontMetrics().horizontalAdvance, self.bar
-        saved = [text_width(name) - text_width(short) for name, short in zip(names, short_names, strict=True)]
-        more = [text_width(name) - text_width(bar.tabText(number)) for number, name in enumerate(names)]
-        beyond, result = sum(self._widths) + sum(more) - bar.width(), list(names)
-        for number in sorted(range(len(names)), key=lambda number: -saved[number]):
-            if beyond <= 0:
-                break
-            beyond, result[number] = beyond - saved[number], short_names[number]
-        return result
-
-    @property
-    def _widths(self) -> list[int]:
-        return [self.bar.tabSizeHint(number).width() for number in range(self.bar.count())]
-
-    def fit(self, names: Sequence[str]) -> None:
-        """Show the tabs that have room, and this list for the others; ``names``: full names, which are the tips."""
-        bar = self.bar
-        shown = fitting_tabs(self._widths, bar.width(), bar.currentIndex())
-        for number in sorted(
-            range(bar.count()), key=lambda number: number not in shown
-        ):  # the front one is never hidden
-            bar.setTabToolTip(number, names[number])
-            if bar.isTabVisible(number) != (number in shown):
-                bar.setTabVisible(number, number in shown)
-        hidden = bar.count() - len(shown)
+    def show_number(self, hidden: int) -> None:
+        """Show how many tabs have no room; 0: the button is hidden."""
         self.setVisible(hidden > 0)
-        if hidden:
-            self.setText(f"{hidden} more")
-            self.setGeometry(bar.width() - LIST_WIDTH, 0, LIST_WIDTH, bar.height())
+        self.setText(f"{hidden} more")
+        self.setGeometry(self._bar.width() - LIST_WIDTH, 0, LIST_WIDTH, self._bar.height())
 
     def _fill(self) -> None:
         clear_menu(self._menu)
-        for number in range(self.bar.count()):
-            if not self.bar.isTabVisible(number):
-                add_entry(self._menu, self.bar.tabToolTip(number), partial(self._show, number))
+        for number in range(self._bar.count()):
+            if not self._bar.isTabVisible(number):
+                add_entry(self._menu, self._bar.tabToolTip(number), partial(self._show_tab, number))
 
-    def _show(self, number: int) -> None:
-        self.bar.setTabVisible(number, True)
-        self.bar.setCurrentIndex(number)
+    def _show_tab(self, number: int) -> None:
+        self._bar.setTabVisible(number, True)
+        self._bar.setCurrentIndex(number)
+
+
+# -- bars ------------------------------------------------------------------------------------------------
+
+
+def widths_of(bar: QTabBar) -> list[int]:
+    """Widths of the tabs with their present names, also of those in the list."""
+    return [bar.tabSizeHint(number).width() for number in range(bar.count())]
+
+
+def fitting_names(bar: QTabBar, names: Sequence[str], short_names: Sequence[str]) -> list[str]:
+    """Return the names of the tabs, shortened where that saves most until all have room."""
+    text_width = bar.fontMetrics().horizontalAdvance
+    saved = [text_width(name) - text_width(short) for name, short in zip(names, short_names, strict=True)]
+    more = (text_width(name) - text_width(bar.tabText(number)) for number, name in enumerate(names))
+    beyond, result = sum(widths_of(bar)) + sum(more) - bar.width(), list(names)
+    for number in sorted(range(len(names)), key=lambda number: -saved[number]):
+        if beyond <= 0:
+            break
+        beyond, result[number] = beyond - saved[number], short_names[number]
+    return result
 
 
 class WindowTabs(QObject):
@@ -98,57 +91,70 @@ class WindowTabs(QObject):
     def __init__(self, window: Window) -> None:
         super().__init__(window)
         self._window, self._pages = window, window.centre.tabs
-        self._lists: list[TabList] = []  # of bars that Qt may delete
+        self._lists: dict[QTabBar, TabList | None] = {}  # bars, which Qt may delete, and their lists where needed
         self._soon = single_shot(self, self.fit)
         window.installEventFilter(self)
         self._pages.installEventFilter(self)
-        self._of_pages = self._follow(self._pages.tabBar())
+        self._follow(self._pages.tabBar())
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if isinstance(event, QChildEvent):
-            child = event.child()
-            if event.type() == QEvent.Type.ChildPolished and isinstance(child, QTabBar):
-                self._follow(child)
-        elif event.type() in RELAID:
+        kind = event.type()
+        if kind in RELAID:
             self._soon.start()
+        elif kind == QEvent.Type.ChildPolished and isinstance(event, QChildEvent):
+            child = event.child()
+            if isinstance(child, QTabBar):
+                self._follow(child)
         return super().eventFilter(watched, event)
 
-    def _follow(self, bar: QTabBar) -> TabList:
-        tabs = TabList(bar)
-        self._lists.append(tabs)
+    def _follow(self, bar: QTabBar) -> None:
+        self._lists[bar] = None
         bar.currentChanged.connect(self._soon.start)
         bar.installEventFilter(self)
         self._soon.start()
-        return tabs
 
     def fit(self) -> None:
         """Shorten names, and put tabs in a list, where a bar has no room for them."""
+        self._lists = {bar: tabs for bar, tabs in self._lists.items() if isValid(bar)}
         by_text = {dock.windowTitle(): dock for dock in self._window.docks.values() if not dock.isHidden()}
-        rows: dict[TabList, list[Dock]] = {}
-        self._lists = [tabs for tabs in self._lists if isValid(tabs)]
-        for tabs in self._lists:
-            texts = [tabs.bar.tabText(number) for number in range(tabs.bar.count())]
-            if tabs is not self._of_pages and tabs.bar.isVisible() and by_text.keys() >= set(texts):
-                rows[tabs] = [by_text[text] for text in texts]
+        rows: dict[QTabBar, list[Dock]] = {}
+        for bar in self._lists:
+            texts = [bar.tabText(number) for number in range(bar.count())]
+            if texts and bar.parentWidget() is self._window and bar.isVisible() and by_text.keys() >= set(texts):
+                rows[bar] = [by_text[text] for text in texts]
         names: dict[Dock, str] = {}
-        for tabs, docks in rows.items():
-            fitting = tabs.fitting_names([dock.title for dock in docks], [dock.short_title for dock in docks])
+        for bar, docks in rows.items():
+            fitting = fitting_names(bar, [dock.title for dock in docks], [dock.short_title for dock in docks])
             names.update(zip(docks, fitting, strict=True))
         for dock in self._window.docks.values():
             if (name := names.get(dock, dock.title)) != dock.windowTitle():
                 dock.setWindowTitle(name)
-        for tabs, docks in rows.items():
-            tabs.fit([dock.title for dock in docks])
-        if self._of_pages.bar.isVisible():
-            self._fit_pages(self._of_pages)
+        for bar, docks in rows.items():
+            self._show_fitting(bar, [dock.title for dock in docks])
+        if self._pages.tabBar().isVisible():
+            self._fit_pages(self._pages.tabBar())
 
-    def _fit_pages(self, tabs: TabList) -> None:
-        bar, names = tabs.bar, self._window.centre.open_pages[0]
+    def _fit_pages(self, bar: QTabBar) -> None:
+        names = self._window.centre.open_pages[0]
         titles = [VIEWS[name].title for name in names]
-        for number, name in enumerate(tabs.fitting_names(titles, [VIEWS[name].short_title for name in names])):
+        for number, name in enumerate(fitting_names(bar, titles, [VIEWS[name].short_title for name in names])):
             if name != bar.tabText(number):
                 bar.setTabText(number, name)
-        tabs.fit(titles)
+        self._show_fitting(bar, titles)
+
+    def _show_fitting(self, bar: QTabBar, titles: Sequence[str]) -> None:
+        """Show the tabs that have room, with their titles as tips, and the list of the others."""
+        shown = fitting_tabs(widths_of(bar), bar.width(), bar.currentIndex())
+        for number in sorted(range(bar.count()), key=lambda number: number not in shown):  # one is always shown
+            if bar.tabToolTip(number) != titles[number]:
+                bar.setTabToolTip(number, titles[number])
+            if bar.isTabVisible(number) != (number in shown):
+                bar.setTabVisible(number, number in shown)
+        hidden, tabs = bar.count() - len(shown), self._lists[bar]
+        if hidden and tabs is None:
+            tabs = self._lists[bar] = TabList(bar)
+        if tabs is not None:
+            tabs.show_number(hidden)
 
 
 __all__ = ["TabList", "WindowTabs", "fitting_tabs"]
