@@ -289,7 +289,8 @@ MOST_RECENT = 8  # recent files
 class TaskLayout:
     """The layout of a task: docks, central pages, the page in front, and which optional docks are shown.
 
-    ``links`` and ``several`` say whether the docks of linkages and of several drives are shown.
+    ``links`` and ``several`` say whether the docks of linkages and of several drives are shown, ``by_hand`` whether the user
+    has arranged the docks.
     """
 
     state: QByteArray
@@ -297,6 +298,7 @@ class TaskLayout:
     front: str
     links: bool
     several: bool = False
+    by_hand: bool = True
 
 
 def _key(name: str) -> str:
@@ -384,6 +386,7 @@ class Settings:
         self._store.setValue(f"{key}/pages", " ".join((layout.front, *layout.pages)))
         self._store.setValue(f"{key}/links", int(layout.links))
         self._store.setValue(f"{key}/several", int(layout.several))
+        self._store.setValue(f"{key}/by_hand", int(layout.by_hand))
 
     def layout(self, task: str) -> TaskLayout | None:
         """Return the layout of a task; None where none of this version is stored."""
@@ -394,7 +397,8 @@ class Settings:
         if not isinstance(state, QByteArray) or not names:
             return None
         links, several = (stored_text(self._store, f"{key}/{kind}") == "1" for kind in ("links", "several"))
-        return TaskLayout(state, tuple(names[1:]), names[0], links, several)
+        by_hand = stored_text(self._store, f"{key}/by_hand", "1") != "0"
+        return TaskLayout(state, tuple(names[1:]), names[0], links, several, by_hand)
 
     @property
     def graph(self) -> str:

@@ -55,6 +55,7 @@ class Layouts(QObject):
         self.current = ""
         self._inspector = INSPECTOR  # width of the parameters in every task; the user may have changed it
         self._is_laying = False  # whether docks or pages are being laid out here
+        self._is_restored_by_hand = False
         self._is_furnished = False  # whether docks have been raised
         self._begun = False  # whether the window has been shown, or has its size of the last run
         self._grabbed: dict[str, QSize] = {}  # sizes of docks when the mouse was pressed on an edge
@@ -108,9 +109,12 @@ class Layouts(QObject):
         self._plans[self.current] = self._plan(self._opened, self._in_front, "", self._centre.open_pages[1])
 
     def _take_restored(self) -> None:
-        """Take the arrangement of an earlier run, and lay it out by the rule."""
-        self._take_by_hand()
-        self.refit()
+        """Lay out the restored docks by the rule, in the user's arrangement where they have one."""
+        if not self._window.isVisible():  # then once it is shown
+            return
+        if self._is_restored_by_hand:
+            self._take_by_hand()
+        self._apply(self._opened, self._in_front)
 
     # -- from run to run ------------------------------------------------------------------------------------
 
@@ -153,14 +157,17 @@ class Layouts(QObject):
 
     def _note(self) -> None:
         """Note the layout of the current task."""
-        for pending in (self._moved, self._restored):
+        for pending, take in ((self._moved, self._take_by_hand), (self._restored, self._take_restored)):
             if pending.isActive():
                 pending.stop()
-                self._take_by_hand()
+                take()
         if self._window.isVisible():
             self._opened_then[self.current] = self._opened, self._in_front
         self._last[self.current] = TaskLayout(
-            self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
+            self._window.saveState(self._settings.VERSION),
+            *self._centre.open_pages,
+            *self._kinds[self.current],
+            self.current in self._by_hand,
         )
 
     def _lay(self) -> None:
@@ -190,6 +197,7 @@ class Layouts(QObject):
         with self._laying():
             self._set_pages(tuple(name for name in layout.pages if name in VIEWS), layout.front)
             self._hide_others({name for group in self._row.groups for name in (*group.names, *group.more)})
+            self._is_restored_by_hand = layout.by_hand
             self._restored.start()
             return self._window.restoreState(layout.state, self._settings.VERSION)
 

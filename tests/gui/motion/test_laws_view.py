@@ -30,6 +30,7 @@ from kindyna_gui.motion.laws_view import (
     segment_texts,
 )
 from kindyna_gui.player import Player
+from kindyna_gui.window.docks import VIEWS
 
 FIRST = ["cycloidal", "modified-sine", "modified-trapezoid", "3-4-5"]
 """The laws that are compared at first."""
@@ -247,11 +248,14 @@ def test_table_and_plots_share_the_page(laws: LawsView) -> None:
     assert laws.table.columnWidth(NAME) > 150
 
 
-def test_the_page_leaves_room_for_findings_on_a_small_screen(laws: LawsView) -> None:
-    """Between parameters and findings, 360 pixels are left of 720, with tabs and player."""
-    laws.resize(380, 500)
+def test_curves_and_three_laws_can_be_read_at_the_least_size(laws: LawsView) -> None:
+    least = VIEWS["laws"].least
+    laws.resize(*least)
     settle()
-    assert laws.minimumSizeHint().height() <= 240
+    assert laws.minimumSizeHint().height() <= least[1]
+    boxes = [plot.getViewBox() for plot in laws.plots]
+    assert all(box.width() >= 160 and box.height() >= 80 for box in boxes)
+    assert 3 * laws.table.rowHeight(0) <= laws.table.viewport().height()
 
 
 @pytest.mark.stress
