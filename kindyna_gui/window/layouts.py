@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtWidgets import QToolBar
+from PySide6.QtWidgets import QApplication, QToolBar
 
 from core.design import Design, motion_of
 from kindyna_gui.rebuilt import is_in_sight, single_shot
@@ -61,7 +61,7 @@ class Layouts(QObject):
         self._grabbed: dict[str, QSize] = {}  # sizes of docks when the mouse was pressed on an edge
         self._soon = single_shot(self, self.refit)
         self._released = single_shot(self, self._take_dragged)
-        self._moved = single_shot(self, self._take_by_hand)
+        self._moved = single_shot(self, self._take_moved)
         self._restored = single_shot(self, self._take_restored)
         self._centre.tabs.currentChanged.connect(self._make_room)
         window.installEventFilter(self)
@@ -90,22 +90,28 @@ class Layouts(QObject):
         return {dock.objectName(): dock.size() for dock in docks_in_sight(self._window)}
 
     def _take_dragged(self) -> None:
-        """Take the arrangement where the user has dragged the edge of a dock."""
+        """Take the arrangement where the user has dragged the edge of a dock, with the width of the parameters."""
         if self._sizes != self._grabbed:
-            self._take_by_hand()
+            self._take_by_hand(with_width=True)
 
     def _dock_moved(self, *_: object) -> None:
         if not self._is_laying:
             self._moved.start()
 
-    def _take_by_hand(self) -> None:
-        """Take what the user sees as the arrangement of the current task."""
+    def _take_moved(self) -> None:
+        """Take the arrangement where the user has dropped a dock, or has let it float."""
+        if QApplication.mouseButtons() == Qt.MouseButton.NoButton:  # else it is being dragged
+            self._take_by_hand()
+            self.refit()
+
+    def _take_by_hand(self, *, with_width: bool = False) -> None:
+        """Take what the user sees as the arrangement of the current task, and the width of the parameters for all tasks."""
         if not self._window.isVisible():
             return
-        row, forms = self._row, self._docks["parameters"]
-        if is_in_sight(forms) and not forms.isFloating():
+        forms = self._docks["parameters"]
+        if with_width and is_in_sight(forms) and not forms.isFloating():
             self._inspector = forms.width()
-        self._by_hand[self.current] = task_by_hand(self._window, row, QSize(*self._size()))
+        self._by_hand[self.current] = task_by_hand(self._window, self._row, QSize(*self._size()))
         self._plans[self.current] = self._plan(self._opened, self._in_front, "", self._centre.open_pages[1])
 
     def _take_restored(self) -> None:
@@ -113,7 +119,7 @@ class Layouts(QObject):
         if not self._window.isVisible():  # then once it is shown
             return
         if self._is_restored_by_hand:
-            self._take_by_hand()
+            self._take_by_hand(with_width=True)
         self._apply(self._opened, self._in_front)
 
     # -- from run to run ------------------------------------------------------------------------------------
@@ -157,7 +163,7 @@ class Layouts(QObject):
 
     def _note(self) -> None:
         """Note the layout of the current task."""
-        for pending, take in ((self._moved, self._take_by_hand), (self._restored, self._take_restored)):
+        for pending, take in ((self._moved, self._take_moved), (self._restored, self._take_restored)):
             if pending.isActive():
                 pending.stop()
                 take()

@@ -252,3 +252,25 @@ def test_a_view_called_or_closed_leaves_the_width_that_the_user_has_drawn(open_u
     user.choose("View", "Reset layout")
     rest(user.window, 1.0)
     assert user.window.docks["stack"].width() == pytest.approx(0.28 * 1920, abs=2)
+
+
+def test_docks_dropped_elsewhere_stay_there_and_can_be_read_in_every_size(open_user: Open) -> None:
+    """The parameters at the left, as a drop with the mouse leaves them."""
+    user = open_user(size=SIZES[1], whole=True)
+    window = user.window
+    window.show_task("kine")
+    rest(window, 1.0)
+    parameters = window.docks["parameters"]
+    window.addDockWidget(LEFT, parameters)
+    for size in (*SIZES, SIZES[1]):
+        window.resize(*size)
+        window.show_task("dyna")
+        window.show_task("kine")
+        window.show_view("explain")
+        rest(window, 1.0)
+        assert unreadable(window, "explain") == []
+        assert parameters.geometry().left() == 0
+        assert window.size().toTuple() == size
+    user.choose("View", "Reset layout")
+    rest(window, 1.0)
+    assert parameters.geometry().right() == SIZES[1][0] - 1
