@@ -324,7 +324,7 @@ def step_name(design: Design, what: str, solution: Solution) -> str:
 
 # -- limit rows ------------------------------------------------------------------------------------------
 
-BOX_WIDTH = 96  # pixels
+BOX_WIDTH = 108  # pixels; numbers in inches have ten digits
 
 
 class LimitRows(QWidget):

@@ -161,6 +161,7 @@ def read_the_limits(user: User) -> Iterator[None]:
 
 
 def find_a_dimension(user: User) -> Iterator[None]:
+    tab(user, "Parameters")  # the certificate is in front of them
     user.choose("Kine", "Find")
     view = user.see("find")
     assert isinstance(view, FindView)
