@@ -383,6 +383,7 @@ class LimitRows(QWidget):
         content = QWidget()
         grid = fill(QGridLayout(content), margins=0, spacing=2)
         grid.setColumnStretch(0, 1)
+        grid.setColumnMinimumWidth(1, BOX_WIDTH)  # the boxes give up theirs with another theme
         self.boxes, self.removers, self.reasons = {}, {}, {}
         for row, (key, text) in enumerate(texts.items()):
             label, box, unit, remover = (
