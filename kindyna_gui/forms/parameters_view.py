@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
+from functools import cached_property, partial
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 from weakref import WeakSet
 
 from PySide6.QtCore import QSize, Qt, Signal, SignalInstance
@@ -22,7 +22,6 @@ from kindyna_gui.documents.texts import back_text, misfit_sentences
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
 from kindyna_gui.forms.form import Form, IncompleteBar, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
-from kindyna_gui.forms.nearest_fit import NearestFit
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
@@ -32,6 +31,9 @@ from kindyna_gui.rebuilt import call_soon, fill
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import in_units, size_of
 from kindyna_gui.view import View, ViewHost
+
+if TYPE_CHECKING:
+    from kindyna_gui.forms.nearest_fit import NearestFit
 
 LOADS, LIMITS = "loads", "limits"
 LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for them
@@ -98,7 +100,6 @@ class ParametersView(View):
         self.name = NameField(session)
         self.incomplete_bar = IncompleteBar()
         self.incomplete_bar.drop_requested.connect(session.drop_incomplete)
-        self._nearest_fit = NearestFit(session, self.incomplete_bar)
         session.incomplete_changed.connect(self.invalidate)
         self.kind = coloured(QLabel(), SCREEN.quiet)
         self.legend = described(
@@ -159,7 +160,8 @@ class ParametersView(View):
         waits = self.session.incomplete is not None
         self.incomplete_bar.show_reasons(misfit_sentences(self.session) if waits else [], back_text(self.session))
         self.tabs.setMinimumHeight(LEAST_OVER_BAR if waits else LEAST[1])
-        self._nearest_fit.restart()
+        if waits or "_nearest_fit" in vars(self):
+            self._nearest_fit.restart()
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
         for section, form in self.forms.items():
@@ -228,11 +230,19 @@ class ParametersView(View):
 
     @property
     def busy(self) -> bool:
-        return super().busy or self._nearest_fit.busy
+        return super().busy or ("_nearest_fit" in vars(self) and self._nearest_fit.busy)
+
+    @cached_property
+    def _nearest_fit(self) -> NearestFit:
+        """The search for a value that fits, created with the first misfit."""
+        from kindyna_gui.forms.nearest_fit import NearestFit  # imported here to save start-up time
+
+        return NearestFit(self.session, self.incomplete_bar)
 
     def leave(self) -> None:
         super().leave()
-        self._nearest_fit.close()
+        if "_nearest_fit" in vars(self):
+            self._nearest_fit.close()
 
     def _show_trouble(self, section: str, field: Field) -> None:
         self._mark_tab(section)
