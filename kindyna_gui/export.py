@@ -30,7 +30,6 @@ from kindyna_gui.labels import reason
 from kindyna_gui.pictures.drawing.parts import LAYERS
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_CAM
-from kindyna_gui.saving import save_picture, written
 from kindyna_gui.settings import Settings, in_file_units
 
 
@@ -229,7 +228,7 @@ class Exports(QObject):
         if data is None:
             self._report(f"{path.name} was cancelled; nothing is written")
             return
-        text = written(self._window, path, lambda: data, paints=True)
+        text = self._write(path, lambda: data, paints=True)
         self._report("; ".join(filter(None, (text, lacking))) if text else "")
         if text and request.opened:
             export_dialogs.open_outside(path)
@@ -240,7 +239,7 @@ class Exports(QObject):
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
         design = self._session.full_design
-        self._report(written(self._window, path, lambda: report(Study(design))))
+        self._report(self._write(path, lambda: report(Study(design))))
 
     def web_page(self) -> None:
         """Write the machine as an animated web page."""
@@ -365,12 +364,14 @@ class Exports(QObject):
             return
         path = dialogs.drawing_to_save(self._window, self._settings.folder / f"{self._drive_name}.pdf")
         if path is not None:
-            self._report(written(self._window, path, lambda: sheet_file(sheet, path.suffix.lower()), paints=True))
+            self._report(self._write(path, lambda: sheet_file(sheet, path.suffix.lower()), paints=True))
 
     def picture(self) -> None:
         """Write the drawing of the mechanism as shown."""
         view = self.view("mechanism")
         if view is not None:
+            from kindyna_gui.saving import save_picture
+
             save_picture(view, "mechanism")
 
     def timing(self) -> None:
@@ -382,7 +383,7 @@ class Exports(QObject):
         design, reference = self._session.full_design, Pins.of(self._session).named_design
         if path is not None:
             make = view.picture if view is not None else partial(timing_file, design, reference=reference)
-            self._report(written(self._window, path, lambda: make(path.suffix.lower()), paints=True))
+            self._report(self._write(path, lambda: make(path.suffix.lower()), paints=True))
 
     def animation(self) -> None:
         """Write one turn of the mechanism as GIF or WebP, with the visible layers."""
@@ -411,7 +412,13 @@ class Exports(QObject):
         elif isinstance(data, dict):
             self._write_in_background(path.with_suffix(""), lambda folder: _into(folder, data))
         else:
-            self._report(written(self._window, path, lambda: data, paints=True))
+            self._report(self._write(path, lambda: data, paints=True))
+
+    def _write(self, path: Path | None, content: Callable[[], bytes | str], *, paints: bool = False) -> str:
+        """Write one file, as `saving.written`."""
+        from kindyna_gui.saving import written
+
+        return written(self._window, path, content, paints=paints)
 
     def _report(self, text: str) -> None:
         """Report what was written, and which typed values are not in it because they are not valid yet."""

@@ -15,7 +15,7 @@ from math import fsum
 
 from core.design.curves import nose_deg
 from core.design.design import SHARED, Design, Drive, TimingRow
-from core.design.lobe import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM
 from core.design.motions import Motion
 from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at

@@ -1,11 +1,15 @@
-"""The engine of a valve train, and the valve that a drive moves, as typed: crank degrees from TDC of overlap."""
+"""A valve train as typed: its engine, the valve that a drive moves, and its lobe, in crank and cam degrees."""
 
 from __future__ import annotations
 
-from core.design.fields import choice, coordinate, length, number, whole
+from typing import Any, ClassVar
+
+from core.design.fields import FileLayout, brief, choice, coordinate, length, number, placed, whole
 from core.frozen import frozen
 
 FLAT, PARALLEL = "flat", "parallel"
+CRANK_PER_CAM = 2.0
+"""Turns of the crank per turn of the camshaft of a four-stroke engine."""
 
 
 @frozen(kw_only=True)
@@ -38,3 +42,87 @@ class Valve:
     )
     pocket: str = choice("Piston crown", (FLAT, PARALLEL), default=FLAT, help="flat, or a pocket parallel to the head")
     link: int | None = whole("Valve's link", 2, 1000, default=None, help="of a linkage: the slider that is the valve")
+
+
+@frozen
+class LobeRow:
+    """A lift, and the crank degrees from one side to the other at this lift, or from one side to the nose."""
+
+    at_mm: float = length("At lift", help="of the lobe")
+    crank_deg: float = number("Crank angle", 0.0, 720.0, open_low=True, step=1.0, help="in crank degrees")
+
+
+def _rows() -> Any:
+    return placed(FileLayout(LobeRow, whole=True, rows=True), ())
+
+
+@frozen(kw_only=True)
+class LobeClosing:
+    """Values of the closing side that differ from those of the opening side."""
+
+    to_nose: tuple[LobeRow, ...] = _rows()
+    ramp_mm: float | None = length("Closing ramp", help="height at which it ends", default=None)
+    ramp_mm_per_deg: float | None = number(
+        "Closing ramp's velocity", 0.0, open_low=True, default=None, help="by cam angle"
+    )
+    ramp_runup_deg: float | None = number(
+        "Closing run-up", 0.0, 360.0, open_low=True, default=None, help="cam angle from the ramp to rest"
+    )
+    flank_flat: float | None = number(
+        "Flat of the closing flank", 0.0, 1.0, default=None, step=0.05, help="part of it at constant acceleration"
+    )
+    nose_flat: float | None = number(
+        "Flat behind the nose", 0.0, 1.0, default=None, step=0.05, help="part of it at constant acceleration"
+    )
+
+
+@frozen(kw_only=True)
+class Lobe:
+    """A lobe: its lift, two values of its opening side, ramp and flats, and the closing side where it differs.
+
+    The two values are rows of ``duration`` or ``to_nose``, the greatest velocity, or an acceleration.
+    """
+
+    FILE_ORDER: ClassVar[tuple[str, ...]] = (
+        "lift_mm",
+        "duration",
+        "to_nose",
+        "velocity_mm_per_deg",
+        "acceleration_mm_per_deg2",
+        "nose_acceleration_mm_per_deg2",
+        "ramp_mm",
+        "ramp_mm_per_deg",
+        "ramp_runup_deg",
+        "flank_flat",
+        "nose_flat",
+        "nose_at_deg",
+        "closing",
+    )
+
+    lift_mm: float = length("Lobe lift")
+    duration: tuple[LobeRow, ...] = _rows()
+    to_nose: tuple[LobeRow, ...] = _rows()
+    velocity_mm_per_deg: float | None = number(
+        "Greatest velocity", 0.0, open_low=True, default=None, help="by cam angle"
+    )
+    acceleration_mm_per_deg2: float | None = number(
+        "Acceleration of the flank", 0.0, open_low=True, default=None, help="the greatest, by cam angle"
+    )
+    nose_acceleration_mm_per_deg2: float | None = number(
+        "Deceleration of the nose", 0.0, open_low=True, default=None, help="the greatest, by cam angle"
+    )
+    ramp_mm: float = brief(length("Ramp", help="height at which it ends", default=0.1))
+    ramp_mm_per_deg: float = brief(
+        number("Ramp's velocity", 0.0, open_low=True, default=0.01, step=0.001, help="by cam angle")
+    )
+    ramp_runup_deg: float = brief(
+        number("Run-up", 0.0, 360.0, open_low=True, default=5.0, step=1.0, help="cam angle from rest to the ramp")
+    )
+    flank_flat: float = brief(
+        number("Flat of the flank", 0.0, 1.0, default=0.0, step=0.05, help="part of it at constant acceleration")
+    )
+    nose_flat: float = brief(
+        number("Flat of the nose", 0.0, 1.0, default=0.0, step=0.05, help="part of it at constant acceleration")
+    )
+    nose_at_deg: float = brief(number("Nose at", 0.0, 360.0, default=180.0, step=1.0, help="own cam angle"))
+    closing: LobeClosing | None = placed(FileLayout(LobeClosing, single=True), None)

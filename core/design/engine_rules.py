@@ -1,4 +1,4 @@
-"""Rules of the engine of a valve train, and of the valve that a drive moves."""
+"""Rules of the valve that a drive moves."""
 
 from __future__ import annotations
 
@@ -7,15 +7,7 @@ from collections.abc import Iterator
 
 from core.design.design import Design
 from core.design.edits import stroke
-from core.design.engine import Engine
 from core.errors import MISSING, Fault
-
-
-def rod_is_long(engine: Engine, path: str) -> Iterator[Fault]:
-    """The rod turns past every position of the crank."""
-    least = 0.5 * engine.stroke_mm + abs(engine.pin_offset_mm)
-    if engine.rod_mm <= least:
-        yield Fault(f"{path}.rod_mm", engine.rod_mm, "not longer than crank and pin offset together", f"> {least:g} mm")
 
 
 def valve_faults(design: Design) -> Iterator[Fault]:

@@ -1,13 +1,14 @@
-"""The lobe of a valve train as typed, in cam and crank degrees, its two sides, and its faults."""
+"""The two sides of a lobe, from its typed values in cam and crank degrees, and its faults."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
-from core.design.fields import FileLayout, brief, info_of, length, number, placed
+from core.design.engine import CRANK_PER_CAM, Lobe, LobeClosing
+from core.design.fields import info_of
 from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 from core.laws.lobe import (
@@ -22,96 +23,6 @@ from core.laws.lobe import (
     solve_side,
 )
 from core.number_text import result_text, rounded_down, rounded_up
-
-# -- inputs -----------------------------------------------------------------------------------------------------
-
-CRANK_PER_CAM = 2.0
-"""Turns of the crank per turn of the camshaft of a four-stroke engine."""
-
-
-@frozen
-class LobeRow:
-    """A lift, and the crank degrees from one side to the other at this lift, or from one side to the nose."""
-
-    at_mm: float = length("At lift", help="of the lobe")
-    crank_deg: float = number("Crank angle", 0.0, 720.0, open_low=True, step=1.0, help="in crank degrees")
-
-
-def _rows() -> Any:
-    return placed(FileLayout(LobeRow, whole=True, rows=True), ())
-
-
-@frozen(kw_only=True)
-class LobeClosing:
-    """Values of the closing side that differ from those of the opening side."""
-
-    to_nose: tuple[LobeRow, ...] = _rows()
-    ramp_mm: float | None = length("Closing ramp", help="height at which it ends", default=None)
-    ramp_mm_per_deg: float | None = number(
-        "Closing ramp's velocity", 0.0, open_low=True, default=None, help="by cam angle"
-    )
-    ramp_runup_deg: float | None = number(
-        "Closing run-up", 0.0, 360.0, open_low=True, default=None, help="cam angle from the ramp to rest"
-    )
-    flank_flat: float | None = number(
-        "Flat of the closing flank", 0.0, 1.0, default=None, step=0.05, help="part of it at constant acceleration"
-    )
-    nose_flat: float | None = number(
-        "Flat behind the nose", 0.0, 1.0, default=None, step=0.05, help="part of it at constant acceleration"
-    )
-
-
-@frozen(kw_only=True)
-class Lobe:
-    """A lobe: its lift, two values of its opening side, ramp and flats, and the closing side where it differs.
-
-    The two values are rows of ``duration`` or ``to_nose``, the greatest velocity, or an acceleration.
-    """
-
-    FILE_ORDER: ClassVar[tuple[str, ...]] = (
-        "lift_mm",
-        "duration",
-        "to_nose",
-        "velocity_mm_per_deg",
-        "acceleration_mm_per_deg2",
-        "nose_acceleration_mm_per_deg2",
-        "ramp_mm",
-        "ramp_mm_per_deg",
-        "ramp_runup_deg",
-        "flank_flat",
-        "nose_flat",
-        "nose_at_deg",
-        "closing",
-    )
-
-    lift_mm: float = length("Lobe lift")
-    duration: tuple[LobeRow, ...] = _rows()
-    to_nose: tuple[LobeRow, ...] = _rows()
-    velocity_mm_per_deg: float | None = number(
-        "Greatest velocity", 0.0, open_low=True, default=None, help="by cam angle"
-    )
-    acceleration_mm_per_deg2: float | None = number(
-        "Acceleration of the flank", 0.0, open_low=True, default=None, help="the greatest, by cam angle"
-    )
-    nose_acceleration_mm_per_deg2: float | None = number(
-        "Deceleration of the nose", 0.0, open_low=True, default=None, help="the greatest, by cam angle"
-    )
-    ramp_mm: float = brief(length("Ramp", help="height at which it ends", default=0.1))
-    ramp_mm_per_deg: float = brief(
-        number("Ramp's velocity", 0.0, open_low=True, default=0.01, step=0.001, help="by cam angle")
-    )
-    ramp_runup_deg: float = brief(
-        number("Run-up", 0.0, 360.0, open_low=True, default=5.0, step=1.0, help="cam angle from rest to the ramp")
-    )
-    flank_flat: float = brief(
-        number("Flat of the flank", 0.0, 1.0, default=0.0, step=0.05, help="part of it at constant acceleration")
-    )
-    nose_flat: float = brief(
-        number("Flat of the nose", 0.0, 1.0, default=0.0, step=0.05, help="part of it at constant acceleration")
-    )
-    nose_at_deg: float = brief(number("Nose at", 0.0, 360.0, default=180.0, step=1.0, help="own cam angle"))
-    closing: LobeClosing | None = placed(FileLayout(LobeClosing, single=True), None)
-
 
 # -- sides ------------------------------------------------------------------------------------------------------
 

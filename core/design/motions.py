@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from core.design.engine import Lobe
 from core.design.fields import LAW, FileLayout, choice, number, placed
-from core.design.lobe import Lobe, lobe_sides
 from core.errors import DesignError
 from core.frozen import frozen
 from core.laws import LAWS, Piece, PieceTable, split
@@ -228,6 +228,8 @@ class LobeSegments(tuple[Segment, ...]):
 @lru_cache(maxsize=64)
 def lobe_segments(lobe: Lobe) -> LobeSegments:
     """Rise, return and dwell of a lobe from cam angle 0 on; a dwell over the turn where its values make no lobe."""
+    from core.design.lobe import lobe_sides  # imported here to save start-up time
+
     try:
         opening, closing = lobe_sides(lobe)
     except DesignError:

@@ -12,14 +12,12 @@ from typing import Any
 from core.design.camshaft import RESERVED, drive_names, drive_of, events, named_event, only, path_of, slug
 from core.design.design import SHARED, Design, Drive
 from core.design.engine import Engine
-from core.design.engine_rules import rod_is_long, valve_faults
 from core.design.fields import slots
 from core.design.follower_kinds import FOLLOWER_KINDS
 from core.design.followers import FORM, CamDetails, Conjugate, Open, Roller
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.load_rules import element_faults
-from core.design.lobe import lobe_fault
 from core.design.motions import (
     JOINED,
     TABLE_ENDS,
@@ -108,6 +106,8 @@ def _lobe(motion: Motion, path: str) -> Iterator[Fault]:
     """A lobe gives all segments of a motion in mm."""
     if motion.lobe is None:
         return
+    from core.design.lobe import lobe_fault  # imported here to save start-up time
+
     if not isinstance(motion.segments, LobeSegments):
         yield Fault(f"{path}.segments", MISSING, f"cannot be combined with {path}.lobe", "first: Lobe to segments")
     elif motion.unit != "mm":
@@ -245,6 +245,13 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
         )
 
 
+def _rod_is_long(engine: Engine, path: str) -> Iterator[Fault]:
+    """The rod turns past every position of the crank."""
+    least = 0.5 * engine.stroke_mm + abs(engine.pin_offset_mm)
+    if engine.rod_mm <= least:
+        yield Fault(f"{path}.rod_mm", engine.rod_mm, "not longer than crank and pin offset together", f"> {least:g} mm")
+
+
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
         Motion: (_segments, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin, _lobe),
@@ -252,7 +259,7 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
         RollerCam: (_bore_and_hub,),
         DiskCam: (_bore_and_hub,),
         LinkageCam: (_bore_and_hub,),
-        Engine: (rod_is_long,),
+        Engine: (_rod_is_long,),
     }
 )
 
@@ -404,8 +411,16 @@ def _drive_faults(design: Design) -> list[Fault]:
         *_form_agrees(design),
         *_speeds_agree(design),
         *servo,
-        *valve_faults(design),
+        *_valve_faults(design),
     ]
+
+
+def _valve_faults(design: Design) -> list[Fault]:
+    if design.drive.valve is None:
+        return []
+    from core.design.engine_rules import valve_faults  # imported here to save start-up time
+
+    return list(valve_faults(design))
 
 
 def _servo_faults(drive: Drive, servo: Servo) -> Iterator[Fault]:

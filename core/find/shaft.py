@@ -25,7 +25,7 @@ from core.design import (
     with_phase_value,
 )
 from core.design.camshaft import drive_of
-from core.design.lobe import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM
 from core.design.parts import LINEAR, ROTARY
 from core.errors import KindynaError
 from core.find.balancer import FORCE, LEAST_RISE, PRELOAD, RATE, RISE, ShaftRequest, find_balancer, shaft_solution

@@ -16,8 +16,6 @@ from core.design.linkage import MOST_TURNS
 from core.design.topology import GROUP, INPUT
 from core.frozen import frozen
 from core.mechanism.branches import HALF, Branch, bridge
-from core.mechanism.continuation import follow, joined_path
-from core.mechanism.drawn import choose_side, drawn_position
 from core.mechanism.dyads import DyadSolution
 from core.mechanism.kinematics import Pose
 from core.mechanism.linkage import SolutionPlan, plan_of
@@ -197,9 +195,11 @@ def driver_ranges_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> 
     """
     plan = plan_of(linkage)
     if high - low != TURN:
-        drawn = None if linkage.drawn is None else drawn_position(linkage.drawn)
-        if drawn is None:
+        if linkage.drawn is None:
             return _ranges(plan, low, high, False)
+        from core.mechanism.drawn import drawn_position  # imported here to save start-up time
+
+        drawn = drawn_position(linkage.drawn)
         return _range_around(_ranges(plan, min(low, drawn), max(high, drawn), False, drawn), drawn)
     turns = linkage.turns
     cycle = _cycle(plan, low, turns or 1)
@@ -214,6 +214,8 @@ def _cycle(plan: SolutionPlan, low: float, turns: int) -> DriverRanges:
     turn = TURN * turns
     if plan.linkage.drawn is None:
         return replace(_ranges(plan, low, low + turn, True), turns=turns)
+    from core.mechanism.drawn import drawn_position  # imported here to save start-up time
+
     drawn = drawn_position(plan.linkage.drawn)
     for half in _HALVES if plan.linkage.turns is None else ():  # without a period, only the range of the drawing counts
         result = _range_around(_ranges(plan, drawn - half, drawn + half, False, drawn), drawn)
@@ -265,6 +267,8 @@ def _ranges(plan: SolutionPlan, low: float, high: float, full_turn: bool, drawn:
                 if drawn is None:
                     ranges = []
                     break
+                from core.mechanism.drawn import choose_side  # imported here to save start-up time
+
                 choose_side(plan, i, branch, drawn)
             if step.kind in SIDED:
                 changes += _add_change_points(plan, i, branch, ranges, sampled)
@@ -546,6 +550,8 @@ def _group_ranges(
     plan: SolutionPlan, index: int, branch: Branch, ranges: list[DriverRange], drawn: float | None = None
 ) -> list[DriverRange]:
     """The parts of the ranges, or of the one around the drawn position, through which a group can be continued."""
+    from core.mechanism.continuation import follow, joined_path  # imported here to save start-up time
+
     step, _ = plan.steps[index]
     parts = []
     if drawn is not None:

@@ -32,7 +32,6 @@ from core.design.linkage_rules import sided_joints
 from core.design.topology import INPUT, driver_pair, driver_turns, input_slides, is_pin, solving_order
 from core.errors import NoPosition
 from core.frozen import frozen
-from core.mechanism.drawn import as_drawn, drawn_position
 from core.mechanism.driver_ranges import TURN, DriverRange, DriverRanges, driver_ranges_of
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.linkage import plan_of
@@ -256,11 +255,15 @@ def _drawn_as_design(design: Design, linkage: Linkage, q: float, kinematics: Kin
     """The linkage with branch signs, or with its drawn pose where the design has one; q: driver position [rad or m]."""
     if design.drive.linkage.drawn is None:
         return linkage
+    from core.mechanism.drawn import as_drawn  # imported here to save start-up time
+
     return as_drawn(linkage, q, {n: kinematics.bodies[body_name(n)] for n in linkage.by_number})
 
 
 def with_drawn_pose(design: Design, kinematics: Kinematics) -> Design:
     """The design with its linkage drawn in the position (n = 1) of the kinematics, instead of branch signs."""
+    from core.mechanism.drawn import as_drawn  # imported here to save start-up time
+
     linkage = design.drive.linkage
     poses = {n: kinematics.bodies[body_name(n)] for n in linkage.by_number}
     return with_drive(design, mechanism=as_drawn(linkage, driver_position(linkage, kinematics), poses))
@@ -277,6 +280,8 @@ def with_signs(design: Design) -> Design:
     linkage = with_drive(design, mechanism=design.drive.posed).drive.linkage
     if linkage.drawn is None:
         return design
+    from core.mechanism.drawn import drawn_position  # imported here to save start-up time
+
     low, high = (0.0, TURN) if linkage.driver.kind == CRANK else motion_extent(program(design.drive.motion))
     driver_ranges = driver_ranges_of(linkage, low, high)
     if not driver_ranges.ranges:
@@ -441,6 +446,8 @@ def circuits(design: Design) -> tuple[Circuit, ...]:
     NoPosition
         The links of the design do not meet.
     """
+    from core.mechanism.drawn import as_drawn  # imported here to save start-up time
+
     linkage = with_drive(design, mechanism=design.drive.posed).drive.linkage
     low, high = (0.0, TURN) if linkage.driver.kind == CRANK else motion_extent(program(design.drive.motion))
     plain = replace(linkage, drawn=None, branch=())

@@ -12,7 +12,6 @@ from core.design import BALANCER, Design, drive_names, in_machine, numbered, onl
 from core.design.linkage_rules import only_incomplete
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.process import lazy_attributes
-from core.project.differences import ValueDifference, differences
 from core.project.files import AnyPath, read_text, write
 from core.project.reading import design_from_tables
 from core.project.reading_faults import require_few_marks
@@ -23,7 +22,7 @@ else:
     __getattr__ = lazy_attributes(__name__, "writing")
 
 __all__ = [
-    "ValueDifference", "differences", "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_linked", "load_one", "loads",
+    "dumps", "dumps_table", "from_table", "load", "load_drawing", "load_linked", "load_one", "loads",
     "loads_drawing", "number_of", "one_of", "parsed", "save", "to_table",
 ]  # fmt: skip
 

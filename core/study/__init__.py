@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from core.design import STAGES
 from core.process import lazy_attributes
 from core.study.camshaft import Camshaft
-from core.study.certificate import certificate_of
 from core.study.drive_forces import roller_lives
 from core.study.drive_study import SAMPLES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
@@ -17,10 +16,11 @@ from core.study.stages import clear_caches, evaluations
 from core.study.study import Study
 
 if TYPE_CHECKING:
+    from core.study.certificate import certificate_of
     from core.study.sensitivities import sensitivity
     from core.study.speeds import at_speeds
 else:
-    __getattr__ = lazy_attributes(__name__, "sensitivities", "speeds")
+    __getattr__ = lazy_attributes(__name__, "certificate", "sensitivities", "speeds")
 
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",

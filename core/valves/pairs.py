@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from core.design.lobe import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM
 from core.frozen import frozen
 from core.numerics.lazy import lazy
 from core.numerics.roots import BracketEnds, bracketed_root, gauss

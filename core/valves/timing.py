@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core.design import Design, Valve, drive_names, nose_deg, only
-from core.design.lobe import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import Angles, CompiledMotion, program

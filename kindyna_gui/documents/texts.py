@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 from time import localtime, strftime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
@@ -44,7 +43,7 @@ from core.design import (
 from core.errors import MISSING, DesignError, KindynaError
 from core.frozen import frozen
 from core.motion import Join, program
-from core.project import ValueDifference, differences, load, loads
+from core.project import load, loads
 from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui.documents.edits import IncompleteDesign
 from kindyna_gui.documents.session import Session
@@ -52,6 +51,9 @@ from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sent
 from kindyna_gui.look import MessageLabel, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
+
+if TYPE_CHECKING:
+    from core.project.differences import ValueDifference
 
 UNSAVED = Path("DESIGN.toml")
 CommandOptions = Callable[[], tuple[str, Sequence[str]]]
@@ -69,10 +71,12 @@ LINES = 4  # of the list of unsaved work
 
 def command_line(name: str, design: Path | None, out: str, words: Sequence[str], drive: str = "") -> str:
     """Return the command line with a design's file, the options, and the name of a drive, where they are given."""
+    from shlex import join  # imported here to save start-up time
+
     read = [] if design is None else [str(design)]
     file = f"{design.stem}{out}" if design is not None and out.startswith(".") and "/" not in out else out
     of_drive = ["--drive", drive] if drive else []
-    return shlex.join(["kindyna", "--headless", name, *read, *words, *of_drive, "--out", file])
+    return join(["kindyna", "--headless", name, *read, *words, *of_drive, "--out", file])
 
 
 def add_copy(
@@ -100,7 +104,9 @@ def add_copy(
 
 def command_text(name: str, words: Sequence[str]) -> str:
     """Return the command line with these words."""
-    return shlex.join(["kindyna", "--headless", name, *words])
+    from shlex import join  # imported here to save start-up time
+
+    return join(["kindyna", "--headless", name, *words])
 
 
 def session_options(session: Any) -> dict[str, Any]:
@@ -300,6 +306,8 @@ def compare(unsaved: Unsaved) -> RecoveryComparison:
             base = load(path)
         except KindynaError as error:
             notes.append(f"The file cannot be read, so all values are listed: {error}")
+    from core.project.differences import differences  # imported here to save start-up time
+
     rows = tuple(difference_text(base, typed, row) for row in differences(base, typed))
     return RecoveryComparison(title, " ".join(notes), rows, bool(rows) or unsaved.draft is not None)
 

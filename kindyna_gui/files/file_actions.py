@@ -12,7 +12,7 @@ from core.design import Design, faults
 from core.errors import KindynaError
 from core.file_names import file_name
 from core.findings import WARNING
-from core.project import differences, load
+from core.project import load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import IncompleteChoice, OnConflict, SaveAnswer
@@ -217,6 +217,8 @@ class Documents(QObject):
             on_disk = load(path)
         except KindynaError as error:
             return ["The file is not a design any longer:", *str(error).splitlines()]
+        from core.project.differences import differences  # imported here to save start-up time
+
         lines = (difference_text(on_disk, design, row) for row in differences(on_disk, design))
         return [f"{name}: {in_file} in the file, {in_window} here" for name, in_file, in_window in lines]
 

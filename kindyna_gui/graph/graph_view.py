@@ -17,7 +17,8 @@ from core.output.channels import channels
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import DEFAULT_WIDTH, ChannelTree, PlotSelection
-from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.live_polar import LivePolar
 from kindyna_gui.graph.marked_view import PlotsView
 from kindyna_gui.look import icon, text_button
 from kindyna_gui.pictures.painter import curves_file

@@ -16,7 +16,6 @@ from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.lines import Frame
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM, Extreme
 from kindyna_gui.pictures.plots.mouse import AngleMouse
-from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.style import SMALL, font
 from kindyna_gui.pictures.units import measure
 from kindyna_gui.player import Player
@@ -318,14 +317,3 @@ class LivePlot(AngleMouse, CurvePlot):
         if self.peaks is not None:
             self.peaks.show_lines(QPoint())
         self.draw_again()
-
-
-class LivePolar(AngleMouse, PolarPlot):
-    """Curves in polar form, with the mouse."""
-
-    unseen = UNSEEN
-
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.setToolTip(TIP)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QHideEvent, QKeyEvent
@@ -15,11 +15,14 @@ from core.study import Quantity, Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.pins import Bands, Pins
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.live_plot import LivePlot, LivePolar, PeakDrag
+from kindyna_gui.graph.live_plot import LivePlot, PeakDrag
 from kindyna_gui.pictures.plots.curves import TurnCurves
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.player import Player, obey
 from kindyna_gui.view import AFTER_DRAG_MS, View
+
+if TYPE_CHECKING:
+    from kindyna_gui.graph.live_polar import LivePolar
 
 PAUSE_MS = 250  # without a change, before extremes are computed
 NAME = "mark extremes"

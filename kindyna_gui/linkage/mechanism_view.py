@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
 from core.design import turns_on
 from core.design.fields import in_sentence
 from core.errors import KindynaError, NoSolution
-from core.instant_centres import CHAINS
 from core.numerics.lazy import postponing
 from core.study import Study
 from kindyna_gui.documents.pins import Pins
@@ -445,6 +444,8 @@ class MechanismView(MechanismMouseView):
     def _apply_layers(self) -> None:
         for name, shown in self._layer_states.items():
             if self.scene.layer_selected(name) != shown:
+                from core.instant_centres import CHAINS  # imported here to save start-up time
+
                 self.scene.set_layer(name, shown)
                 if name in FORCE_LAYERS:
                     self._update_note(self.session.study)

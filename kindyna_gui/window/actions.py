@@ -31,7 +31,6 @@ from core.design.design import with_servo, without_servo
 from core.errors import KindynaError
 from core.number_text import shortest
 from core.project import load, load_linked, save
-from core.requests import command_words
 from kindyna_gui import dialogs
 from kindyna_gui.background import in_background
 from kindyna_gui.documents.texts import command_text, misfit_sentences, session_options
@@ -161,6 +160,7 @@ class DesignActions(QObject):
     def _command(self, path: Path | None = None, drive: str = "", shift_deg: float = 0.0) -> str:
         """The command that copies the motion of a file's drive, or shifts that of the design."""
         from core.commands.motions import MotionArguments
+        from core.requests import command_words
 
         target = session_options(self._session)
         into, into_drive = target["into"], target["drive"]
@@ -228,6 +228,7 @@ class DesignActions(QObject):
 
         def command(choice: tuple[bool, bool]) -> str:
             from core.commands.tables import MeasuredArguments
+            from core.requests import command_words
 
             options = {"as_is": choice[0], "joined": choice[1], "segment": index + 1}
             return command_text(

@@ -19,7 +19,6 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
-from kindyna_gui.window.hand import docks_in_sight, task_by_hand
 from kindyna_gui.window.room import COLUMNS, Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, TASKS, Task
 
@@ -87,6 +86,8 @@ class Layouts(QObject):
 
     @property
     def _sizes(self) -> dict[str, QSize]:
+        from kindyna_gui.window.hand import docks_in_sight  # imported here to save start-up time
+
         return {dock.objectName(): dock.size() for dock in docks_in_sight(self._window)}
 
     def _take_dragged(self) -> None:
@@ -108,6 +109,8 @@ class Layouts(QObject):
         """Take what the user sees as the arrangement of the current task, and the width of the parameters for all tasks."""
         if not self._window.isVisible():
             return
+        from kindyna_gui.window.hand import task_by_hand  # imported here to save start-up time
+
         forms = self._docks["parameters"]
         if with_width and is_in_sight(forms) and not forms.isFloating():
             self._inspector = forms.width()

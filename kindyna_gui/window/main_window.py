@@ -34,7 +34,6 @@ from kindyna_gui.places import default_design, example
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon, connect_all, is_in_sight, scroll_to
 from kindyna_gui.requirements import UNKNOWN_PREFERENCES
-from kindyna_gui.saving import copy_picture, save_picture
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import ExplainableNumber, View
 from kindyna_gui.window import menus
@@ -232,6 +231,8 @@ class MainWindow(Window):
     def copy_picture(self) -> None:
         """Copy the view with the focus, else the page in the middle, to the clipboard."""
         if (view := self._view_in_focus() or self.centre.current) is not None:
+            from kindyna_gui.saving import copy_picture
+
             copy_picture(view)
 
     def pin(self, design: Design | None = None) -> None:
@@ -438,6 +439,8 @@ class MainWindow(Window):
         """Ask for a file and save the picture of a view in it."""
         view = self.view(name)
         if view is not None:
+            from kindyna_gui.saving import save_picture
+
             save_picture(view, name)
 
     # -- tasks --------------------------------------------------------------------------------------------

@@ -22,7 +22,8 @@ from benchmarks.timing import Fresh, measure
 from linkages import chain
 
 from core.design import Design, put
-from core.design.lobe import Lobe, LobeRow, lobe_sides
+from core.design.engine import Lobe, LobeRow
+from core.design.lobe import lobe_sides
 from core.mechanism.drivers import with_drawn_pose
 from core.mechanism.unfinished import mobility
 from core.process import keep_freed_memory

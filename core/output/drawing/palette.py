@@ -8,7 +8,6 @@ and plot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from colorsys import hls_to_rgb, rgb_to_hls
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -126,6 +125,8 @@ def _luminance(colour: str) -> float:
 @lru_cache(maxsize=256)
 def lightened(colour: str, paper: str) -> str:
     """Colour made lighter until its contrast to dark paper is ``READABLE``."""
+    from colorsys import hls_to_rgb, rgb_to_hls  # imported here to save start-up time
+
     hue, lightness, saturation = rgb_to_hls(*_parts(colour))
     while contrast(colour, paper) < READABLE and lightness < 1.0:
         lightness = min(lightness + _STEP, 1.0)

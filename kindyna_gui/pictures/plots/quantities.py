@@ -24,7 +24,6 @@ from core.laws import PieceTable, find_law
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Extremes
 from core.output.channels import channels, existing
-from core.output.drawing.turn import floor_of, without_noise
 from core.stress import RollerLife
 from core.study import STAGES, Quantity, Study, extremes_of, quantities_of, quantity, roller_lives
 from core.study.limits import USER_BOUNDS, bounded_quantities
@@ -214,6 +213,8 @@ def reference_curves(study: Study | None, curves: Sequence[Curve]) -> list[Curve
 
 
 def _read_curve(study: Study, row: Quantity, colour: str) -> Curve:
+    from core.output.drawing.turn import floor_of, without_noise  # imported here to save start-up time
+
     floor = floor_of(study, row)
     gain = gain_per_turn(study, row.name) / row.unit.factor
     return Curve(row, without_noise(values_of(study, row), floor), colour, floor, gain)

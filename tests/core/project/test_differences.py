@@ -8,7 +8,8 @@ import pytest
 
 from core.design import edited, insert_segment, put, with_elastic
 from core.errors import MISSING, FileError
-from core.project import differences, dumps, load
+from core.project import dumps, load
+from core.project.differences import differences
 from core.project.on_disk import DesignFiles, OnDisk
 from kindyna_gui.places import example, examples
 

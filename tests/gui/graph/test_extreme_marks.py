@@ -24,7 +24,8 @@ from core.project import load
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_view import GraphView
-from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.live_polar import LivePolar
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.plots.quantities import channel_extremes
 from kindyna_gui.places import example

@@ -25,7 +25,8 @@ from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import FIRST, ChannelTree, PlotSelection, tip_of
 from kindyna_gui.graph.graph_view import EMPTY, GraphView
-from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.live_polar import LivePolar
 from kindyna_gui.pictures.paper.sheets import columns_for, polar_file
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.units import legible

@@ -16,7 +16,8 @@ from core.design import Design, edited
 from core.output.channels import channels
 from core.output.drawing.scales import needed
 from core.study import Study
-from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.live_polar import LivePolar
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.items import Loop, Silhouette
 from kindyna_gui.pictures.painter import PICTURES, MechanismSheet
