@@ -22,6 +22,7 @@ from core.output.compare import (
     compared_design,
     comparison_csv,
     comparison_document,
+    different_inputs,
 )
 from core.output.explain import explainable, explained, labels_of
 from core.output.lines import digits
@@ -92,7 +93,7 @@ class CompareView(View):
             (self.all.toggled, self._show),
             (self.table.clicked, self._go),
             (self.table.activated, self._go),
-            (self.pins.changed, self.invalidate),
+            (self.pins.changed, self._begin_anew),
         )
         row = fill(QHBoxLayout(), self.choice, self.all, self.pin, self.unpin, self.save, margins=(6, 3, 6, 3))
         self.set_column(row, self.table, grows=self.table)
@@ -100,18 +101,26 @@ class CompareView(View):
     def selected_number(self) -> ExplainableNumber | None:
         return self.table.number
 
+    def _begin_anew(self) -> None:
+        """Compare with another variant: what is known of the last one says nothing of it."""
+        self.comparison = None
+        self.invalidate()
+
     def preparation(self) -> Callable[[], Any] | None:
         pinned = self.pins.full_study
         if pinned is None:
             return None
-        if self.comparison is None:
-            self.table.show_rows([TableRow(("Comparing with the pinned variant …", "", "", "", ""))])
+        if self.comparison is None or not (self.comparison.inputs or self.comparison.changed):
+            self.comparison = None
+            self.save.setEnabled(False)
+            self._list_pins()
+            inputs = different_inputs(pinned.design, self.session.full_design)
+            rows = [_input_row(row, self.session) for row in inputs]
+            self.table.show_rows([*rows, TableRow(("Comparing with the pinned variant …", "", "", "", ""))])
         return partial(_compare, pinned, self.session.full_study)
 
     def refresh(self, study: Study) -> None:
-        self.choice.clear()
-        for row in reversed(self.pins.rows):
-            self.choice.addItem(row.name, row)
+        self._list_pins()
         pinned = self.pins.full_study
         if pinned is None:
             self.comparison = None
@@ -121,7 +130,13 @@ class CompareView(View):
         with self.pins.named():
             before = compared_design(pinned)
         self.comparison = compare_designs(before, now)
+        self.save.setEnabled(True)
         self._show()
+
+    def _list_pins(self) -> None:
+        self.choice.clear()
+        for row in reversed(self.pins.rows):
+            self.choice.addItem(row.name, row)
 
     @property
     def results(self) -> tuple[Difference, ...]:

@@ -10,6 +10,7 @@ from decimal import Decimal
 from functools import lru_cache
 from typing import Any
 
+from core.design import Design
 from core.findings import Finding
 from core.frozen import frozen
 from core.number_text import distinct_texts, input_text
@@ -141,16 +142,12 @@ class ComparedDesign:
 def compared_design(study: Study) -> ComparedDesign:
     """Data of a design for a comparison. Raises NoSolution as the stages do."""
     findings = {(finding.code, finding.field): finding for finding in findings_of(study)}
-    inputs, results = dict(_entries(to_table(study.design))), dict(_results(study))
-    return ComparedDesign(study.design.name, inputs, results, findings, dict(_labels(study)))
+    inputs, labels = _inputs(study.design), dict(_labels(study))
+    return ComparedDesign(study.design.name, inputs, dict(_results(study)), findings, labels)
 
 
 def compare_designs(a: ComparedDesign, b: ComparedDesign) -> Comparison:
     """Comparison of two designs, which may be of different kinds."""
-    inputs = [
-        Difference(path, "", a.inputs.get(path), b.inputs.get(path), is_input=True)
-        for path in dict.fromkeys((*a.inputs, *b.inputs))
-    ]
     sizes = _sizes(a.results, b.results)
     results = [
         Difference(
@@ -166,11 +163,25 @@ def compare_designs(a: ComparedDesign, b: ComparedDesign) -> Comparison:
     return Comparison(
         a.name,
         b.name,
-        tuple(sorted((row for row in inputs if row.a != row.b), key=_worst)),
+        _different_inputs(a.inputs, b.inputs),
         tuple(sorted(results, key=_worst)),
         tuple(finding for key, finding in a.findings.items() if key not in b.findings),
         tuple(finding for key, finding in b.findings.items() if key not in a.findings),
     )
+
+
+def different_inputs(a: Design, b: Design) -> tuple[Difference, ...]:
+    """Inputs that differ between two designs, without calculating a result."""
+    return _different_inputs(_inputs(a), _inputs(b))
+
+
+def _inputs(design: Design) -> dict[str, Any]:
+    return dict(_entries(to_table(design)))
+
+
+def _different_inputs(a: Mapping[str, Any], b: Mapping[str, Any]) -> tuple[Difference, ...]:
+    rows = [Difference(path, "", a.get(path), b.get(path), is_input=True) for path in dict.fromkeys((*a, *b))]
+    return tuple(sorted((row for row in rows if row.a != row.b), key=_worst))
 
 
 def _worst(row: Difference) -> float:

@@ -213,11 +213,12 @@ def reference_curves(study: Study | None, curves: Sequence[Curve]) -> list[Curve
 
 
 def _read_curve(study: Study, row: Quantity, colour: str) -> Curve:
-    from core.output.drawing.turn import floor_of, without_noise  # imported here to save start-up time
+    from core.output.drawing.turn import ROUNDING, floor_of, without_noise  # imported here to save start-up time
 
-    floor = floor_of(study, row)
+    values = values_of(study, row)
+    floor = max(floor_of(study, row), ROUNDING * float(np.abs(values).max(initial=0.0, where=np.isfinite(values))))
     gain = gain_per_turn(study, row.name) / row.unit.factor
-    return Curve(row, without_noise(values_of(study, row), floor), colour, floor, gain)
+    return Curve(row, without_noise(values, floor), colour, floor, gain)
 
 
 def channel_extremes(study: Study, channels: Sequence[Quantity]) -> dict[str, Extremes]:

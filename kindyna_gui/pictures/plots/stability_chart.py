@@ -174,7 +174,10 @@ class ChartPlot(FixedPlot):
         path = QPainterPath()
         if equation not in chart.tongues:
             return path
-        for n in range(1, chart.tongues[equation].count + 1):
+        tongues, machine = chart.tongues[equation], chart.machine
+        # the coarse chart lacks damping: of its tongues only those of the bands are open at the machine's masses
+        is_undamped = self.is_plain and machine is not None and tongues.damping < machine.damping
+        for n in self._orders if is_undamped else range(1, tongues.count + 1):
             for polygon in chart.outline(n, equation):
                 self._add(path, polygon)
         return path

@@ -84,6 +84,29 @@ def pinned_unit(open_user: Open) -> tuple[User, CompareView]:
     return user, view
 
 
+def test_what_changed_shows_the_input_at_once_and_never_that_nothing_changed(open_user: Open) -> None:
+    """Results of four drives take seconds; the inputs do not wait for them."""
+    user = open_user(example("transfer_unit"), (1440, 900), whole=True)
+    user.choose("Edit", "Pin this variant")
+    assert shown(user, "compare") == [("No difference from the pinned variant.", "", "", "", "")]
+    view = user.window.view("compare")
+    assert isinstance(view, CompareView)
+    assert view.choice.currentText() == "variant 1"
+    user.enter(STROKE, "26")
+    seen: list[list[tuple[str, ...]]] = []
+
+    def is_first_row_known() -> bool:
+        rows = [row.cells for row in view.table.rows.rows]
+        seen.extend([rows] if not seen or seen[-1] != rows else [])
+        return view.up_to_date and len(rows) > 20
+
+    wait_for(is_first_row_known)
+    stroke = ("Feed: Segment 1, rise", "input", "24", "26", "2")
+    first = next(rows for rows in seen if rows[0] == stroke)
+    assert first[-1][0] == "Comparing with the pinned variant …"
+    assert all(rows[0] == stroke for rows in seen[seen.index(first) :])
+
+
 def click_row(view: CompareView, row: int) -> None:
     at = view.table.rows.index(row, 0)
     view.table.scrollTo(at)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from io import BytesIO
 from itertools import pairwise
-from math import radians
+from math import pi, radians
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from PySide6.QtGui import QFontMetricsF, QPainterPath
 from PySide6.QtSvg import QSvgRenderer
 from sampled import spread
 
-from core.design import Design, Motion, NamedCurve, Segment, edited
+from core.design import Design, Motion, NamedCurve, Segment, edited, only
 from core.output.channels import channel, channels
 from core.output.drawing.palette import FAMILIES
 from core.output.drawing.scales import nice_below, ticks
@@ -492,6 +492,15 @@ def test_the_cursor_tells_the_value_beside_its_line() -> None:
     assert plot.readings() == ["0 mm"]
     assert plot.angle == radians(180.0)
     assert cursor(plot).value() == pytest.approx(180.0)
+
+
+def test_where_a_curve_crosses_zero_the_cursor_reads_zero() -> None:
+    """The jerk of a modified sine vanishes at 7/8 of its span, here 56°: machine angle 24°, less the drive's phase of 328°."""
+    feed = only(load(example("transfer_unit")), 0)
+    study, plot = Study(feed, SAMPLES), plot_of(feed, "jerk_deg_s3")
+    theta = radians(24.0) - radians(328.0) + 2.0 * pi
+    plot.set_angle(theta, study.at_theta(np.array([theta])))
+    assert plot.readings() == ["0 °/s³"]
 
 
 @pytest.mark.parametrize("degrees", spread([0.0, 1.0, 58.0, 90.0, 180.0, 304.0, 340.0, 355.0, 360.0], 4))

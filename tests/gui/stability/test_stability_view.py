@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from linkages import lift_twice
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried
@@ -25,6 +26,7 @@ from kindyna_gui.background import Worker
 from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.painter import chart_file
 from kindyna_gui.pictures.plots.stability_chart import ChartPlot
+from kindyna_gui.places import example
 from kindyna_gui.settings import Preferences, Settings
 from kindyna_gui.stability_pages import PLOTS
 from kindyna_gui.stability_view import StabilityView
@@ -123,6 +125,31 @@ def test_the_chart_shows_the_nearest_bands_over_the_speed_and_the_machines_own(k
         kim.enter("shaft.speed_rpm", rpm)
         wait_for(lambda shown=shown: view.verdict.text().startswith(shown))  # type: ignore[misc]
         assert view.chart.machine_point.isVisible()
+
+
+def test_no_band_that_damping_closes_is_drawn_while_the_chart_is_calculated(open_user: Open) -> None:
+    """The transfer unit has one band, beyond 1200 rpm; without its damping there were one at 605 rpm and thirty below."""
+    user = open_user(example("transfer_unit"), size=(1440, 900))
+    user.choose("Stability", "Chart")
+    view = user.window.view("stability")
+    assert isinstance(view, StabilityView)
+    with unhurried(view):
+        view.as_paper.setChecked(False)
+        wait_for(lambda: view.stability is not None and view.up_to_date)
+        view.settle()
+        wait_for(lambda: view.fine.busy)
+        assert view.verdict.text().startswith("20 rpm keeps clear of every band; the nearest is 12")
+        box, image = view.chart.getViewBox().sceneBoundingRect().toRect(), view.chart.grab().toImage()
+    frame = view.chart.frame()
+    middle = box.center().y()
+    tinted = [x for x in range(box.left() + 2, box.right() - 2) if is_reddish(image.pixelColor(x, middle))]
+    speeds = [frame.first + (x - box.left()) / box.width() * (frame.last - frame.first) for x in tinted]
+    assert speeds
+    assert min(speeds) > 1100.0
+
+
+def is_reddish(colour: QColor) -> bool:
+    return colour.red() - colour.blue() > 20
 
 
 def test_the_switch_to_the_paper_is_remembered(kim: User) -> None:
