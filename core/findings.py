@@ -315,6 +315,14 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the rod comes close to a right angle with the guide, where the arm cannot drive the slider: the cosine of "
             "that angle is {value}"
         ),
+        "pad-in-line": FindingRow(
+            "the pad's arm comes close to the direction of the valve, which the rocker cannot open there: the sine of the angle "
+            "between them is {value}; change the pad's angle"
+        ),
+        "pushrod-in-line": FindingRow(
+            "pushrod and push arm come close to one line (dead centre): the sine of the angle between them is {value}; move the "
+            "pivot, or change a length"
+        ),
         "crank-cannot-turn": FindingRow(
             "the crank cannot turn fully: the linkage can be assembled only for crank angles within {ranges}, and locks at {joints}"
         ),

@@ -22,6 +22,10 @@ from core.design import (
     OscillatingFlat,
     OscillatingFlatLoads,
     OscillatingLoads,
+    Pushrod,
+    PushrodLoads,
+    Rocker,
+    RockerLoads,
     Roller,
     RollerCam,
     Rolling,
@@ -40,6 +44,8 @@ FACES = {
     "translating": ("roller", "flat", "knife", "shoe"),
     "oscillating": ("roller", "flat", "knife", "shoe"),
     "cam-slider": ("roller", "knife", "shoe"),
+    "rocker": ("roller", "shoe"),
+    "pushrod": ("roller", "flat", "knife", "shoe"),
     "linkage": ("roller", "knife", "shoe"),
 }
 CASES = [(follower, face, sense) for follower, faces in FACES.items() for face in faces for sense in ("ccw", "cw")]
@@ -149,7 +155,91 @@ def _linkage(rng: np.random.Generator, face: str) -> Design:
     return with_drive(COUPLER, mechanism=replace(linkage, links=links), cam=replace(cam, face=part))
 
 
-MAKERS = {"translating": _translating, "oscillating": _oscillating, "cam-slider": _cam_slider, "linkage": _linkage}
+def _rocker(rng: np.random.Generator, face: str) -> Design:
+    """A rocker whose pad's arm is about square to the valve."""
+    base = float(rng.uniform(15.0, 30.0))
+    radius = float(base * rng.uniform(0.2, 0.6))
+    pivot = base * rng.uniform(1.9, 3.0) * np.exp(1j * rng.uniform(-math.pi, math.pi))
+    arm, side, pad_angle = float(abs(pivot) * rng.uniform(0.8, 1.1)), str(rng.choice(("left", "right"))), 170.0
+    sign = 1.0 if side == "left" else -1.0
+    corner = math.acos((arm**2 + abs(pivot) ** 2 - (base + radius) ** 2) / (2.0 * arm * abs(pivot)))
+    pad = np.degrees(np.angle(-pivot) + sign * corner) + pad_angle
+    follower = Rocker(
+        face={"roller": Rolling(), "shoe": Shoe(radius)}[face],
+        arm_mm=arm,
+        pivot_x_mm=float(pivot.real),
+        pivot_y_mm=float(pivot.imag),
+        side=side,
+        pad_mm=float(arm * rng.uniform(0.8, 1.7)),
+        pad_angle_deg=pad_angle,
+        pad_radius_mm=10.0,
+        valve_direction_deg=float((pad + sign * rng.uniform(75.0, 105.0)) % 360.0),
+    )
+    loads = RockerLoads(
+        valve_mass_kg=0.1,
+        rocker_inertia_kg_m2=3e-5,
+        roller_mass_kg=0.03,
+        roller_inertia_kg_m2=1e-6,
+        spring_rate_n_per_mm=30.0,
+        preload_n=300.0,
+    )
+    motion = _motion(rng, float(base * rng.uniform(0.15, 0.35)), "mm")
+    cam = RollerCam(base, radius) if face == "roller" else DiskCam(base)
+    return Design("finger", Shaft("ccw", 240.0), (Drive(motion, follower, cam, loads),))  # type: ignore[arg-type]
+
+
+def _pushrod(rng: np.random.Generator, face: str) -> Design:
+    """The tappet of a translating follower, under a rocker whose arms are about square to pushrod and valve."""
+    tappet = _translating(rng, face)
+    under, base = tappet.drive.mechanism, tappet.drive.cam.base_radius_mm
+    assert isinstance(under, Translating)
+    reach = base + tappet.drive.face.radius_mm
+    tilt = math.radians(getattr(under.face, "face_tilt_deg", 0.0))
+    start = (base - under.offset_mm * math.sin(tilt)) / math.cos(tilt)
+    if face != "flat":
+        start = math.sqrt(reach**2 - under.offset_mm**2)
+    side = str(rng.choice(("left", "right")))
+    sign, arm, rod = (1.0 if side == "left" else -1.0), 1.5 * base, 5.0 * base
+    seat = complex(*(base * rng.uniform(-0.2, 0.2, 2)))
+    lower = complex(start, under.offset_mm) + seat
+    pivot = lower + rod * np.exp(0.05j) - 1j * sign * arm * np.exp(1j * rng.uniform(-0.2, 0.2))
+    at = pivot * np.exp(1j * math.radians(under.direction_deg))
+    follower = Pushrod(
+        face=under.face,
+        offset_mm=under.offset_mm,
+        direction_deg=under.direction_deg,
+        seat_x_mm=seat.real,
+        seat_y_mm=seat.imag,
+        pushrod_mm=rod,
+        pivot_x_mm=float(at.real),
+        pivot_y_mm=float(at.imag),
+        push_arm_mm=arm,
+        side=side,
+        pad_mm=1.4 * arm,
+        pad_angle_deg=float(rng.uniform(165.0, 195.0)),
+        pad_radius_mm=10.0,
+        valve_direction_deg=float((under.direction_deg + rng.uniform(160.0, 200.0)) % 360.0),
+    )
+    loads = PushrodLoads(
+        valve_mass_kg=0.1,
+        rocker_inertia_kg_m2=6e-5,
+        tappet_mass_kg=0.09,
+        pushrod_mass_kg=0.06,
+        spring_rate_n_per_mm=30.0,
+        preload_n=300.0,
+    )
+    motion = _motion(rng, float(base * rng.uniform(0.2, 0.5)), "mm")
+    return Design("pushrod", tappet.shaft, (Drive(motion, follower, tappet.drive.cam, loads),))  # type: ignore[arg-type]
+
+
+MAKERS = {
+    "translating": _translating,
+    "oscillating": _oscillating,
+    "cam-slider": _cam_slider,
+    "rocker": _rocker,
+    "pushrod": _pushrod,
+    "linkage": _linkage,
+}
 
 
 # -- the face, from the lengths of the design --------------------------------------------------------------
@@ -195,7 +285,7 @@ def placed(study: Study) -> Placed:
     if drive.face.face != "flat":
         return Placed(study.linkage.follower.origin[0] * 1e3 * back, drive.face.radius_mm)
     follower, base = drive.mechanism, drive.cam.base_radius_mm
-    if isinstance(follower, Translating):
+    if isinstance(follower, Translating | Pushrod):
         tilt = math.radians(follower.face.face_tilt_deg)  # type: ignore[union-attr]
         normal = np.exp(1j * (math.radians(follower.direction_deg) + tilt)) * back
         return Placed(normal=normal, distance=base + 1e3 * y * math.cos(tilt))

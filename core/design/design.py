@@ -16,7 +16,7 @@ from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage, NamedMotion
 from core.design.loads import Balancer
 from core.design.motions import Motion
-from core.design.parts import ROTARY, Follower, Output, OutputLoads, Servo, Shaft, face_of
+from core.design.parts import ROTARY, Follower, Output, OutputLoads, Pushrod, Rocker, Servo, Shaft, face_of
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen
@@ -79,6 +79,17 @@ class Drive:
         if self.valve is None or self.motion is None or self.name is None:
             return self.phase_deg
         return (0.5 * (self.valve.centre_deg + self.valve.cylinder_deg) - nose_deg(self.motion)) % 360.0
+
+    @property
+    def is_valve_motion(self) -> bool:
+        """Whether the motion is that of the valve, the lash not taken off: not of a pushrod's tappet, or of another slider."""
+        link = None if self.valve is None else self.valve.link
+        return not isinstance(self.mechanism, Pushrod) and (link is None or link == self.linkage.driver.link)
+
+    @property
+    def has_valve(self) -> bool:
+        """Whether the motion of a valve is known: the train contains it, or the drive of a valve follows it."""
+        return isinstance(self.mechanism, Rocker | Pushrod) or (self.valve is not None and self.is_valve_motion)
 
     @property
     def carried_per_motion(self) -> float | None:

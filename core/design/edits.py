@@ -44,6 +44,8 @@ from core.design.parts import (
     CamSlider,
     ElasticShaft,
     Oscillating,
+    Pushrod,
+    Rocker,
     SecondArm,
     SecondPlace,
     Shaft,
@@ -430,14 +432,14 @@ def _second_arm_of_slider(drive: Drive) -> SecondArm:
 
 def _second_arm_of_rocker(drive: Drive) -> SecondArm:
     follower = drive.follower
-    assert isinstance(follower, Oscillating)
+    assert isinstance(follower, Oscillating | Rocker)
     return _second_arm(drive, follower.arm_mm, SIDES[follower.side])
 
 
 def _second_of_translating(drive: Drive) -> SecondPlace:
     """Second roller behind the cam centre, at the end of the stroke as far as the first is before it at the start."""
     follower = drive.follower
-    assert isinstance(follower, Translating)
+    assert isinstance(follower, Translating | Pushrod)
     reach = drive.cam.base_radius_mm + drive.cam.roller_radius_mm
     start = sqrt(max(reach * reach - follower.offset_mm * follower.offset_mm, 0.0))
     return SecondPlace(distance_mm=round(2.0 * start + (stroke(drive.motion) if drive.motion else 0.0), 3))
@@ -445,7 +447,13 @@ def _second_of_translating(drive: Drive) -> SecondPlace:
 
 SOME_SWING = 20.0
 SECOND_PLACES: Mapping[type, Callable[[Drive], SecondArm | SecondPlace]] = MappingProxyType(
-    {CamSlider: _second_arm_of_slider, Oscillating: _second_arm_of_rocker, Translating: _second_of_translating}
+    {
+        CamSlider: _second_arm_of_slider,
+        Oscillating: _second_arm_of_rocker,
+        Translating: _second_of_translating,
+        Rocker: _second_arm_of_rocker,
+        Pushrod: _second_of_translating,
+    }
 )
 """Follower -> default position of the second roller of a conjugate pair."""
 

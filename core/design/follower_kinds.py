@@ -25,6 +25,10 @@ from core.design.parts import (
     OscillatingFlat,
     OscillatingFlatLoads,
     OscillatingLoads,
+    Pushrod,
+    PushrodLoads,
+    Rocker,
+    RockerLoads,
     RollerCam,
     Translating,
     TranslatingLoads,
@@ -75,6 +79,8 @@ FOLLOWER_KINDS: Mapping[str, FollowerKind] = MappingProxyType(
         "oscillating": FollowerKind(
             "Oscillating follower", Oscillating, OscillatingLoads, "deg", (OscillatingFlat, OscillatingFlatLoads)
         ),
+        "rocker": FollowerKind("Valve rocker", Rocker, RockerLoads, "mm"),
+        "pushrod": FollowerKind("Pushrod train", Pushrod, PushrodLoads, "mm"),
     }
 )
 

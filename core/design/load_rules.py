@@ -10,7 +10,7 @@ from typing import Any
 from core.design.design import Drive
 from core.design.linkage import CRANK, FRAME_LINK
 from core.design.loads import Attachment, ForceElements, PairFriction, PointSpring, Process, TorsionSpring
-from core.design.parts import CamSlider, Oscillating, OscillatingFlat, Output, Translating
+from core.design.parts import CamSlider, Oscillating, OscillatingFlat, Output, Pushrod, Rocker, Translating
 from core.design.topology import pins
 from core.errors import MISSING, Fault
 
@@ -38,6 +38,23 @@ FOLLOWER_LINKS: Mapping[type, _FollowerLinks] = MappingProxyType(
         Translating: _FollowerLinks({1: ("frame", ()), 2: ("follower", ("roller",))}, {"guide": (False, (2, 1))}, 2),
         Oscillating: _ARM,
         OscillatingFlat: _ARM,
+        Rocker: _FollowerLinks(
+            {
+                1: ("frame", ("pivot",)), 2: ("rocker", ("pivot", "roller", "pad_centre")), 3: ("pad", ("pad_centre",)),
+                4: ("valve", ("tip",)),
+            },
+            {"pivot": (True, (1, 2)), "pad_centre": (True, (2, 3)), "pad": (False, (3, 4)), "valve_guide": (False, (4, 1))}, 2,
+        ),
+        Pushrod: _FollowerLinks(
+            {
+                1: ("frame", ("pivot",)), 2: ("tappet", ("roller", "lower_ball")), 3: ("pushrod", ("lower_ball", "upper_ball")),
+                4: ("rocker", ("pivot", "upper_ball", "pad_centre")), 5: ("pad", ("pad_centre",)), 6: ("valve", ("tip",)),
+            },
+            {
+                "guide": (False, (2, 1)), "lower_ball": (True, (2, 3)), "upper_ball": (True, (3, 4)), "pivot": (True, (1, 4)),
+                "pad_centre": (True, (4, 5)), "pad": (False, (5, 6)), "valve_guide": (False, (6, 1)),
+            }, 2,
+        ),
         Output: _FollowerLinks({1: ("frame", ()), 2: ("output", ())}, {}, 2),
     }
 )  # fmt: skip

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design.fields import (
+    LONGEST_MM,
     FileLayout,
     choice,
     chosen_by_word,
@@ -28,7 +29,6 @@ from core.design.followers import (
     Conjugate,
     ContactFriction,
     Face,
-    Flat,
     Form,
     Groove,
     Knife,
@@ -48,9 +48,9 @@ from core.frozen import frozen
 LAYOUTS = tuple("abcdefgh")
 
 
-def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rolling()) -> Any:  # noqa: B008
-    """Dataclass field for the face of a follower, with its keys in the follower's table."""
-    words = {"roller": Rolling, **({} if flat is None else {"flat": flat}), "knife": Knife, "shoe": Shoe}
+def faces_of(*classes: Any, brief: bool = False, default: Any = Rolling()) -> Any:  # noqa: B008
+    """Dataclass field for the face of a follower, one of some classes, with its keys in the follower's table."""
+    words = {class_.face: class_ for class_ in classes}
     placing = chosen_by_word(FACE, words, "Face", otherwise=default.face, brief=brief, help="the part on the cam")
     return placed(placing, default)
 
@@ -85,7 +85,7 @@ class CamSlider:
     """Roller arm and slider arm on one pivot, rod to a slider on a straight guide (Shin1995, Figs. 1-3)."""
 
     layout: str = choice("Layout", LAYOUTS, help="a...h: cam left/right, roller above/below, slider right/left")
-    face: Rolling | Knife | Shoe = faces_of(None, brief=True)
+    face: Rolling | Knife | Shoe = faces_of(Rolling, Knife, Shoe, brief=True)
     slider_arm_mm: float = length("Slider arm L1", help="pivot to the rod's pin")
     rod_mm: float = length("Rod L2", help="arm's pin to slider pin")
     guide_height_mm: float = coordinate(
@@ -107,7 +107,7 @@ class CamSlider:
 class Translating:
     """Follower that slides on a straight guide."""
 
-    face: Rolling | TiltedFlat | Knife | Shoe = faces_of(TiltedFlat)
+    face: Rolling | TiltedFlat | Knife | Shoe = faces_of(Rolling, TiltedFlat, Knife, Shoe)
     offset_mm: float = coordinate(
         "Offset", default=0.0, help="of the guide from the cam centre, positive to the left of the direction"
     )
@@ -122,7 +122,7 @@ SIDES: Mapping[str, float] = MappingProxyType({"left": 1.0, "right": -1.0})
 class Oscillating:
     """Arm on a fixed pivot with a roller, a knife edge or a shoe on the cam."""
 
-    face: Rolling | Knife | Shoe = faces_of(OffsetFlat)
+    face: Rolling | Knife | Shoe = faces_of(Rolling, OffsetFlat, Knife, Shoe)
     arm_mm: float = length("Arm", help="pivot to roller centre")
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
@@ -134,13 +134,75 @@ class Oscillating:
 class OscillatingFlat:
     """Arm on a fixed pivot with a flat face on the cam, along which the contact moves."""
 
-    face: OffsetFlat = faces_of(OffsetFlat, default=OffsetFlat())
+    face: OffsetFlat = faces_of(Rolling, OffsetFlat, Knife, Shoe, default=OffsetFlat())
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
     side: str = choice("Side", tuple(SIDES), help="of the contact, seen from the pivot towards the cam centre")
 
 
-Follower = CamSlider | Translating | Oscillating | OscillatingFlat
+# -- valve trains -----------------------------------------------------------------------------------------
+
+
+def _pad_angle(arm: str) -> Any:
+    return number("Pad angle", -360.0, 360.0, help=f"from the {arm} to the pad's arm, counter-clockwise")
+
+
+def _pad_arm() -> Any:
+    return length("Pad arm", help="pivot to the centre of the pad on the valve's tip")
+
+
+def _pad_radius() -> Any:
+    return number("Pad radius", 0.0, LONGEST_MM, help="of the round pad on the flat tip of the valve")
+
+
+def _valve_direction() -> Any:
+    return number("Valve direction", -360.0, 360.0, help="in which the valve opens, -90 = downwards")
+
+
+@frozen(kw_only=True)
+class Rocker:
+    """Rocker between cam and valve, with a roller or a shoe on the cam and a round pad on the valve's tip."""
+
+    face: Rolling | Shoe = faces_of(Rolling, Shoe)
+    arm_mm: float = length("Arm", help="pivot to the centre of roller or shoe")
+    pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
+    pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
+    side: str = choice("Side", tuple(SIDES), help="of the roller, seen from the pivot towards the cam centre")
+    pad_mm: float = _pad_arm()
+    pad_angle_deg: float = _pad_angle("arm")
+    pad_radius_mm: float = _pad_radius()
+    valve_direction_deg: float = _valve_direction()
+    second: SecondArm | None = _second(SecondArm)
+
+
+@frozen(kw_only=True)
+class Pushrod:
+    """Tappet, pushrod between two balls, and rocker with a round pad on the valve's tip."""
+
+    face: Rolling | TiltedFlat | Knife | Shoe = faces_of(Rolling, TiltedFlat, Knife, Shoe)
+    offset_mm: float = coordinate(
+        "Offset",
+        default=0.0,
+        help="of the tappet's guide from the cam centre, positive to the left of the direction",
+    )
+    direction_deg: float = seldom(
+        number("Direction", -360.0, 360.0, default=90.0, help="of the tappet's rise, 90 = upwards")
+    )
+    seat_x_mm: float = coordinate("Lower ball x", help="in the tappet, along the direction from its reference point")
+    seat_y_mm: float = coordinate("Lower ball y", help="in the tappet, to the left of the direction")
+    pushrod_mm: float = length("Pushrod", help="between the centres of its balls")
+    pivot_x_mm: float = coordinate("Pivot x", help="of the rocker, from the cam centre")
+    pivot_y_mm: float = coordinate("Pivot y", help="of the rocker, from the cam centre")
+    push_arm_mm: float = length("Push arm", help="pivot of the rocker to the upper ball")
+    side: str = choice("Side", tuple(SIDES), help="of the upper ball, seen from the lower ball towards the pivot")
+    pad_mm: float = _pad_arm()
+    pad_angle_deg: float = _pad_angle("push arm")
+    pad_radius_mm: float = _pad_radius()
+    valve_direction_deg: float = _valve_direction()
+    second: SecondPlace | None = _second(SecondPlace)
+
+
+Follower = CamSlider | Translating | Oscillating | OscillatingFlat | Rocker | Pushrod
 
 
 @frozen
@@ -361,6 +423,9 @@ class TranslatingLoads(Loads):
     """Masses and closing spring of a translating follower."""
 
     follower_mass_kg: float = _mass("Follower mass", "with its roller")
+    valve_mass_kg: float | None = number(
+        "Valve mass", 0.0, default=None, help="of valve, retainer and keepers, added to the follower's; empty = 0"
+    )
     friction: float = _friction()
     spring_rate_n_per_mm: float = leading(number("Spring rate", 0.0, default=0.0))
     preload_n: float = leading(number("Spring preload", default=0.0, help="towards the cam, where the motion is 0"))
@@ -394,6 +459,32 @@ class OscillatingFlatLoads(Loads):
     )
     spring_rate_nm_per_rad: float = leading(number("Spring rate", 0.0, default=0.0))
     preload_nm: float = leading(number("Spring preload", default=0.0, help="against the motion, where it is 0"))
+
+
+@frozen(kw_only=True)
+class ValveTrainLoads(Loads):
+    """Masses of rocker and valve, and the spring that closes the valve."""
+
+    valve_mass_kg: float = _mass("Valve mass", "of valve, retainer and keepers")
+    rocker_inertia_kg_m2: float = _mass("Rocker inertia", "about its pivot")
+    spring_rate_n_per_mm: float = leading(number("Spring rate", 0.0, default=0.0, help="of the valve spring"))
+    preload_n: float = leading(number("Spring preload", default=0.0, help="of the closed valve"))
+
+
+@frozen(kw_only=True)
+class RockerLoads(ValveTrainLoads):
+    """Masses and valve spring of a rocker."""
+
+    roller_mass_kg: float = _mass("Roller mass")
+    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its centre; it rotates with the rocker")
+
+
+@frozen(kw_only=True)
+class PushrodLoads(ValveTrainLoads):
+    """Masses and valve spring of a pushrod train."""
+
+    tappet_mass_kg: float = _mass("Tappet mass", "with its roller")
+    pushrod_mass_kg: float = _mass("Pushrod mass", "half of it at each ball")
 
 
 def _excluded(default: Any = None) -> Any:

@@ -203,7 +203,7 @@ class Mass(Element):
 # -- forces on the output ---------------------------------------------------------------------------------------
 
 
-def output_load(kinematics: Kinematics, size: np.ndarray) -> Load:
+def output_load(kinematics: Kinematics, size: np.ndarray, name: str = "") -> Load:
     """Load on the output along the coordinate of its driver: a force, or a torque where the driver rotates.
 
     Parameters
@@ -211,30 +211,40 @@ def output_load(kinematics: Kinematics, size: np.ndarray) -> Load:
     kinematics : Kinematics
         At n cam angles.
     size : ndarray (n,) [N or N m]
+    name : str
+        Name of a sliding pair on the frame whose body is loaded in place of the output.
 
     Returns
     -------
     Load
     """
-    pair = kinematics.driver_pair
-    at = kinematics.bodies[kinematics.output].position(pair.point)
+    pair, body = (
+        (kinematics.pairs[name], kinematics.pairs[name].body) if name else (kinematics.driver_pair, kinematics.output)
+    )
+    at = kinematics.bodies[body].position(pair.point)
     if pair.kind == REVOLUTE:
-        return Load(kinematics.output, at, np.zeros(1, dtype=complex), size)
-    return Load(kinematics.output, at, size * pair.axis)
+        return Load(body, at, np.zeros(1, dtype=complex), size)
+    return Load(body, at, size * pair.axis)
 
 
 @frozen
 class OutputForce(Element):
     """External force and spring on the output along its motion y: F(y) = force - rate y [N and m, or N m and rad].
 
-    ``sign`` is ±1: the direction of the motion along the driver's coordinate.
+    ``sign`` is ±1: the direction of the motion along the driver's coordinate. ``pair`` is the name of a sliding pair on the frame,
+    and of its coordinate, whose body and slide take the place of output and motion.
     """
 
     force: float
     rate: float = 0.0
     sign: float = 1.0
     name: str = ""
+    pair: str = ""
     strengths: ClassVar[tuple[str, ...]] = ("force", "rate")
+
+    def displacement(self, kinematics: Kinematics) -> Derivatives:
+        """Displacement y of its body [m or rad] with derivatives by cam angle."""
+        return kinematics.coordinates[self.pair] if self.pair else kinematics.motion.displacement
 
     def size(self, kinematics: Kinematics) -> np.ndarray:
         """Force F(y) at the cam angles.
@@ -250,11 +260,11 @@ class OutputForce(Element):
         """
         if not self.rate:
             return np.atleast_1d(np.asarray(self.force))
-        return np.asarray(self.force - self.rate * kinematics.motion.displacement[0])
+        return np.asarray(self.force - self.rate * self.displacement(kinematics)[0])
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         """Force F(y) on the output."""
-        yield output_load(kinematics, self.sign * self.size(kinematics))
+        yield output_load(kinematics, self.sign * self.size(kinematics), self.pair)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F y' and V'' by cam angle.
@@ -263,7 +273,8 @@ class OutputForce(Element):
         -------
         ndarray (2, n) [N m]
         """
-        v, a = (kinematics.motion.displacement[order] for order in (1, 2))
+        displacement = self.displacement(kinematics)
+        v, a = (displacement[order] for order in (1, 2))
         force = self.size(kinematics)
         return np.array([-force * v, self.rate * v * v - force * a])
 

@@ -27,6 +27,10 @@ from core.design import (
     OscillatingLoads,
     Output,
     Process,
+    Pushrod,
+    PushrodLoads,
+    Rocker,
+    RockerLoads,
     SlideLoads,
     Translating,
     TranslatingLoads,
@@ -91,7 +95,8 @@ def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
 def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loading:
     """Loading of a translating follower; the closing spring presses it towards the cam, against the rise."""
     s = si(loads)
-    masses = (Mass("follower", Inertia(s.follower_mass), _gravity(loads)),)
+    mass = s.follower_mass if loads.valve_mass_kg is None else s.follower_mass + s.valve_mass
+    masses = (Mass("follower", Inertia(mass), _gravity(loads)),)
     return Loading(
         masses,
         (OutputForce(-s.preload, s.spring_rate, name=LOAD),),
@@ -124,6 +129,34 @@ def oscillating_flat_loading(follower: OscillatingFlat, loads: OscillatingFlatLo
     return Loading(masses, (spring,), contact_friction=_contact(loads))
 
 
+def rocker_loading(follower: Rocker, loads: RockerLoads) -> Loading:
+    """Loading of a rocker and its valve; the roller is fixed to the rocker, and the spring closes the valve."""
+    g, s, gravity = si(follower), si(loads), _gravity(loads)
+    rocker = Inertia(0.0, 0j, s.rocker_inertia)
+    roller = Inertia(s.roller_mass, g.arm + 0j, s.roller_inertia)
+    masses = (
+        Mass("valve", Inertia(s.valve_mass), gravity),
+        Mass("rocker", combined_inertia([rocker, roller]), gravity),
+    )
+    spring = OutputForce(-s.preload, s.spring_rate, name=LOAD)
+    return Loading(masses, (spring,), contact_friction=_contact(loads))
+
+
+def pushrod_loading(follower: Pushrod, loads: PushrodLoads) -> Loading:
+    """Loading of a pushrod train; half of the pushrod's mass is at each of its balls, and the spring closes the valve."""
+    g, s, gravity = si(follower), si(loads), _gravity(loads)
+    half = 0.5 * s.pushrod_mass
+    tappet = (Inertia(s.tappet_mass), Inertia(half, vector(g.seat_x, g.seat_y)))
+    rocker = (Inertia(0.0, 0j, s.rocker_inertia), Inertia(half, g.push_arm + 0j))
+    masses = (
+        Mass("tappet", combined_inertia(tappet), gravity),
+        Mass("rocker", combined_inertia(rocker), gravity),
+        Mass("valve", Inertia(s.valve_mass), gravity),
+    )
+    spring = OutputForce(-s.preload, s.spring_rate, name=LOAD, pair="valve_guide")
+    return Loading(masses, (spring,), contact_friction=_contact(loads))
+
+
 def slide_loading(output: Output, loads: SlideLoads) -> Loading:
     """Loading of a mass on a slide; gravity acts along it only as far as the stated force contains it."""
     return _on_output(Inertia(loads.mass_kg), loads.force_n, loads.friction_n)
@@ -144,6 +177,8 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
         TranslatingLoads: translating_loading,
         OscillatingLoads: oscillating_loading,
         OscillatingFlatLoads: oscillating_flat_loading,
+        RockerLoads: rocker_loading,
+        PushrodLoads: pushrod_loading,
         SlideLoads: slide_loading,
         TurnLoads: turn_loading,
         LinkageLoads: lambda linkage, loads: link_loading(loads),

@@ -6,12 +6,13 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Output, Translating
+from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Output, Pushrod, Rocker, Translating
 from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
 from core.followers.dimensions import FACE as FACE_PLACE
 from core.followers.dimensions import SECOND as SECOND_ROLLER
 from core.followers.dimensions import reach_of
 from core.followers.direct import oscillating, oscillating_flat, output, translating
+from core.followers.trains import pushrod, rocker
 from core.mechanism.mechanism import Mechanism, ReferencePoint, mechanism_of
 
 
@@ -39,6 +40,8 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
         Translating: Builder(_reach, translating),
         Oscillating: Builder(_reach, oscillating),
         OscillatingFlat: Builder(_reach, oscillating_flat),
+        Rocker: Builder(_reach, rocker),
+        Pushrod: Builder(_reach, pushrod),
         Linkage: Builder(_at_unit_speed, mechanism_of),
         Output: Builder(lambda part, cam: (part, None), output),
     }

@@ -22,6 +22,8 @@ from core.design import (
     LinkPoint,
     Oscillating,
     OscillatingFlat,
+    Pushrod,
+    Rocker,
     Rolling,
     RoundFace,
     SecondArm,
@@ -99,11 +101,11 @@ def _points(kinematics: Kinematics, body: str) -> Mapping[str, complex]:
     return kinematics.bodies[body].points
 
 
-def _second_arm(follower: Any, points: Mapping[str, complex]) -> Iterator[Dimension]:
+def _second_arm(follower: Any, points: Mapping[str, complex], body: str = "arm") -> Iterator[Dimension]:
     if follower.second is not None:
         corners = (points["pivot"], points["roller"], points["second_roller"])
-        yield from _length("Zl₂ ", "arm", corners[0], corners[2])
-        yield Dimension(ANGLE, "", follower.second.angle_deg, "arm", corners)
+        yield from _length("Zl₂ ", body, corners[0], corners[2])
+        yield Dimension(ANGLE, "", follower.second.angle_deg, body, corners)
 
 
 def _cam_slider(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
@@ -149,6 +151,33 @@ def _oscillating_flat(design: Design, kinematics: Kinematics) -> Iterator[Dimens
     yield from _coordinates(complex(g.pivot_x, g.pivot_y))
 
 
+def _rocker(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    follower: Any = design.drive.mechanism
+    g, rocker = si(follower), _points(kinematics, "rocker")
+    yield from _length("Zl ", "rocker", rocker["pivot"], rocker["roller"])
+    yield from _pad(follower, rocker, "roller")
+    yield from _second_arm(follower, rocker, "rocker")
+    yield from _coordinates(complex(g.pivot_x, g.pivot_y))
+
+
+def _pushrod(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    follower: Any = design.drive.mechanism
+    g, rod, rocker = si(follower), _points(kinematics, "pushrod"), _points(kinematics, "rocker")
+    along = cmath.rect(1.0, g.direction)
+    yield from _length("e ", FRAME, 0j, 1j * along * g.offset, 1j * along)
+    yield from _length("L ", "pushrod", rod["lower_ball"], rod["upper_ball"])
+    yield from _length("a ", "rocker", rocker["pivot"], rocker["upper_ball"])
+    yield from _pad(follower, rocker, "upper_ball")
+    yield from _coordinates(complex(g.pivot_x, g.pivot_y))
+
+
+def _pad(follower: Any, points: Mapping[str, complex], arm: str) -> Iterator[Dimension]:
+    """Arm of the pad, and its angle from the arm to a point of the rocker."""
+    yield from _length("p ", "rocker", points["pivot"], points["pad_centre"])
+    corners = (points["pivot"], points[arm], points["pad_centre"])
+    yield Dimension(ANGLE, "γ ", follower.pad_angle_deg, "rocker", corners)
+
+
 def _linkage(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
     """Distances of every moving link from its first point to each of the others."""
     for name, pose in kinematics.bodies.items():
@@ -164,6 +193,8 @@ MECHANISM_DIMENSIONS: Mapping[type, Callable[[Design, Kinematics], Iterator[Dime
         Translating: _translating,
         Oscillating: _oscillating,
         OscillatingFlat: _oscillating_flat,
+        Rocker: _rocker,
+        Pushrod: _pushrod,
         Linkage: _linkage,
     }
 )

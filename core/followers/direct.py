@@ -20,6 +20,7 @@ from core.design import (
     Oscillating,
     OscillatingFlat,
     Output,
+    Pushrod,
     Rolling,
     Shoe,
     Slider,
@@ -193,10 +194,9 @@ def translating(follower: Translating, reach: float) -> Mechanism:
         The offset exceeds the reach.
     """
     g = si(follower)
-    base = STARTS[type(follower.face)](follower, reach)
-    require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, follower.face.noun)
+    base = guided_start(follower, reach)
     linkage = Linkage(
-        (Link(FRAME_LINK, ()), Link(FOLLOWER, (LinkPoint("roller", 0.0, 0.0), *_second(follower)))),
+        (Link(FRAME_LINK, ()), Link(FOLLOWER, (LinkPoint("roller", 0.0, 0.0), *second_behind(follower)))),
         (Slider(link=FOLLOWER, on=FRAME_LINK, through_y_mm=follower.offset_mm),),
         Driver(FOLLOWER, "motion"),
     )
@@ -206,16 +206,29 @@ def translating(follower: Translating, reach: float) -> Mechanism:
         turn=g.direction,
         start=base,
         base={"follower": (base, "mm")},
-        require=require,
+        require=radius_requirement(follower),
     )
 
 
-def _second(follower: Translating) -> tuple[LinkPoint, ...]:
+def second_behind(follower: Translating | Pushrod) -> tuple[LinkPoint, ...]:
     """Centre of the second roller of a conjugate pair, behind the first."""
     return () if follower.second is None else (LinkPoint(SECOND, -follower.second.distance_mm, 0.0),)
 
 
-def _round_start(follower: Translating, reach: float) -> float:
+def guided_start(follower: Translating | Pushrod, reach: float) -> float:
+    """Position S0 [m] on its guide of a follower whose face touches the base circle; ``reach`` as for `translating`.
+
+    Raises NoAssembly where the offset exceeds the reach.
+    """
+    return STARTS[type(follower.face)](follower, reach)
+
+
+def radius_requirement(follower: Translating | Pushrod) -> Callable[[float, MotionState], None] | None:
+    """Function that raises NoCam where the centre of a round face passes the cam centre; None for a flat face."""
+    return None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, follower.face.noun)
+
+
+def _round_start(follower: Translating | Pushrod, reach: float) -> float:
     """S0 = √(reach² - ε²)."""
     offset = si(follower).offset
     square = (reach - offset) * (reach + offset)
@@ -231,13 +244,13 @@ def _round_start(follower: Translating, reach: float) -> float:
     return np.sqrt(square)
 
 
-def _flat_start(follower: Translating, reach: float) -> float:
+def _flat_start(follower: Translating | Pushrod, reach: float) -> float:
     """S0 = (Br - ε sin η)/cos η, where the guide's line meets the face, which is tilted by η and touches the base circle."""
     tilt = si(follower.face).face_tilt
     return (reach - si(follower).offset * np.sin(tilt)) / np.cos(tilt)
 
 
-STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
+STARTS: Mapping[type, Callable[[Translating | Pushrod, float], float]] = MappingProxyType(
     {Rolling: _round_start, Knife: _round_start, Shoe: _round_start, TiltedFlat: _flat_start}
 )
 

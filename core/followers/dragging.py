@@ -19,6 +19,8 @@ from core.design import (
     Knife,
     Oscillating,
     OscillatingFlat,
+    Pushrod,
+    Rocker,
     Rolling,
     Shoe,
     TiltedFlat,
@@ -214,6 +216,78 @@ def _face(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     }
 
 
+def _arm_of_rocker(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """Arm, side, pad's angle and base radius of a rocker; pivot, pad and valve do not move."""
+    pivot, pad = _at(kinematics, "pivot"), _at(kinematics, "pad_centre")
+    rocker, first = kinematics.bodies["rocker"], kinematics.base["rocker"][0]
+    base = (to - pivot) * cmath.exp(1j * first) / complex(rocker.unit[0])  # in the base position
+    return {
+        "follower.arm_mm": abs(to - pivot) * 1e3,
+        "follower.side": "left" if (base / -pivot).imag > 0.0 else "right",
+        **_pad_angle(design, pivot, to, pad),
+        "cam.base_radius_mm": abs(pivot + base) * 1e3 - design.drive.face.radius_mm,
+    }
+
+
+def _pad_of_rocker(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """Pad's arm and angle, and the base radius, with which the valve has the same lift; pivot and roller do not move."""
+    follower = design.drive.mechanism
+    assert isinstance(follower, Rocker)
+    pivot, roller = _at(kinematics, "pivot"), _at(kinematics, "roller")
+    valve = cmath.exp(1j * si(follower).valve_direction)
+    pad = (to - pivot) / valve
+    along = pad.real - float(kinematics.motion.displacement[0][0])
+    if abs(along) >= abs(pad):
+        raise NoAssembly(
+            f"with a pad's arm of {result_text(abs(pad) * 1e3, 6)} mm the pad cannot follow the valve to its seat",
+            "follower.pad_mm",
+            "move it farther from the pivot, across the valve",
+        )
+    closed = complex(along, math.copysign(math.sqrt((abs(pad) - along) * (abs(pad) + along)), pad.imag))
+    base = pivot + (roller - pivot) * closed / pad
+    return {
+        **_pad(design, pivot, roller, to),
+        "cam.base_radius_mm": abs(base) * 1e3 - design.drive.face.radius_mm,
+    }
+
+
+def _pad_of_pushrod(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """Pad's arm and angle; the rocker does not move."""
+    return _pad(design, _at(kinematics, "pivot"), _at(kinematics, "upper_ball"), to)
+
+
+def _pad(design: Design, pivot: complex, arm: complex, to: complex) -> Changes:
+    return {"follower.pad_mm": abs(to - pivot) * 1e3, **_pad_angle(design, pivot, arm, to)}
+
+
+def _pad_angle(design: Design, pivot: complex, arm: complex, pad: complex) -> Changes:
+    """Angle of the pad from the arm to a point of the rocker."""
+    angle = cmath.phase((pad - pivot) / (arm - pivot))
+    return {"follower.pad_angle_deg": _near(angle, si(design.drive.mechanism).pad_angle)}
+
+
+def _upper_ball(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """Pushrod, push arm, side and pad's angle; tappet, pivot and pad do not move."""
+    pivot, ball = _at(kinematics, "pivot"), _at(kinematics, "lower_ball")
+    return {
+        "follower.pushrod_mm": abs(to - ball) * 1e3,
+        "follower.push_arm_mm": abs(to - pivot) * 1e3,
+        "follower.side": "left" if ((to - ball) / (pivot - ball)).imag > 0.0 else "right",
+        **_pad_angle(design, pivot, to, _at(kinematics, "pad_centre")),
+    }
+
+
+def _lower_ball(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """Seat of the lower ball in the tappet, and the pushrod; the rocker does not move."""
+    tappet = kinematics.bodies["tappet"]
+    seat = (to - complex(tappet.origin[0][0])) / complex(tappet.unit[0])
+    return {
+        "follower.seat_x_mm": seat.real * 1e3,
+        "follower.seat_y_mm": seat.imag * 1e3,
+        "follower.pushrod_mm": abs(_at(kinematics, "upper_ball") - to) * 1e3,
+    }
+
+
 def _point(name: str) -> Callable[[Design, Kinematics, complex], Changes]:
     return lambda design, kinematics, to: point_changes(design, kinematics, name, to)
 
@@ -238,6 +312,20 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
         },
         Translating: {
             "roller": Drag("roller", "follower.offset_mm", _on_guide),
+            SECOND: Drag("second roller", "follower.second.distance_mm", _behind),
+        },
+        Rocker: {
+            "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
+            "roller": Drag("roller", "follower.arm_mm", _arm_of_rocker),
+            "pad_centre": Drag("pad", "follower.pad_mm", _pad_of_rocker),
+            SECOND: Drag("second roller", "follower.second.arm_mm", _second_arm),
+        },
+        Pushrod: {
+            "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
+            "roller": Drag("roller", "follower.offset_mm", _on_guide),
+            "lower_ball": Drag("lower ball", "follower.seat_x_mm", _lower_ball),
+            "upper_ball": Drag("upper ball", "follower.push_arm_mm", _upper_ball),
+            "pad_centre": Drag("pad", "follower.pad_mm", _pad_of_pushrod),
             SECOND: Drag("second roller", "follower.second.distance_mm", _behind),
         },
     }

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.design import CamSlider, Oscillating, OscillatingFlat, Translating
+from core.design import CamSlider, Oscillating, OscillatingFlat, Pushrod, Rocker, Translating
+from core.design.parts import SIDES
 from core.followers.cam_slider import LAYOUT_TABLE
 from core.numerics.derivatives import Taylor, dot, heading, select
 
@@ -61,7 +62,7 @@ def touching(follower: Any) -> Touching:
 # -- translating followers --------------------------------------------------------------------------------------
 
 
-def _sliding(follower: Translating) -> Touching:
+def _sliding(follower: Translating | Pushrod) -> Touching:
     e, offset = heading(math.radians(follower.direction_deg)), follower.offset_mm
 
     def angle(p: np.ndarray) -> np.ndarray:
@@ -95,7 +96,7 @@ def _root(b: Taylor, c: Taylor, root: Taylor, curvature: float) -> Taylor:
         return select(b.c[0].real >= 0.0, stable, (root - b) * (1.0 / curvature))
 
 
-def _flat_sliding(follower: Translating) -> Touching:
+def _flat_sliding(follower: Translating | Pushrod) -> Touching:
     """S = (H - ε sin η)/cos η with the support function H of the cam along the face's normal."""
     face: Any = follower.face
     tilt = math.radians(face.face_tilt_deg)
@@ -150,8 +151,19 @@ class _Arm(NamedTuple):
         return np.asarray(1j * self.side * (r - self.pivot) / np.abs(r - self.pivot))
 
 
+def _constant(angle: np.ndarray) -> Taylor:
+    return Taylor(np.array([angle, np.zeros_like(angle), np.zeros_like(angle)]))
+
+
+def _turned(vector: complex, angle: Taylor) -> Taylor:
+    """Series of a vector turned by an angle α, v e^{iα}."""
+    u = angle.c
+    turn = np.exp(1j * u[0]) * vector
+    return Taylor(np.array([turn, 1j * turn * u[1], 1j * turn * (u[2] + 0.5j * u[1] ** 2)]))
+
+
 def _swinging(follower: Oscillating) -> Touching:
-    side = 1.0 if follower.side == "left" else -1.0
+    side = SIDES[follower.side]
     arm = _Arm(follower.arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), side)
     return Touching(arm.angle, arm.position, arm.driver, arm.leaving, side, arm.arm, rotates=True)
 
@@ -165,16 +177,13 @@ def _slider(follower: CamSlider) -> Touching:
     side = 1.0 if layout.slider_right else -1.0
 
     def slider(alpha: Taylor) -> Taylor:
-        u = alpha.c
-        turn = np.exp(1j * u[0]) * to_arm
-        pin = Taylor(np.array([turn, 1j * turn * u[1], 1j * turn * (u[2] + 0.5j * u[1] ** 2)])) * follower.slider_arm_mm
+        pin = _turned(to_arm, alpha) * follower.slider_arm_mm
         height = -pin.imag + follower.guide_height_mm
         with np.errstate(invalid="ignore"):
             return pin.real + (height * height * -1.0 + follower.rod_mm**2).sqrt() * side
 
     def driver(r: np.ndarray) -> np.ndarray:
-        alpha = arm.driver(r)
-        return slider(Taylor(np.array([alpha, np.zeros_like(alpha), np.zeros_like(alpha)]))).c[0]
+        return slider(_constant(arm.driver(r))).c[0]
 
     return Touching(
         arm.angle,
@@ -185,9 +194,29 @@ def _slider(follower: CamSlider) -> Touching:
     )
 
 
+def _rocker(follower: Rocker) -> Touching:
+    """Distance of the pad's centre from the pivot along the valve, p cos β, β = α + γ - ν."""
+    arm = _Arm(follower.arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), SIDES[follower.side])
+    to_pad = np.exp(1j * (arm.to_centre + math.radians(follower.pad_angle_deg - follower.valve_direction_deg)))
+
+    def along_valve(alpha: Taylor) -> Taylor:
+        return _turned(to_pad, alpha).real * follower.pad_mm
+
+    def driver(r: np.ndarray) -> np.ndarray:
+        return along_valve(_constant(arm.driver(r))).c[0]
+
+    return Touching(
+        arm.angle,
+        lambda p, n, curvature: along_valve(arm.position(p, n, curvature)),
+        driver,
+        arm.leaving,
+        lever_mm=min(1.0, follower.arm_mm / follower.pad_mm),
+    )
+
+
 def _flat_swinging(follower: OscillatingFlat) -> Touching:
     """Face (x - pivot)·m = f on an arc of centre C, radius ρ: D·m = f - ρ, D = C - pivot."""
-    side = 1.0 if follower.side == "left" else -1.0
+    side = SIDES[follower.side]
     face: Any = follower.face
     pivot, offset = complex(follower.pivot_x_mm, follower.pivot_y_mm), face.face_offset_mm
     to_centre, distance = math.atan2(-pivot.imag, -pivot.real), abs(pivot)
@@ -219,10 +248,10 @@ def _flat_swinging(follower: OscillatingFlat) -> Touching:
 
 
 ROUND: Mapping[type, Callable[[Any], Touching]] = MappingProxyType(
-    {Translating: _sliding, Oscillating: _swinging, CamSlider: _slider}
+    {Translating: _sliding, Oscillating: _swinging, CamSlider: _slider, Rocker: _rocker, Pushrod: _sliding}
 )
 FLAT: Mapping[type, Callable[[Any], Touching]] = MappingProxyType(
-    {Translating: _flat_sliding, OscillatingFlat: _flat_swinging}
+    {Translating: _flat_sliding, OscillatingFlat: _flat_swinging, Pushrod: _flat_sliding}
 )
 
 

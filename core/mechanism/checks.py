@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import degrees
+from types import MappingProxyType
 
 import numpy as np
 
@@ -22,8 +23,15 @@ from core.motion.extremes import Extreme, Extremes
 LEAST_TRANSMISSION = 40.0  # [deg] typical limit: Norton, Design of Machinery, ch. 2
 AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which play prevents any motion
 MOST_GAP = 1e-6  # of the sum of both radii: larger gaps between pitch circles are not rounding of the file's digits
-SINGULAR = ("dead-centre", "rod-across-guide")
-"""Codes of the measures that must not vanish in a follower's linkage."""
+SINGULAR: Mapping[str, str] = MappingProxyType(
+    {
+        "dead-centre": "follower.rod_mm",
+        "rod-across-guide": "follower.rod_mm",
+        "pad-in-line": "follower.pad_angle_deg",
+        "pushrod-in-line": "follower.pushrod_mm",
+    }
+)
+"""Code of a measure that must not vanish in a follower's linkage -> path of the field that changes it."""
 LEAST_SINGULAR = 0.05
 _INSIDE = 0.382  # of a range: avoids its middle, where positions may be symmetric
 
@@ -145,7 +153,7 @@ def _singular_findings(code: str, low: Extreme) -> list[Finding]:
     if low.value >= LEAST_SINGULAR:
         return []
     severity = ERROR if low.value < AT_DEAD_CENTRE else WARNING
-    return [Finding(code, severity, "follower.rod_mm", degrees(low.theta), {"value": low.value})]
+    return [Finding(code, severity, SINGULAR[code], degrees(low.theta), {"value": low.value})]
 
 
 # -- dimensions of a linkage from the positions of its points ---------------------------------------------------

@@ -12,6 +12,7 @@ from core.study.camshaft import is_complete
 from core.study.drive_forces import roller_lives
 from core.study.study import Study, shaft_in_chart
 from core.study.symbols import Formula
+from core.study.train_quantities import TRAIN_NAMES
 
 _VALUES, _BALANCE, _WALK = (
     "study.member_quantities",
@@ -170,12 +171,13 @@ _FORCES: tuple[Formula, ...] = (
     *_pair("arm_pin", "Shin1995 (21), (23), corrected"),
     *_pair("pivot", _LINKS),
     *_pair("guide", _LINKS),
+    *(row for name in TRAIN_NAMES for row in _pair(name, _LINKS)),
     Formula("guide_couple", _PAIRS, _NEWTON, _NEWTON_LETTERS, _LINKS, _WALK, member="guide"),
     *(Formula(f"bearing_{axis}", "Camshaft bearing", ("O = -Σ F_k p_k",), "O F_k.flank p_k", "balance of the camshaft", _WALK,
               member="bearing") for axis in "xy"),
     *(Formula(f"force.{{}}_{axis}", _PAIRS, _NEWTON, _NEWTON_LETTERS, _LINKS, _WALK) for axis in "xy"),
     Formula("couple.{}", _PAIRS, _NEWTON, _NEWTON_LETTERS, _LINKS, _WALK),
-    *(row for name in ("slider_pin", "arm_pin", "pivot", "bearing", "guide") for row in _size(name, member=name)),
+    *(row for name in ("slider_pin", "arm_pin", "pivot", "bearing", "guide", *TRAIN_NAMES) for row in _size(name, member=name)),
     *_size("force.{}", size="force.{}_size"),
     Formula("jam_factor", "Jamming factor", ("j = μ |∂N/∂f|",), "j μ N f", "friction in closed form", _WALK, remark="friction jams from 1"),
     *_hertz(second=False),

@@ -52,6 +52,7 @@ from core.study.symbols import (
     symbol_of,
     vector_symbols,
 )
+from core.study.train_quantities import closed_pad_angle, lash, levers, pad_angle, valve_lift, valve_motion
 
 # -- values -----------------------------------------------------------------------------------------------------
 
@@ -273,6 +274,24 @@ _MOTION: Mapping[str, SymbolSource] = {
     **{"P": SymbolSource("pivot"), "Z_l": SymbolSource("roller arm"), "α": SymbolSource("angle of the roller arm"),
        "α′": SymbolSource("derivative of α by cam angle"), "e.guide": SymbolSource("direction of the guide"),
        "S": SymbolSource("position along the guide"), "ε": SymbolSource("offset"), "R_b": SymbolSource("base radius")},
+}  # fmt: skip
+_TRAIN: Mapping[str, SymbolSource] = {
+    "y_v": SymbolSource("lift of the valve"),
+    "ẏ_v": SymbolSource("velocity of the valve"),
+    "ÿ_v": SymbolSource("acceleration of the valve"),
+    "y_o": SymbolSource("motion of the valve, the lash not taken off", "mm", lambda s, _: first(valve_motion(s)[0]), LINKAGE),
+    "λ.lash": SymbolSource("lash", "mm", lambda s, _: lash(s.design), "valve.lash_mm"),
+    "y′_v": SymbolSource("derivative of the valve's lift by cam angle", "mm", lambda s, _: first(valve_lift(s, 1)) / s.omega, LINKAGE),
+    "y″_v": SymbolSource("second derivative of the valve's lift by cam angle", "mm",
+                         lambda s, _: first(valve_lift(s, 2)) / s.omega**2, LINKAGE),
+    "i.ratio": SymbolSource("rocker ratio"),
+    "h.pad": SymbolSource("lever of the pad across the valve", "mm", lambda s, _: first(levers(s)[0]), LINKAGE),
+    "l.arm": SymbolSource("arm of the rocker; under a pushrod, motion of the tappet by the rocker's angle", "mm",
+                          lambda s, _: first(levers(s)[1]), LINKAGE),
+    "x_t": SymbolSource("place of the pad on the tip of the valve"),
+    "p.pad": field_symbol("follower.pad_mm", "arm of the pad", "mm"),
+    "β.pad": SymbolSource("angle of the pad's arm from the direction of the valve", "deg", lambda s, _: first(pad_angle(s)), LINKAGE),
+    "β_0.pad": SymbolSource("the same angle with the valve closed", "deg", lambda s, _: closed_pad_angle(s), LINKAGE),
 }  # fmt: skip
 _CAM: Mapping[str, SymbolSource] = {
     "R_r": SymbolSource("radius of roller, shoe or edge", "mm", lambda s, _: s.cam.flank.radius, "cam.roller_radius_mm"),
@@ -541,7 +560,7 @@ def _is_linear(study: Study) -> bool:
 
 LETTERS: Mapping[str, SymbolSource] = MappingProxyType(
     {
-        **_MOTION, **_CAM, **_LINKS, **_BODIES, **_FORCES, **_ELASTIC, **_SHAFT, **_SERVO, **_STABILITY,
+        **_MOTION, **_TRAIN, **_CAM, **_LINKS, **_BODIES, **_FORCES, **_ELASTIC, **_SHAFT, **_SERVO, **_STABILITY,
     }
 )  # fmt: skip
 """Key -> symbol: meaning, unit, value and origin, once for every formula."""

@@ -22,7 +22,7 @@ from core.design.parts import LINEAR, ROTARY
 from core.dynamics import element_power, gravity_power, input_power, kinetic_energy
 from core.dynamics.walk import input_of
 from core.frozen import frozen
-from core.mechanism import SINGULAR, body_name
+from core.mechanism import body_name
 from core.shaft import Flywheel
 from core.stress import load_ratings, pairings
 from core.study.drive_forces import ROLLERS, has_servo, roller_speed, servo_power, servo_speed, servo_torque
@@ -54,6 +54,7 @@ from core.study.member_quantities import (
     transmission_angle,
 )
 from core.study.study import Study
+from core.study.train_quantities import PUSHROD, TRAIN_PAIRS, TRAINS, rocker_ratio, valve_lift
 
 if TYPE_CHECKING:
     from core.study.symbols import Formula
@@ -64,6 +65,10 @@ ALL_KINDS = FOLLOWERS | {"linkage"} | ALONE
 SLIDER = frozenset({"cam-slider"})
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
+SINGULAR_OF: Mapping[str, frozenset[str]] = MappingProxyType(
+    {"dead-centre": SLIDER, "rod-across-guide": SLIDER, "pad-in-line": TRAINS, "pushrod-in-line": PUSHROD}
+)
+"""Code of a finding on a follower's linkage -> kinds of followers that have it."""
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
 LINKAGE, ORBIT, SERVO = "linkage.csv", "orbit.csv", "servo.csv"
@@ -117,6 +122,7 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
         "servo": Need("a table [servo]", has_servo),
         "rotary servo": Need("a rotary motor in [servo]", lambda design: has_servo(design, ROTARY)),
         "linear servo": Need("a linear motor in [servo]", lambda design: has_servo(design, LINEAR)),
+        "valve": Need("a rocker, a pushrod train, or a table [valve]", lambda design: design.drive.has_valve),
         "cam": Need("a cam", lambda design: design.drive.cam is not None),
         "pitch": Need(
             "a cam with a roller, a knife edge or a shoe",
@@ -243,9 +249,15 @@ _DIRECTIONS = (
     Quantity(f"{name}_direction", f"{name}_direction_deg", f"{label}, direction", f"∠{symbol}", "angle",
              "dynamics", partial(force_component, pair=name, component="direction"), kinds, is_periodic=True)
     for name, label, symbol, kinds in (
-        ("slider_pin", "Slider pin", "A", SLIDER), ("arm_pin", "Arm pin", "B", SLIDER), ("pivot", "Pivot", "P", PIVOTED),
-        ("bearing", "Camshaft bearing", "O", FOLLOWERS), ("guide", "Guide", "G", GUIDED),
+        ("slider_pin", "Slider pin", "A", SLIDER), ("arm_pin", "Arm pin", "B", SLIDER), ("pivot", "Pivot", "P", PIVOTED | TRAINS),
+        ("bearing", "Camshaft bearing", "O", FOLLOWERS), ("guide", "Guide", "G", GUIDED | PUSHROD), *TRAIN_PAIRS,
     )
+)  # fmt: skip
+_TRAIN_FORCES = (
+    Quantity(f"{name}{end}", f"{name}{end}_n", f"{label}{words}", f"{symbol}{index}" if index else f"|{symbol}|", "force",
+             "dynamics", partial(force_component, pair=name, component=component), kinds)
+    for name, label, symbol, kinds in TRAIN_PAIRS
+    for end, words, index, component in (("_x", ", x", "x", "x"), ("_y", ", y", "y", "y"), ("", "", "", "size"))
 )  # fmt: skip
 _HERTZ = (
     ("contact_pressure", "mpa", "Contact pressure", "p", "stress", "pressure"),
@@ -302,6 +314,15 @@ _ROWS: tuple[Quantity, ...] = (
              "linkage", lambda s: coordinate(s, "beta", 1), SLIDER, file=KINEMATICS),
     Quantity("beta_acceleration", "beta_rad_s2", "Rod acceleration", "β̈", "acceleration",
              "linkage", lambda s: coordinate(s, "beta", 2), SLIDER, file=KINEMATICS),
+    Quantity("valve_lift", "valve_lift_mm", "Valve lift", "y_v", "displacement",
+             "linkage", valve_lift, needs="valve", file=KINEMATICS),
+    Quantity("valve_velocity", "valve_velocity_mm_s", "Valve velocity", "ẏ_v", "velocity",
+             "linkage", partial(valve_lift, order=1), needs="valve", file=KINEMATICS),
+    Quantity("valve_acceleration", "valve_acceleration_mm_s2", "Valve acceleration", "ÿ_v", "acceleration",
+             "linkage", partial(valve_lift, order=2), needs="valve", file=KINEMATICS),
+    Quantity("rocker_ratio", "rocker_ratio", "Rocker ratio", "i", "ratio", "linkage", rocker_ratio, TRAINS, file=KINEMATICS),
+    Quantity("pad_position", "pad_position_mm", "Pad on the tip", "x_t", "length",
+             "linkage", lambda s: coordinate(s, "pad_position"), TRAINS, file=KINEMATICS),
     Quantity("profile_x", "x_mm", "Profile x", "x", "length", "cam", lambda s: s.cam.flank.profile.real, needs="cam"),
     Quantity("profile_y", "y_mm", "Profile y", "y", "length", "cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
     Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
@@ -366,8 +387,8 @@ _ROWS: tuple[Quantity, ...] = (
              "dynamics", lambda s: force_component(s, "arm_pin", "x"), SLIDER),
     Quantity("arm_pin_y", "arm_pin_y_n", "Arm pin, y", "-B_y", "force",
              "dynamics", lambda s: force_component(s, "arm_pin", "y"), SLIDER),
-    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "dynamics", lambda s: force_component(s, "pivot", "x"), PIVOTED),
-    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "dynamics", lambda s: force_component(s, "pivot", "y"), PIVOTED),
+    Quantity("pivot_x", "pivot_x_n", "Pivot, x", "P_x", "force", "dynamics", lambda s: force_component(s, "pivot", "x"), PIVOTED | TRAINS),
+    Quantity("pivot_y", "pivot_y_n", "Pivot, y", "P_y", "force", "dynamics", lambda s: force_component(s, "pivot", "y"), PIVOTED | TRAINS),
     Quantity("bearing_x", "bearing_x_n", "Camshaft bearing, x", "O_x", "force",
              "dynamics", lambda s: force_component(s, "bearing", "x"), FOLLOWERS),
     Quantity("bearing_y", "bearing_y_n", "Camshaft bearing, y", "O_y", "force",
@@ -379,15 +400,16 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("slider_pin", "slider_pin_n", "Slider pin", "|A|", "force",
              "dynamics", lambda s: force_component(s, "slider_pin", "size"), SLIDER),
     Quantity("arm_pin", "arm_pin_n", "Arm pin", "|B|", "force", "dynamics", lambda s: force_component(s, "arm_pin", "size"), SLIDER),
-    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "dynamics", lambda s: force_component(s, "pivot", "size"), PIVOTED),
+    Quantity("pivot", "pivot_n", "Pivot", "|P|", "force", "dynamics", lambda s: force_component(s, "pivot", "size"), PIVOTED | TRAINS),
     Quantity("bearing", "bearing_n", "Camshaft bearing", "|O|", "force",
              "dynamics", lambda s: force_component(s, "bearing", "size"), FOLLOWERS),
-    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "dynamics", lambda s: force_component(s, "guide", "x"), GUIDED),
-    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "dynamics", lambda s: force_component(s, "guide", "y"), GUIDED),
+    Quantity("guide_x", "guide_x_n", "Guide, x", "G_x", "force", "dynamics", lambda s: force_component(s, "guide", "x"), GUIDED | PUSHROD),
+    Quantity("guide_y", "guide_y_n", "Guide, y", "G_y", "force", "dynamics", lambda s: force_component(s, "guide", "y"), GUIDED | PUSHROD),
     Quantity("guide", "guide_n", "Guide, with friction", "|G|", "force",
-             "dynamics", lambda s: force_component(s, "guide", "size"), GUIDED),
+             "dynamics", lambda s: force_component(s, "guide", "size"), GUIDED | PUSHROD),
     Quantity("guide_couple", "guide_couple_nm", "Couple on the guide", "M_G", "torque",
-             "dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
+             "dynamics", lambda s: s.dynamics.couples["guide"], GUIDED | PUSHROD),
+    *_TRAIN_FORCES,
     *_DIRECTIONS,
     Quantity("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", "dynamics", lambda s: guide_reaction(s).jam, GUIDED),
     *_CONTACT,
@@ -419,7 +441,7 @@ _ROWS: tuple[Quantity, ...] = (
              "stability", lambda s: s.steady_turn.error(s.theta), needs="elastic shaft", exists=has_steady_turn),
     Quantity("shaft_torque", "shaft_torque_nm", "Torque in the shaft", "T_s", "torque",
              "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=has_steady_turn),
-    *(_unseen(code, "linkage", partial(singular_value, code=code), SLIDER) for code in SINGULAR),
+    *(_unseen(code, "linkage", partial(singular_value, code=code), kinds) for code, kinds in SINGULAR_OF.items()),
     _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
     _unseen("second_roller_distance", "cam", second_roller_distance, needs=SECOND),
     _unseen("second_push", "cam", push_product, needs=SECOND),

@@ -91,8 +91,8 @@ class ValveTiming:
 
     @property
     def is_direct(self) -> bool:
-        """Whether the motion is that of the valve, less the lash: no linkage, or one whose driver is the valve."""
-        return self.valve.link is None or self.valve.link == self.design.drive.linkage.driver.link
+        """Whether the motion is that of the valve, less the lash: no linkage whose driver is another link, and no pushrod."""
+        return self.design.drive.is_valve_motion
 
     def lobe_lift(self, crank: np.ndarray) -> np.ndarray:
         """Lobe lift at crank angles from TDC of overlap.

@@ -61,7 +61,13 @@ from kindyna_gui.rebuilt import connect_all, fill
 
 NEW_LAW = "modified-sine"  # of the rise and the return of a new design
 FIRST_OF_KIND: Mapping[str, str] = MappingProxyType(
-    {"cam-slider": "transfer_lift", "translating": "card_picker", "oscillating": "rocker_cam"}
+    {
+        "cam-slider": "transfer_lift",
+        "translating": "card_picker",
+        "oscillating": "rocker_cam",
+        "rocker": "finger_follower",
+        "pushrod": "pushrod_train",
+    }
 )
 """Kind of follower -> the example with the lengths, stroke and loads of a new design."""
 DISTANCE = "follower.second.distance_mm"
@@ -123,7 +129,7 @@ def new_motion(motion: Motion) -> Motion:
             (60.0, 0.0, "dwell"),
         )
     )
-    return replace(motion, start=0.0, segments=segments)
+    return replace(motion, start=0.0, segments=segments, lobe=None)
 
 
 def dwell_first(design: Design) -> Design:

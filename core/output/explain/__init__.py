@@ -334,7 +334,7 @@ FINDING_NUMBERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 RESIDUAL_NUMBERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "motion_closure": ("displacement_mm", "displacement_deg"),
-        "loop_closure": ("phi_deg", "link3_deg", "link2_deg", "pivot_x_n", "displacement_mm"),
+        "loop_closure": ("phi_deg", "rocker_ratio", "link3_deg", "link2_deg", "pivot_x_n", "displacement_mm"),
         "instant_centre": ("instant_centre_mm", "instant_centre_x_mm"),
         "three_centres": ("link3_rad_s",),
         "tangency": ("x_mm",),

@@ -37,6 +37,7 @@ from core.study.symbols import (
     segment_of,
     speed_field,
 )
+from core.study.train_quantities import TRAIN_NAMES
 
 
 @frozen
@@ -441,7 +442,7 @@ def shaft_speed(study: Study, speed: float, torques: tuple[float, float] | None)
     return Calculation(("n = n̄ + (T̄ - T_m)/k",), (mean, *letters, slope))
 
 
-_PAIRS = ("slider_pin", "arm_pin", "pivot", "guide")
+_PAIRS = ("slider_pin", "arm_pin", "pivot", "guide", *TRAIN_NAMES)
 CALCULATIONS: Mapping[str, CalculationFunction] = MappingProxyType(
     {
         "displacement": _displacement,

@@ -451,6 +451,7 @@ def cycle(study: Study) -> list[Section]:
 
 BASE_LABELS = {
     "slider": "Slider, L0", "phi": "Slider arm, φ0", "alpha": "Roller arm, α0", "beta": "Rod, β0", "follower": "Follower", "mu": "Face, μ",
+    "rocker": "Rocker",
 }  # fmt: skip
 """Name of a length or angle at the base position -> its label, with the symbol of Shin1995."""
 

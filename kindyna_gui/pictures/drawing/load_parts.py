@@ -26,7 +26,7 @@ from core.dynamics import (
     element_forces,
 )
 from core.mechanism.kinematics import REVOLUTE, SLIDING
-from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
 from kindyna_gui.pictures.drawing.parts import BLOCK_LENGTH, behind_face, bush_start, is_stem
 from kindyna_gui.pictures.items import Arrow, DrawnPart, Outline, Tag, pinned
 from kindyna_gui.pictures.shapes import HATCH, PIN, arc_arrow, circle, hatching, joined, polyline, scaled, segments
@@ -93,9 +93,16 @@ def spirals(element: Element, geometry: Geometry) -> list[np.ndarray]:
         bodies = {element.body, element.on}
         pins = [j for j in geometry.joints if j.pair.kind == REVOLUTE and {j.pair.body, j.pair.on} == bodies]
         return [pins[0].track if pins else geometry.bodies[element.body].z]
-    joint = next(joint for joint in geometry.joints if joint.name == geometry.kinematics.driver_name)
-    has_spiral = isinstance(element, OutputForce) and geometry.is_closing_spring(element) and joint.pair.kind != SLIDING
-    return [joint.track] if has_spiral else []
+    if not isinstance(element, OutputForce):
+        return []
+    joint = _sprung_joint(element, geometry)
+    return [joint.track] if geometry.is_closing_spring(element) and joint.pair.kind != SLIDING else []
+
+
+def _sprung_joint(element: OutputForce, geometry: Geometry) -> Joint:
+    """The joint along which a closing spring acts."""
+    name = element.pair or geometry.kinematics.driver_name
+    return next(joint for joint in geometry.joints if joint.name == name)
 
 
 def _spiral(
@@ -126,7 +133,7 @@ def _spiral(
 def closing_spring(element: OutputForce, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     """Spring that holds the follower on the cam: coils on a stem, coils behind a block, or a spiral at a pivot."""
     kinematics = geometry.kinematics
-    joint = next(joint for joint in geometry.joints if joint.name == kinematics.driver_name)
+    joint = _sprung_joint(element, geometry)
     if joint.pair.kind != SLIDING:
         yield from _spiral(
             element.name, joint.track, np.deg2rad(geometry.bodies[kinematics.output].angle), geometry, theme
@@ -134,7 +141,8 @@ def closing_spring(element: OutputForce, geometry: Geometry, theme: Theme) -> It
         return
     unit, stem = geometry.unit, is_stem(joint, geometry)
     offset = float(np.mean(((joint.track - geometry.middle) * joint.line.conjugate()).real))
-    sign = joint.outward_sign if stem or not offset else float(np.sign(offset))
+    is_preloaded = hasattr(geometry.study.design.drive.loads, "preload_n")  # a spring that a positive motion compresses
+    sign = joint.outward_sign if stem or not offset else 1.0 if is_preloaded else float(np.sign(offset))
     line = joint.line * sign
     if stem:
         near, far = behind_face(geometry, line), bush_start(joint, geometry)

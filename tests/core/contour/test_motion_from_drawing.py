@@ -138,7 +138,7 @@ def test_a_flat_face_turns_over_on_a_straight_flank() -> None:
 
 
 @pytest.mark.parametrize(
-    ("follower", "face"), spread([(a, b) for a, faces in FACES.items() if a != "linkage" for b in faces], 3)
+    ("follower", "face"), spread([(a, b) for a, faces in FACES.items() if a != "linkage" for b in faces], 5)
 )
 def test_in_and_out_again(follower: str, face: str) -> None:
     """The envelope of the motion is the drawing again."""

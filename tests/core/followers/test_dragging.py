@@ -74,7 +74,11 @@ def numbers(design: Design) -> dict[str, float]:
 # -- cams -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("design", [*map(layout, LAYOUTS), example("kim_1990")], ids=[*LAYOUTS, "translating"])
+@pytest.mark.parametrize(
+    "design",
+    [*map(layout, LAYOUTS), *map(example, ("kim_1990", "finger_follower", "pushrod_train"))],
+    ids=[*LAYOUTS, "translating", "rocker", "pushrod"],
+)
 def test_a_joint_at_its_own_place_changes_nothing(design: Design) -> None:
     for theta in ANGLES:
         kinematics = kinematics_at(design, theta)
@@ -111,6 +115,33 @@ def test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay(let
             assert isinstance(follower, CamSlider)
             roller = complex(follower.pivot_x_mm, follower.pivot_y_mm) + cmath.rect(follower.roller_arm_mm, base.alpha)
             assert abs(roller) * 1e-3 == pytest.approx(reach, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["finger_follower", "pushrod_train"])
+def test_a_joint_of_a_valve_train_lands_where_it_is_put(name: str) -> None:
+    """The pivot of the rocker and the joints that its lengths do not contain stay, and the face stays on the base circle."""
+    design, rng = example(name), np.random.default_rng(5)
+    stay = {
+        "finger_follower": {"pivot": (), "roller": ("pivot", "pad_centre"), "pad_centre": ("pivot", "roller")},
+        "pushrod_train": {
+            "pivot": ("lower_ball",),
+            "roller": (),
+            "lower_ball": ("pivot", "upper_ball", "pad_centre", "roller"),
+            "upper_ball": ("pivot", "lower_ball", "pad_centre", "roller"),
+            "pad_centre": ("pivot", "lower_ball", "upper_ball", "roller"),
+        },
+    }[name]
+    for theta in (0.3, 2.4, 3.1, 4.0):
+        kinematics = kinematics_at(design, theta)
+        assert set(joints_of(design)) == set(stay)
+        for joint, others in stay.items():
+            to = place(kinematics, joint) + 5e-4 * complex(*rng.normal(size=2))
+            moved = move_joint(design, kinematics, joint, to, 12)
+            after = kinematics_at(moved, theta)
+            if joint != "roller" or name == "finger_follower":
+                assert place(after, joint) == pytest.approx(to, abs=1e-11)
+            for other in others:
+                assert place(after, other) == pytest.approx(place(kinematics, other), abs=1e-11)
 
 
 @pytest.mark.parametrize(

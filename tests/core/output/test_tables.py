@@ -41,7 +41,13 @@ TABLES = {
 }  # fmt: skip
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 ROCKER = load(EXAMPLES / "rocker_cam.toml")
-OF_KIND = {"cam-slider": LIFT, "translating": PUSHER, "oscillating": ROCKER}
+FINGER, TRAIN = (load(EXAMPLES / f"{name}.toml") for name in ("finger_follower", "pushrod_train"))
+OF_KIND = {"cam-slider": LIFT, "translating": PUSHER, "oscillating": ROCKER, "rocker": FINGER, "pushrod": TRAIN}
+SINGULAR = {
+    "cam-slider": {"dead-centre", "rod-across-guide"},
+    "rocker": {"pad-in-line"},
+    "pushrod": {"pad-in-line", "pushrod-in-line"},
+}
 DESIGNS = {"lift": LIFT, "pusher": PUSHER, "c": LAYOUT_DESIGNS["c"], "g": LAYOUT_DESIGNS["g"]}
 
 
@@ -68,7 +74,7 @@ def test_every_channel_says_what_it_is_in_which_unit_and_where_it_comes_from(kin
         assert row.label.strip(), row.slug
         assert row.symbol.strip(), row.slug
         assert row.name not in QUANTITIES or kind in QUANTITIES[row.name].kinds
-        assert row.slug == "jam_factor" or row.unit.symbol, "a unit, told by the column's name"
+        assert row.slug in ("jam_factor", "rocker_ratio") or row.unit.symbol, "a unit, told by the column's name"
         assert "{" not in row.slug
         assert channel(OF_KIND[kind], row.slug) is row
 
@@ -76,9 +82,7 @@ def test_every_channel_says_what_it_is_in_which_unit_and_where_it_comes_from(kin
 @pytest.mark.parametrize("kind", FOLLOWER_KINDS)
 def test_every_quantity_of_a_kind_can_be_tabled_but_the_singularities(kind: str) -> None:
     told = {row.name for row in channels(OF_KIND[kind])}
-    assert set(names_of(OF_KIND[kind])) - told == (
-        {"dead-centre", "rod-across-guide"} if kind == "cam-slider" else set()
-    )
+    assert set(names_of(OF_KIND[kind])) - told - {"profile_radius"} == SINGULAR.get(kind, set())
 
 
 def test_an_unknown_channel_is_told_with_those_there_are() -> None:

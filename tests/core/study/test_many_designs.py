@@ -24,7 +24,10 @@ from core.study.batch import is_batchable
 from core.study.quantity_requests import quantity_request
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
-EXAMPLE = {"cam-slider": "transfer_lift", "translating": "dwell_rise_dwell", "oscillating": "rocker_cam"}
+EXAMPLE = {
+    "cam-slider": "transfer_lift", "translating": "dwell_rise_dwell", "oscillating": "rocker_cam",
+    "rocker": "finger_follower", "pushrod": "pushrod_train",
+}  # fmt: skip
 STAGES = ("motion", "linkage", "cam", "dynamics")
 CASES = [
     *((kind, face, "open") for kind, row in FOLLOWER_KINDS.items() for face in row.faces),

@@ -33,7 +33,18 @@ def open_user(same_window: Open) -> Open:
 
 
 @pytest.mark.parametrize(
-    "title", spread(["Translating follower", "Oscillating follower", "Cam-driven slider", "Linkages"], 1)
+    "title",
+    spread(
+        [
+            "Translating follower",
+            "Oscillating follower",
+            "Cam-driven slider",
+            "Valve rocker",
+            "Pushrod train",
+            "Linkages",
+        ],
+        1,
+    ),
 )
 def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkages_as_pictures(
     user: User, title: str
@@ -44,6 +55,8 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
         "Cam-driven slider": [*(f"Layout {letter}" for letter in LAYOUTS), "Knife edge", "Curved shoe", *FORMS],
         "Translating follower": [*FACES, *FORMS],
         "Oscillating follower": [*FACES, *FORMS],
+        "Valve rocker": ["Roller", "Curved shoe", *FORMS],
+        "Pushrod train": [*FACES, *FORMS],
         "Linkages": [choice.name for choice in gallery.presets()],
     }
     dialog.show_group(title)
