@@ -37,15 +37,41 @@ def nearest_fitting_value(
         None where the field is no number, or no value fits.
     """
     entry = entry_at(design, path)
-    if entry is None or not isinstance(entry.value, float) or not math.isfinite(entry.value):
+    if entry is None or not isinstance(entry.value, float):
         return None
-    value, size = entry.value, abs(entry.value) or 1.0
 
     def is_fitting(number: float) -> bool:
-        checkpoint()
         with suppress(KindynaError, KeyError):
             return entry.info.admits(number) and fits(edited(design, path, number))
         return False
+
+    return nearest_fitting(entry.value, is_fitting, valid)
+
+
+def nearest_fitting(value: float, fits: Callable[[float], bool], valid: float | None = None) -> float | None:
+    """Fitting number nearest to a value that does not fit, rounded to the fitting side.
+
+    Parameters
+    ----------
+    value : float
+        It does not fit.
+    fits : callable
+        Number -> whether it fits.
+    valid : float, optional
+        Number that did fit once, tried too.
+
+    Returns
+    -------
+    float or None
+        None where the value is not finite, or no number fits.
+    """
+    if not math.isfinite(value):
+        return None
+    size = abs(value) or 1.0
+
+    def is_fitting(number: float) -> bool:
+        checkpoint()
+        return fits(number)
 
     known = valid if valid is not None and is_fitting(valid) else None
     most = math.inf if known is None else abs(known - value)
@@ -74,4 +100,4 @@ def _edge(outside: float, inside: float, close: float, fits: Callable[[float], b
     return inside
 
 
-__all__ = ["nearest_fitting_value"]
+__all__ = ["nearest_fitting", "nearest_fitting_value"]

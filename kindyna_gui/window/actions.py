@@ -255,6 +255,32 @@ class DesignActions(QObject):
         """Begin with a mechanism chosen from images, and with its motion."""
         self._choose_mechanism(keeps_motion=False)
 
+    def new_valve_train(self) -> None:
+        """Begin with the inlet and exhaust valve of a cam card."""
+        from core.valves.new_trains import TrainCard
+        from kindyna_gui.valves.train_dialog import ask_valve_train
+
+        if self._window.documents.may_leave():
+            design = ask_valve_train(self._window, TrainCard())
+            if design is not None:
+                self._window.documents.begin(design, "Valve train")
+
+    def edit_valve_train(self) -> None:
+        """Edit the inlet and exhaust valve of the design by their cam card."""
+        from core.valves.new_trains import card_of
+        from kindyna_gui.valves.train_dialog import ask_valve_train
+
+        self._window.documents.settle()
+        design = self._session.full_design
+        try:
+            card = card_of(design)
+        except KindynaError as error:
+            self.status_message.emit(reason(design, error))
+            return
+        changed = ask_valve_train(self._window, card, design)
+        if changed is not None:
+            self._apply(self._session.put_full_design, lambda: changed, "Change the valve train")
+
     def choose_mechanism(self) -> None:
         """Begin with a mechanism chosen from images, and keep the current motion where possible."""
         self._choose_mechanism(keeps_motion=True)

@@ -148,6 +148,9 @@ class DesignEdits(Protocol):
     def new_by_picture(self) -> None:
         """Begin with a mechanism chosen from images."""
 
+    def new_valve_train(self) -> None:
+        """Begin with the inlet and exhaust valve of a cam card."""
+
     def change(self, make: Callable[[], Design], text: str) -> None:
         """Replace the design in one undo step; if it cannot be built or is refused, the status line shows why."""
 

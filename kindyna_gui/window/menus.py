@@ -51,6 +51,12 @@ def fill_new(window: Window, menu: QMenu) -> None:
         partial(new_shaft, window),
         "Begin a camshaft with several drives: choose the first from images, add others in the list of drives",
     )
+    add_entry(
+        menu,
+        "Valve train...",
+        window.designing.new_valve_train,
+        "Begin with inlet and exhaust valve by their cam card: durations, centres or opening and closing, lash, ratio",
+    )
 
 
 MOTIONS = (
@@ -394,6 +400,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
                  "Begin with another follower, cam form or linkage, chosen from images; the motion is kept"),
+            Item("V&alve train...", "designing.edit_valve_train", None, None,
+                 "Edit inlet and exhaust valve by their cam card, with lift, velocity, acceleration and timing diagram"),
             SEPARATOR,
             _field("&Follower", "follower", "Edit the dimensions of the follower"),
             _field("&Cam", "cam", "Edit base circle and roller"),

@@ -119,6 +119,7 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
         "Indexer...",
         "Flying shear...",
         "Camshaft...",
+        "Valve train...",
     ]
     for slug, row in FOLLOWER_KINDS.items():
         user.choose("File", "New by type", row.label)

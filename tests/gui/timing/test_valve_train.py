@@ -1,0 +1,191 @@
+"""File > New by type > Valve train and Compo > Valve train: a cam card typed by keys, followed by both valves."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, answering, settle, wait_for
+
+from core.valves import valve_data, valve_timings
+from kindyna_gui.valves.train_dialog import GRID, ValveTrainDialog
+
+NEW = ("File", "New by type", "Valve train...")
+EDIT = ("Compo", "Valve train...")
+LEFT = Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window()
+
+
+def enter(dialog: ValveTrainDialog, valve: str, name: str, text: str) -> None:
+    """Click into a box, choose what it holds, and type."""
+    box = dialog.boxes[valve, name]
+    QTest.mouseClick(box.lineEdit(), LEFT, pos=QPoint(5, 5))
+    QTest.keyClick(box, Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
+    QTest.keyClicks(box, text)
+    settle()
+
+
+def number(dialog: ValveTrainDialog, valve: str, name: str) -> float | None:
+    return dialog.boxes[valve, name].number
+
+
+def tab(dialog: ValveTrainDialog, times: int = 1) -> None:
+    for _ in range(times):
+        QTest.keyClick(dialog.focusWidget(), Qt.Key.Key_Tab)
+
+
+def test_a_printed_card_becomes_two_valves_in_fifteen_actions(user: User) -> None:
+    """A card: lift 10 mm, 276° at 0.1524 mm, 230° at 1.27 mm, separation 108° advanced by 4°, by keys alone."""
+    actions = ["File", "New by type", "Valve train..."]
+    before = user.session.full_design
+
+    def act(dialog: ValveTrainDialog) -> None:
+        def key(text: str, tabs: int) -> None:
+            tab(dialog, tabs)
+            QTest.keyClicks(dialog.focusWidget(), text)
+            settle()
+            actions.append(text)
+
+        key("10", 0)
+        key("276", 4)
+        key("230", 4)
+        key("108", 4 + len(GRID))  # past the exhaust, which has the lobe of the inlet
+        key("4", 1)
+        assert number(dialog, "inlet", "centre_deg") == 104.0
+        assert number(dialog, "exhaust", "centre_deg") == 112.0
+        assert "Overlap 60° at 0.1524 mm, 14° at 1.27 mm" in dialog.facts.text()
+        for plot in dialog.plots:
+            assert len(plot.lines) == 2
+        crank, lift = dialog.plots[0].lines[0]
+        assert crank[np.argmax(lift)] == 104.0
+        QTest.keyClick(dialog.focusWidget(), Qt.Key.Key_Return)
+        actions.append("Enter")
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*NEW)
+    assert len(actions) <= 15
+    data = valve_data(valve_timings(user.session.full_design), (0.1524, 1.27))
+    assert [valve["drive"] for valve in data["valves"]] == ["Inlet", "Exhaust"]
+    assert [valve["centre_deg"] for valve in data["valves"]] == [104.0, -112.0]
+    assert data["valves"][1]["events"][0]["duration_deg"] == pytest.approx(276.0, abs=1e-9)
+    assert data["pairs"][0]["overlap"][0]["deg"] == pytest.approx(60.0, abs=1e-9)
+    assert user.session.path is None
+    user.choose("Edit", "Undo Begin with Valve train")
+    assert user.session.full_design == before
+
+
+def test_what_was_typed_last_drives_and_the_others_follow(user: User) -> None:
+    """The printed cards of Piper, 23/67 = 270° at 112°, and 277° at 106.5° = 32/65, each way."""
+
+    def act(dialog: ValveTrainDialog) -> None:
+        enter(dialog, "inlet", "first_deg", "320")
+        enter(dialog, "inlet", "second_near_tdc", "23")
+        enter(dialog, "inlet", "second_near_bdc", "67")
+        assert (number(dialog, "inlet", "second_deg"), number(dialog, "inlet", "centre_deg")) == (270.0, 112.0)
+        assert [box.number for box in dialog.centres] == [110.0, -2.0]
+        enter(dialog, "inlet", "second_deg", "277")
+        enter(dialog, "inlet", "centre_deg", "106.5")
+        assert (number(dialog, "inlet", "second_near_tdc"), number(dialog, "inlet", "second_near_bdc")) == (32.0, 65.0)
+        assert number(dialog, "exhaust", "second_deg") == 277.0, "it has the lobe of the inlet"
+        assert dialog.same.isChecked()
+        enter(dialog, "exhaust", "second_near_bdc", "70")
+        assert not dialog.same.isChecked()
+        enter(dialog, "exhaust", "second_near_tdc", "30")
+        assert (number(dialog, "exhaust", "second_deg"), number(dialog, "exhaust", "centre_deg")) == (280.0, 110.0)
+        assert number(dialog, "inlet", "second_deg") == 277.0
+        QTest.mouseClick(dialog.same, LEFT, pos=QPoint(8, dialog.same.height() // 2))
+        assert number(dialog, "exhaust", "second_deg") == 277.0
+        assert number(dialog, "exhaust", "centre_deg") == 110.0
+        dialog.reject()
+
+    before = user.session.full_design
+    with answering(ValveTrainDialog, act):
+        user.choose(*NEW)
+    assert user.session.full_design == before
+
+
+def test_lifts_are_typed_in_inches_and_thousandths(user: User) -> None:
+    def act(dialog: ValveTrainDialog) -> None:
+        dialog.unit.setFocus()
+        QTest.keyClick(dialog.unit, Qt.Key.Key_Down)
+        assert dialog.unit.currentText() == "in"
+        assert number(dialog, "inlet", "second_at_mm") == 0.05
+        enter(dialog, "inlet", "lift_mm", "0.36")
+        enter(dialog, "inlet", "lash_mm", "0.1 mm")
+        assert dialog.card.inlet.lash_mm == pytest.approx(0.1, abs=1e-12)
+        dialog.unit.setFocus()
+        QTest.keyClick(dialog.unit, Qt.Key.Key_Down)
+        assert number(dialog, "inlet", "second_at_mm") == 50.0
+        assert number(dialog, "inlet", "lift_mm") == 360.0
+        enter(dialog, "inlet", "first_at_mm", "8")
+        assert dialog.accept_button.isEnabled()
+        dialog.accept_button.click()
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*NEW)
+    motion = user.session.full_design.drives[1].motion
+    assert motion is not None
+    assert motion.lobe is not None
+    assert motion.lobe.lift_mm == 9.144
+    assert [row.at_mm for row in motion.lobe.duration] == [0.2032, 1.27]
+    assert motion.lobe.ramp_mm == 0.12, "above the lash"
+
+
+def test_a_value_without_a_lobe_is_refused_with_its_remedies(user: User) -> None:
+    def act(dialog: ValveTrainDialog) -> None:
+        enter(dialog, "inlet", "second_deg", "262")
+        assert not dialog.accept_button.isEnabled()
+        assert dialog.boxes["inlet", "second_deg"].is_refused
+        assert "no lobe has it with the other values; allowed: 168.577 ... 246.428" in dialog.message.text()
+        assert "Exhaust" not in dialog.message.text()
+        wait_for(lambda: "Use 246.4°" in dialog.message.buttons)
+        QTest.mouseClick(dialog.message.buttons["Back to 218°"], LEFT)
+        settle()
+        assert number(dialog, "inlet", "second_deg") == 218.0
+        assert dialog.message.text() == ""
+        assert dialog.accept_button.isEnabled()
+        enter(dialog, "inlet", "second_deg", "262")
+        wait_for(lambda: "Use 246.4°" in dialog.message.buttons)
+        QTest.mouseClick(dialog.message.buttons["Use 246.4°"], LEFT)
+        settle()
+        assert number(dialog, "exhaust", "second_deg") == 246.4
+        assert not dialog.boxes["inlet", "second_deg"].is_refused
+        enter(dialog, "inlet", "centre_deg", "400")
+        assert not dialog.accept_button.isEnabled()
+        assert "outside its range" in dialog.message.text()
+        assert list(dialog.message.buttons) == ["Use 360°", "Back to 108°"]
+        QTest.mouseClick(dialog.message.buttons["Back to 108°"], LEFT)
+        settle()
+        assert dialog.accept_button.isEnabled()
+        dialog.accept_button.click()
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*NEW)
+    assert user.session.full_design.drives[0].motion.lobe.duration[1].crank_deg == 246.4  # type: ignore[union-attr]
+
+
+def test_a_valve_train_is_edited_by_its_card_in_one_step(user: User) -> None:
+    user.choose(*EDIT)
+    assert "no inlet and exhaust valve" in user.window.status.currentMessage()
+    with answering(ValveTrainDialog, lambda dialog: dialog.accept_button.click()):
+        user.choose(*NEW)
+    created = user.session.full_design
+    steps = len(user.steps)
+
+    def act(dialog: ValveTrainDialog) -> None:
+        assert not dialog.pictures
+        assert dialog.same.isChecked()
+        dialog.centres[0].setFocus()
+        dialog.centres[0].selectAll()
+        QTest.keyClicks(dialog.centres[0], "110")
+        QTest.keyClick(dialog.centres[0], Qt.Key.Key_Return)
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*EDIT)
+    assert [valve.centre for valve in valve_timings(user.session.full_design)] == [110.0, -110.0]
+    assert len(user.steps) == steps + 1
+    user.choose("Edit", "Undo Change the valve train")
+    assert user.session.full_design == created
