@@ -12,7 +12,6 @@ from core.followers.dimensions import FACE as FACE_PLACE
 from core.followers.dimensions import SECOND as SECOND_ROLLER
 from core.followers.dimensions import reach_of
 from core.followers.direct import oscillating, oscillating_flat, output, translating
-from core.followers.trains import pushrod, rocker
 from core.mechanism.mechanism import Mechanism, ReferencePoint, mechanism_of
 
 
@@ -25,6 +24,18 @@ def _at_unit_speed(part: Linkage, cam: Any) -> tuple[Linkage, ReferencePoint | N
     """The linkage at a speed of 1, since no position depends on the speed, and the roller's centre."""
     unit_speed = replace(part, driver=replace(part.driver, speed_rpm=1.0))
     return unit_speed, None if cam is None else ReferencePoint(cam.link, cam.point)
+
+
+def _rocker(part: Rocker, reach: float) -> Mechanism:
+    from core.followers.trains import rocker  # no other design needs it at the start
+
+    return rocker(part, reach)
+
+
+def _pushrod(part: Pushrod, reach: float) -> Mechanism:
+    from core.followers.trains import pushrod  # no other design needs it at the start
+
+    return pushrod(part, reach)
 
 
 class Builder(NamedTuple):
@@ -40,8 +51,8 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
         Translating: Builder(_reach, translating),
         Oscillating: Builder(_reach, oscillating),
         OscillatingFlat: Builder(_reach, oscillating_flat),
-        Rocker: Builder(_reach, rocker),
-        Pushrod: Builder(_reach, pushrod),
+        Rocker: Builder(_reach, _rocker),
+        Pushrod: Builder(_reach, _pushrod),
         Linkage: Builder(_at_unit_speed, mechanism_of),
         Output: Builder(lambda part, cam: (part, None), output),
     }

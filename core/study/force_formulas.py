@@ -10,9 +10,9 @@ from core.design.parts import ElasticShaft
 from core.errors import NoSolution
 from core.study.camshaft import is_complete
 from core.study.drive_forces import roller_lives
+from core.study.member_quantities import TRAIN_NAMES
 from core.study.study import Study, shaft_in_chart
 from core.study.symbols import Formula
-from core.study.train_quantities import TRAIN_NAMES
 
 _VALUES, _BALANCE, _WALK = (
     "study.member_quantities",

@@ -60,12 +60,11 @@ _MOTION: tuple[Formula, ...] = (
             ("β̈ = (L̈ cos φ + L₂ β̇² cos(φ - β) + L₁ φ̇²)/(L₂ sin(φ - β))",), "β̈ L̈ β φ L₁ L₂ φ̇ β̇", "Shin1995 (13), (14)", _ARM_AND_ROD),
 )  # fmt: skip
 
-_TRAIN = "study.train_quantities"
 _TRAINS: tuple[Formula, ...] = (
-    Formula("valve_lift", "Valve lift", ("y_v = max(y_o - λ, 0)",), "y_v y_o λ.lash", "lash λ at the valve's tip", f"{_TRAIN}.valve_lift"),
-    Formula("valve_velocity", "Valve lift", ("ẏ_v = ω y′_v",), "ẏ_v ω y′_v", "constant speed ω", f"{_TRAIN}.valve_lift"),
-    Formula("valve_acceleration", "Valve lift", ("ÿ_v = ω² y″_v",), "ÿ_v ω y″_v", "constant speed ω", f"{_TRAIN}.valve_lift"),
-    Formula("rocker_ratio", "Rocker", ("i = h/l",), "i.ratio h.pad l.arm", "levers of the rocker", f"{_TRAIN}.rocker_ratio"),
+    Formula("valve_lift", "Valve lift", ("y_v = max(y_o - λ, 0)",), "y_v y_o λ.lash", "lash λ at the valve's tip", f"{_VALUES}.valve_lift"),
+    Formula("valve_velocity", "Valve lift", ("ẏ_v = ω y′_v",), "ẏ_v ω y′_v", "constant speed ω", f"{_VALUES}.valve_lift"),
+    Formula("valve_acceleration", "Valve lift", ("ÿ_v = ω² y″_v",), "ÿ_v ω y″_v", "constant speed ω", f"{_VALUES}.valve_lift"),
+    Formula("rocker_ratio", "Rocker", ("i = h/l",), "i.ratio h.pad l.arm", "levers of the rocker", f"{_VALUES}.rocker_ratio"),
     Formula("pad_position", "Rocker", ("x_t = p (sin β - sin β_0)",), "x_t p.pad β.pad β_0.pad", "a round pad on a flat tip",
             "followers.trains.rocker", remark="to the left of the direction in which the valve opens, from the place on the closed valve"),
 )  # fmt: skip

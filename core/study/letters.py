@@ -25,10 +25,16 @@ from core.study.drive_forces import load_ratings, roller_lives, roller_speed, se
 from core.study.member_quantities import (
     centre_distance,
     centre_velocity,
+    closed_pad_angle,
     coordinate,
+    lash,
+    levers,
     line_of_centres,
     motor_quantity,
+    pad_angle,
     reference_velocity,
+    valve_lift,
+    valve_motion,
 )
 from core.study.study import Study
 from core.study.symbols import (
@@ -52,7 +58,6 @@ from core.study.symbols import (
     symbol_of,
     vector_symbols,
 )
-from core.study.train_quantities import closed_pad_angle, lash, levers, pad_angle, valve_lift, valve_motion
 
 # -- values -----------------------------------------------------------------------------------------------------
 

@@ -8,14 +8,14 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import SECOND, forward_push
-from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
+from core.design import FOLLOWER_KINDS, FRAME_LINK, Design, si
 from core.design.topology import GROUP, INPUT, driver_pair, input_slides, is_pin, solving_order
 from core.dynamics import CAM_FACE, GuideReaction, loading_of
 from core.errors import DesignError, NoSolution
 from core.mechanism import mechanism_of
 from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
-from core.numerics.derivatives import spread
+from core.numerics.derivatives import Derivatives, spread
 from core.shaft import Flywheel
 from core.study.study import Study
 
@@ -36,6 +36,22 @@ FORCE_COMPONENTS: Mapping[str, Part] = MappingProxyType(
     {"x": np.real, "y": np.imag, "size": np.abs, "direction": _direction}
 )
 """Component of a force -> part of the complex number."""
+
+
+SLIDER, PUSHROD = frozenset({"cam-slider"}), frozenset({"pushrod"})
+TRAINS = frozenset({"rocker"}) | PUSHROD
+"""Kinds of followers that contain a valve."""
+TRAIN_PAIRS = (
+    ("pad", "Pad on the valve", "F_p", TRAINS), ("valve_guide", "Valve guide", "V", TRAINS),
+    ("lower_ball", "Lower ball", "S", PUSHROD), ("upper_ball", "Upper ball", "U", PUSHROD),
+)  # fmt: skip
+"""Pairs of valve trains with their labels, symbols and kinds."""
+SINGULAR_OF: Mapping[str, frozenset[str]] = MappingProxyType(
+    {"dead-centre": SLIDER, "rod-across-guide": SLIDER, "pad-in-line": TRAINS, "pushrod-in-line": PUSHROD}
+)
+"""Code of a finding on a follower's linkage -> kinds of followers that have it."""
+TRAIN_NAMES = tuple(name for name, *_ in TRAIN_PAIRS)
+"""Names of these pairs."""
 
 
 # -- whether a study has a quantity ---------------------------------------------------------------------------
@@ -183,6 +199,104 @@ def point_component(study: Study, point: str, component: str) -> np.ndarray:
     order, part = POINT_COMPONENTS[component]
     pose = study.linkage.bodies[study.linkage.body_of(point)]
     return part(pose.position(point, order) * study.omega**order)
+
+
+# -- valve trains ---------------------------------------------------------------------------------------------
+
+
+def lash(design: Design) -> float:
+    """Lash at the valve's tip [m], 0 without a table [valve]; with many designs a column."""
+    valve = design.drive.valve
+    return 0.0 if valve is None else si(valve).lash
+
+
+def valve_motion(study: Study) -> Derivatives:
+    """Motion of the valve by cam angle, with the lash not taken off; 0 where the train holds the valve closed.
+
+    It is a coordinate of a pushrod train, and of any other train the motion of the drive.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    Derivatives
+        (n,) [m] and its derivatives by cam angle.
+    """
+    return study.linkage.coordinates.get("valve_guide", study.motion.displacement)
+
+
+def valve_lift(study: Study, order: int = 0) -> np.ndarray:
+    """Lift of the valve, y_v = max(y_o - λ, 0) with the lash λ, or its derivative by time: ẏ_v = ω y′_v, ÿ_v = ω² y″_v.
+
+    Parameters
+    ----------
+    study : Study
+    order : int
+        Order of the derivative, 0 to 2.
+
+    Returns
+    -------
+    ndarray (n,) [m, per s^order]
+    """
+    motion, free = valve_motion(study), lash(study.design)
+    if not order:
+        return np.maximum(motion[0] - free, 0.0)
+    rate = motion[order] * study.omega**order
+    return np.where(motion[0] > free, rate, 0.0) if np.any(free) else rate
+
+
+def levers(study: Study) -> tuple[np.ndarray, np.ndarray]:
+    """Levers of a rocker: ∂y_v/∂φ of the valve at the pad, and the arm; of a pushrod train ∂y/∂φ of the tappet in place of the arm.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    valve, cam : ndarray (n,) [m]
+    """
+    turn = np.abs(study.linkage.slip("pivot"))
+    arm = getattr(si(study.design.drive.follower), "arm", 1.0 / turn)
+    return np.abs(study.linkage.slip("valve_guide")) / turn, np.broadcast_to(arm, turn.shape)
+
+
+def rocker_ratio(study: Study) -> np.ndarray:
+    """Ratio of a rocker, i = h/l: lever of the pad across the valve over the arm, or of valve over tappet, dy_v/dy.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    ndarray (n,), dimensionless
+    """
+    valve, cam = levers(study)
+    return valve / cam
+
+
+def pad_angle(study: Study) -> np.ndarray:
+    """Angle β of the pad's arm from the direction in which the valve opens.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    ndarray (n,) [rad]
+    """
+    follower, rocker = si(study.design.drive.follower), study.linkage.bodies["rocker"]
+    return np.angle(rocker.unit * np.exp(1j * (follower.pad_angle - follower.valve_direction)))
+
+
+def closed_pad_angle(study: Study) -> float:
+    """Angle β0 of the pad's arm from the direction of the valve [rad], with the valve closed."""
+    follower = si(study.design.drive.follower)
+    return float(study.linkage.base["rocker"][0] + follower.pad_angle - follower.valve_direction)
 
 
 # -- forces and torques ---------------------------------------------------------------------------------------

@@ -27,6 +27,11 @@ from core.shaft import Flywheel
 from core.stress import load_ratings, pairings
 from core.study.drive_forces import ROLLERS, has_servo, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
+    PUSHROD,
+    SINGULAR_OF,
+    SLIDER,
+    TRAIN_PAIRS,
+    TRAINS,
     centre_distance,
     centre_velocity,
     contact_stress_part,
@@ -48,13 +53,14 @@ from core.study.member_quantities import (
     profile_radius,
     push_product,
     reference_velocity,
+    rocker_ratio,
     second_roller_distance,
     shaft_speed,
     singular_value,
     transmission_angle,
+    valve_lift,
 )
 from core.study.study import Study
-from core.study.train_quantities import PUSHROD, TRAIN_PAIRS, TRAINS, rocker_ratio, valve_lift
 
 if TYPE_CHECKING:
     from core.study.symbols import Formula
@@ -62,13 +68,8 @@ if TYPE_CHECKING:
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})
 ALL_KINDS = FOLLOWERS | {"linkage"} | ALONE
-SLIDER = frozenset({"cam-slider"})
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
-SINGULAR_OF: Mapping[str, frozenset[str]] = MappingProxyType(
-    {"dead-centre": SLIDER, "rod-across-guide": SLIDER, "pad-in-line": TRAINS, "pushrod-in-line": PUSHROD}
-)
-"""Code of a finding on a follower's linkage -> kinds of followers that have it."""
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
 LINKAGE, ORBIT, SERVO = "linkage.csv", "orbit.csv", "servo.csv"

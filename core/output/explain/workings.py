@@ -23,6 +23,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.numerics.derivatives import cross, dot
 from core.study import Quantity, Study, quantity
 from core.study.letters import keys_of, letters_of
+from core.study.member_quantities import TRAIN_NAMES
 from core.study.quantities import member_of
 from core.study.symbols import (
     CAM,
@@ -37,7 +38,6 @@ from core.study.symbols import (
     segment_of,
     speed_field,
 )
-from core.study.train_quantities import TRAIN_NAMES
 
 
 @frozen
