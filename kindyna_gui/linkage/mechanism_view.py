@@ -307,11 +307,17 @@ class MechanismView(MechanismMouseView):
 
     def _show_layout(self) -> None:
         """Show the linkage as drawn, also if it is incomplete."""
-        self.note.show_message(self._underlay_note if self.draws else self.drawing.state_text())
+        self.note.show_message(self._underlay_note if self.draws else self._fault_of_layout())
         if self._needs_fit:
             self._needs_fit = False
             self.drawing.fit()
         self.canvas.viewport().update()
+
+    def _fault_of_layout(self) -> str:
+        """What the drawing lacks to be a mechanism, or, where it is one, the value that does not fit."""
+        if self.drawing.mobility.is_finished and (sentences := misfit_sentences(self.session)):
+            return sentences[0]
+        return self.drawing.state_text()
 
     @property
     def _turn(self) -> int:

@@ -825,3 +825,13 @@ def test_a_drawing_behind_a_tab_is_not_painted_after_a_follower_is_opened(open_u
     settle()
     assert view.up_to_date
     assert not view.shows_layout
+
+
+def test_a_finished_linkage_with_a_value_that_is_refused_says_which(open_user: Open) -> None:
+    """Not, in red, that the linkage moves."""
+    pen = four_bar(open_user)
+    pen.user.choose("Compo", "Draw")
+    pen.user.enter("linkage.driver.speed_rpm", "0")
+    note = pen.user.drawing().note
+    assert note.isVisible()
+    assert note.text().startswith("Link 2 turns at constant speed: Speed: is zero; allowed: > 0")
