@@ -377,10 +377,14 @@ class TypedValues:
         return snap_at(design.drive.linkage, positions, position, self.tool_input.barred)
 
     def _apply(self, edit: Callable[[], DrawingEdit | Design], text: str = "") -> str:
-        """Close the boxes and apply an edit; returns an empty text, as the values are valid."""
-        self.boxes.close_all()
-        self.drawn.apply(edit, text)
-        return ""
+        """Apply an edit as one undo step; returns why it is refused, as the boxes then stay open."""
+        try:
+            result = edit()
+        except KindynaError as error:
+            return refusal_text(self.drawn.layout[0], error)
+        with self.drawn.session.one_step() as refusals:
+            self.drawn.apply(lambda: result, text)
+        return "; ".join(f"{name}: {why}" for refusal in refusals for _, name, why in refusal.reasons)
 
     def type_values(self) -> None:
         """Open the boxes with the values of the selection."""
@@ -478,12 +482,11 @@ class TypedValues:
 
     def _set_length(self, number: int, first: str, second: str, values: Sequence[Typed]) -> str:
         (value,) = values
-        self.boxes.close_all()
-        if isinstance(value, float):
-            design, _ = self.drawn.layout
-            text = f"Make {first}-{second} {shortest(value)} mm long"
-            self.drawn.apply(lambda: assembled(with_length(design, number, first, second, value)), text)
-        return ""
+        if not isinstance(value, float):
+            return ""
+        design, _ = self.drawn.layout
+        text = f"Make {first}-{second} {shortest(value)} mm long"
+        return self._apply(lambda: assembled(with_length(design, number, first, second, value)), text)
 
     def rename(self) -> None:
         """Open the box with the name of the selected point."""

@@ -144,6 +144,34 @@ def test_a_refused_value_stays_with_a_sentence_below_the_boxes_and_a_button_back
     assert pen.user.steps == before
 
 
+def test_a_value_that_the_design_refuses_keeps_its_boxes_open(open_user: Open) -> None:
+    """A mass below 0, and a bar of no length: not only a number that cannot be read."""
+    pen = four_bar(open_user)
+    before, drawing = pen.user.steps, pen.user.drawing().drawing
+    pen.key(Key.Key_M)
+    pen.hover((pen.places["B"] + pen.places["O2"]) / 2.0)
+    pen.type("-3")
+    assert drawing.typed.boxes.refusal.isVisible()
+    assert "allowed: ≥ 0 kg" in drawing.typed.boxes.refusal.text()
+    edit = QApplication.focusWidget()
+    assert isinstance(edit, QLineEdit)
+    assert (edit.text(), bool(edit.styleSheet())) == ("-3", True)
+    edit.selectAll()
+    pen.type("3")
+    assert not drawing.typed.boxes.open
+    assert pen.design.drive.loads.masses[0].mass_kg == 3.0
+    assert pen.user.steps == [*before, "Give link 4 a mass"]
+    pen.key(Key.Key_Escape)
+    drawing.typed.ask_length(4, "B", "O2")
+    pen.type("0")
+    assert drawing.typed.boxes.refusal.isVisible()
+    edit = QApplication.focusWidget()
+    assert isinstance(edit, QLineEdit)
+    assert edit.text() == "0"
+    pen.key(Key.Key_Escape)
+    assert pen.user.steps == [*before, "Give link 4 a mass"]
+
+
 def test_the_mark_shows_what_the_typed_numbers_join(open_user: Open) -> None:
     """Before Enter; after Esc it is at the mouse again."""
     pen = start(open_user)
