@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -283,14 +284,7 @@ class SessionState(QObject):
     @property
     def is_incomplete_linkage(self) -> bool:
         """Whether a linkage is being drawn that is not yet a mechanism, and has no other fault."""
-        design = self.typed_full_design
-        if design.listed or not design.drive.links:
-            return False
-        if wrong := faults(design):
-            return only_incomplete(design.drive, wrong)
-        from core.mechanism.unfinished import is_overconstrained  # only while a linkage is drawn
-
-        return is_overconstrained(design.drive.linkage)
+        return _is_incomplete_linkage(self.typed_full_design)
 
     @property
     def misfit(self) -> Refusal:
@@ -314,8 +308,11 @@ class SessionState(QObject):
         return self.full_design if self._is_shared(path) else self.design
 
     def is_waiting(self, path: str, read: Callable[[Design], Any]) -> bool:
-        """Whether the value typed at a path is not applied yet, because it does not fit the others."""
-        if self.incomplete is None:
+        """Whether the value typed at a path is not applied yet, because it does not fit the others.
+
+        A drawing that only lacks something has no such value.
+        """
+        if self.incomplete is None or self.is_incomplete_linkage:
             return False
         try:
             return bool(read(self.valid_holder(path)) != read(self.holder(path)))
@@ -498,6 +495,17 @@ class SessionState(QObject):
         self.withdraw(path)
         if back_to is not None and self.work != back_to:
             self.stack.undo()
+
+
+@lru_cache(maxsize=1)  # every field asks
+def _is_incomplete_linkage(design: Design) -> bool:
+    if design.listed or not design.drive.links:
+        return False
+    if wrong := faults(design):
+        return only_incomplete(design.drive, wrong)
+    from core.mechanism.unfinished import is_overconstrained  # only while a linkage is drawn
+
+    return is_overconstrained(design.drive.linkage)
 
 
 def _segments(design: Design) -> list[int]:

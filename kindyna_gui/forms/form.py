@@ -276,7 +276,7 @@ class Form(QScrollArea):
 
     def _valid_values(self) -> Mapping[str, Any] | None:
         """Return the values of the last valid design, while what is typed does not fit; else None."""
-        if self._session.incomplete is None:
+        if self._session.incomplete is None or self._session.is_incomplete_linkage:
             return None
         valid = self._session.valid_holder(self._section)
         if part_of(valid, self._section) is None:

@@ -14,7 +14,7 @@ from counting import calls
 from pen import CTRL, NONE, SHIFT, Key, Pen, four_bar, start
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QInputDialog, QLineEdit
+from PySide6.QtWidgets import QApplication, QInputDialog, QLabel, QLineEdit
 from sampled import stressed
 from window_user import Open, answering, plain, settle
 
@@ -22,6 +22,7 @@ from core.design import Design, faults, only
 from core.project import load, loads
 from core.study import Study
 from kindyna_gui.export_dialogs import TablesDialog
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.places import example
 from kindyna_gui.window.gallery import CircuitsDialog
 
@@ -835,3 +836,16 @@ def test_a_finished_linkage_with_a_value_that_is_refused_says_which(open_user: O
     note = pen.user.drawing().note
     assert note.isVisible()
     assert note.text().startswith("Link 2 turns at constant speed: Speed: is zero; allowed: > 0")
+
+
+def test_no_field_is_framed_while_a_drawing_only_lacks_something(open_user: Open) -> None:
+    """A block more, which still hangs loose: neither its coordinates nor those of the four-bar are at fault."""
+    pen = four_bar(open_user)
+    view = pen.user.parameters()
+    pen.key(Key.Key_S)
+    pen.click(180 - 60j)
+    pen.type("0")
+    assert "hangs loose" in view.incomplete_bar.findChildren(QLabel)[0].text()
+    boxes = [box for box in view.findChildren(NumberBox) if not box.visibleRegion().isEmpty()]
+    assert len(boxes) > 5
+    assert [box.accessibleName() for box in boxes if box.is_waiting] == []
