@@ -78,7 +78,7 @@ DiagramChoice = tuple[str, str]
 def plain(value: float, unit: str = "") -> str:
     """Format a number in the unit on display; a dash if it is not defined."""
     value /= size_of(unit)
-    return "\u2013" if math.isnan(value) else digits(value, 8) if abs(value) >= 1e-9 else "0"
+    return "\u2013" if math.isnan(value) else digits(value) if abs(value) >= 1e-9 else "0"
 
 
 def label(links: Links) -> str:

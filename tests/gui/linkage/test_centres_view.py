@@ -46,16 +46,16 @@ def distance(view: CentresView, one: str, other: str) -> float:
 
 
 def test_the_six_bars_numbers_stand_on_the_screen(six_bar: User) -> None:
-    """Velocity, p. 11, with intermediates not rounded."""
+    """Velocity, p. 11, in four significant digits."""
     view = centres(six_bar)
     links, points = cells(view, "links"), cells(view, "points")
-    assert [number(links[n][1]) for n in "345"] == pytest.approx([-6.638493, 20.566558, -20.566558], abs=1e-6)
-    assert number(points["D"][2]) / 10.0 == pytest.approx(-22.382166, abs=1e-6)
-    assert distance(view, "I12", "I13") / 10.0 == pytest.approx(20.076391, abs=1e-6)
-    assert distance(view, "I14", "I13") / 10.0 == pytest.approx(16.392305, abs=1e-6)
-    assert distance(view, "I12", "I14") / 10.0 == pytest.approx(6.0, abs=1e-6)
+    assert [number(links[n][1]) for n in "345"] == [-6.638, 20.57, -20.57]
+    assert points["D"][2] == "\u2212223.8"
+    assert distance(view, "I12", "I13") == 200.8
+    assert distance(view, "I14", "I13") == 163.9
+    assert distance(view, "I12", "I14") == 60.0
     assert len(cells(view, "centres")) == 15
-    assert cells(view, "centres")["I16"][:2] == ("at infinity", "90.000000°")
+    assert cells(view, "centres")["I16"][:2] == ("at infinity", "90.00°")
 
 
 def test_the_differences_in_the_table_close_their_triangles(six_bar: User) -> None:
@@ -65,9 +65,9 @@ def test_the_differences_in_the_table_close_their_triangles(six_bar: User) -> No
     rows = cells(view, "differences")
     told = {name: complex(number(row[1]), number(row[2])) for name, row in rows.items()}
     for name in ("BA", "CB", "DC"):
-        assert told[f"V {name}"] == pytest.approx(points[name[0]] - points[name[1]], abs=1e-5)
+        assert told[f"V {name}"] == pytest.approx(points[name[0]] - points[name[1]], abs=0.1)
     assert rows["V DC"][0] == "5"
-    assert told["V D6D1"] == pytest.approx(-223.82166 + 0j, abs=1e-5)
+    assert told["V D6D1"] == -223.8 + 0j
     assert number(rows["V D6D1"][3]) / 10.0 == pytest.approx(22.39, abs=0.02)
 
 
@@ -80,7 +80,7 @@ def test_the_table_follows_the_player(six_bar: User) -> None:
     study = six_bar.session.at(six_bar.window.player.theta)
     assert study.design.drive.is_linkage
     assert after != before
-    assert number(after[0]) == pytest.approx(float(study.angular_velocities()[4][0]), rel=1e-7)
+    assert number(after[0]) == pytest.approx(float(study.angular_velocities()[4][0]), rel=2e-4)
 
 
 @pytest.mark.parametrize(("name", "count"), [("slider_crank", 6), ("lecture_six_bar", 15)])
@@ -194,16 +194,16 @@ def test_a_cam_design_has_its_centres_listed_and_no_circle_diagram(user: User) -
     assert view.is_unavailable
     listed = centres(user)
     user.window.player.set_theta(math.radians(50.0))
-    wait_for(lambda: "-284.42" in cells(listed, "centres")["arm, cam"][0].replace("\u2212", "-"))
+    wait_for(lambda: "-284.4" in cells(listed, "centres")["arm, cam"][0].replace("\u2212", "-"))
     rows = cells(listed, "centres")
     assert len(rows) == 10
-    assert number(rows["arm, cam"][1]) == pytest.approx(21.158813, abs=1e-6)
-    assert rows["frame, slider"][:2] == ("at infinity", "90.000000°")
+    assert rows["arm, cam"][1] == "21.16"
+    assert rows["frame, slider"][:2] == ("at infinity", "90.00°")
     assert rows["arm, cam"][2] == "frame, arm\u2013frame, cam \u00d7 contact normal"
     assert rows["rod, cam"][2] == "frame, rod\u2013frame, cam \u00d7 rod, arm\u2013arm, cam"
-    assert distance(listed, "frame, cam", "arm, cam") == pytest.approx(285.207908, abs=1e-5)
-    assert number(cells(listed, "links")["cam"][0]) == pytest.approx(2.0 * math.pi / 3.0)
-    assert number(cells(listed, "links")["arm"][2]) == pytest.approx(0.2455792)
+    assert distance(listed, "frame, cam", "arm, cam") == 285.2
+    assert number(cells(listed, "links")["cam"][0]) == 2.094
+    assert number(cells(listed, "links")["arm"][2]) == 0.2456
     assert "roller" in cells(listed, "points")
 
 
