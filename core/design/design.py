@@ -20,7 +20,7 @@ from core.design.parts import ROTARY, Follower, Output, OutputLoads, Pushrod, Ro
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
 from core.frozen import frozen
-from core.numerics.lazy import first_value, lazy
+from core.numerics.lazy import Column, first_value, lazy
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(CamDetails))
@@ -195,7 +195,8 @@ class Drive:
         """Whether there are forces to compute: always with links, for an output where it has loads or a servo."""
         if not isinstance(self.loads, OutputLoads):
             return True
-        return self.servo is not None or self.loads != type(self.loads)()
+        values = (getattr(self.loads, part.name) for part in fields(self.loads))
+        return self.servo is not None or any(isinstance(value, Column) or value for value in values)
 
     @property
     def face(self) -> Face:

@@ -432,7 +432,7 @@ def servo_part(study: DriveForces) -> Servo:
 
 def servo_load(study: DriveForces) -> shaft.MotorLoad:
     """Load of the motor at the angles of the study."""
-    n = study.theta.size
+    n = study.theta.shape[-1]
     forces = dynamics.newton_euler(study.linkage, None, study.loading, study.omega)
     force = study.mechanism.driver_sign * spread(forces.driver, n)
     y = study.motion.displacement
@@ -461,7 +461,7 @@ def servo_speed(study: DriveForces) -> np.ndarray:
     ----------
     Gear of the servo, n_s = i ẏ; of a linear motor v_s = ẏ.
     """
-    return shaft.lever(servo_part(study)) * spread(study.motion.displacement[1], study.theta.size) * study.omega
+    return shaft.lever(servo_part(study)) * spread(study.motion.displacement[1], study.theta.shape[-1]) * study.omega
 
 
 def servo_power(study: DriveForces) -> np.ndarray:
