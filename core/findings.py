@@ -112,80 +112,84 @@ _ADD, _MASSES = Remedy("Add {name}"), Remedy("Add masses", masses=True)
 
 
 class FindingRow(NamedTuple):
-    """Row of a code: its sentence with values in braces, the figures that it compares, and its remedy."""
+    """Row of a code: its sentence with values in braces, the figures that it compares, its remedy, and the severities that it can have."""
 
     sentence: str
     compared: tuple[str, ...] = ()
     remedy: Remedy = Remedy()
+    severities: tuple[str, ...] = (WARNING,)
 
 
 USER_LIMIT = FindingRow("{what} {value} {unit}{at}, your limit {limit} {unit}: {remedy}", _compared("value", "limit"))
 """Row of every limit of quantities that a user states; their codes have no row in ``ROWS``."""
 ROWS: Mapping[str, FindingRow] = MappingProxyType(
     {
-        "jump-displacement": FindingRow("displacement jumps by {jump} {unit_name} at a join: no follower can do this"),
-        "jump-velocity": FindingRow("velocity jumps by {jump} {unit_name}/rad at a join: infinite acceleration"),
+        "jump-displacement": FindingRow("displacement jumps by {jump} {unit_name} at a join: no follower can do this", severities=(ERROR,)),
+        "jump-velocity": FindingRow("velocity jumps by {jump} {unit_name}/rad at a join: infinite acceleration", severities=(ERROR,)),
         "jump-acceleration": FindingRow("acceleration jumps by {jump} {unit_name}/rad² at a join: infinite jerk"),
         "uneven-advance": FindingRow(
             "the advance of {advance:typed} deg per turn is neither a whole fraction nor a multiple of 360 deg, "
-            "so that the output does not return to the same stops; the nearest valid advance is {near:typed} deg"
+            "so that the output does not return to the same stops; the nearest valid advance is {near:typed} deg", severities=(NOTE,),
         ),
         "pressure-angle": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
-            _compared("value", "limit"), _LARGER,
+            _compared("value", "limit"), _LARGER, severities=(WARNING, ERROR),
         ),
         "pressure-angle.flat": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: reduce the {what} of the face", _compared("value", "limit"),
+            severities=(WARNING, ERROR),
         ),
         "roller-pressure-angle": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: attach the roller at another point, or move the cam's centre",
-            _compared("value", "limit"),
+            _compared("value", "limit"), severities=(WARNING, ERROR),
         ),
         "undercut": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: enlarge the base "
-            "radius, or use a smaller roller", _compared("pitch_radius_mm", "roller_radius_mm"), _BASE_RADIUS,
+            "radius, or use a smaller roller", _compared("pitch_radius_mm", "roller_radius_mm"), _BASE_RADIUS, severities=(ERROR,),
         ),
         "undercut.shoe": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: enlarge the base "
-            "radius, or use a shoe of smaller radius", _compared("pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS,
+            "radius, or use a shoe of smaller radius", _compared("pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS, severities=(ERROR,),
         ),
         "undercut.flat": FindingRow(
             "undercut: under the flat face the profile's least radius of curvature is {radius_mm} mm{at}, it must be above 0: "
-            "{remedy}", remedy=_BASE_RADIUS,
+            "{remedy}", remedy=_BASE_RADIUS, severities=(ERROR,),
         ),
         "outer-undercut": FindingRow(
             "undercut of the groove's outer flank: the pitch curve's smallest concave radius is {pitch_radius_mm} mm{at}, roller and play "
             "{roller_radius_mm} mm: use a smaller roller, or enlarge the base radius",
-            _compared("pitch_radius_mm", "roller_radius_mm"), _LARGER,
+            _compared("pitch_radius_mm", "roller_radius_mm"), _LARGER, severities=(ERROR,),
         ),
         "groove-flanks-meet": FindingRow(
             "two sections of the groove overlap{at} and at {other_deg} deg, by {overlap_mm} mm: use a smaller "
-            "roller, or enlarge the base radius"
+            "roller, or enlarge the base radius", severities=(ERROR,),
         ),
         "second-undercut": FindingRow(
             "undercut of the second cam: its pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the second roller's "
             "{roller_radius_mm} mm: move the second roller outwards, or use a smaller one",
-            _compared("pitch_radius_mm", "roller_radius_mm"),
+            _compared("pitch_radius_mm", "roller_radius_mm"), severities=(ERROR,),
         ),
         "second-pressure-angle": FindingRow(
             "pressure angle of the second roller {value} deg{at}, limit {limit} deg: {remedy}", _compared("value", "limit"),
+            severities=(WARNING, ERROR),
         ),
         "second-roller-meets-hub": FindingRow(
             "the second roller meets the {what} of the first cam{at}: its least distance from the cam centre is {distance_mm} mm, the "
             "radius of the {what} {radius_mm} mm: move the roller outwards, or use a smaller one", _compared("distance_mm", "radius_mm"),
+            severities=(ERROR,),
         ),
         "second-roller-pushes-along": FindingRow(
             "the second roller pushes the follower in the same direction as the first{at}, so the pair does not constrain it: put the "
-            "second roller on the other side of the cam centre"
+            "second roller on the other side of the cam centre", severities=(ERROR,),
         ),
-        "flank-change": FindingRow("the contact changes to the {to}{at}"),
+        "flank-change": FindingRow("the contact changes to the {to}{at}", severities=(NOTE,)),
         "flank-change.play": FindingRow(
-            "the contact changes to the {to}{at}: over a play of {play_mm} mm it strikes with {impact_m_s} m/s"
+            "the contact changes to the {to}{at}: over a play of {play_mm} mm it strikes with {impact_m_s} m/s", severities=(NOTE,),
         ),
         "face-too-narrow": FindingRow(
             "the contact leaves the flat face{at}: its position is {contact_mm} mm, {needed_mm} mm from the face's centre; half the "
             "face's width is {half_width_mm} mm: widen the face, or move its centre",
-            _compared("needed_mm", "half_width_mm"), _FACE_WIDTH,
+            _compared("needed_mm", "half_width_mm"), _FACE_WIDTH, severities=(ERROR,),
         ),
         "pressure-angle-rise": FindingRow(
             "pressure angle {value} deg on the rise{at}, your limit {limit} deg: {remedy}", _compared("value", "limit"), _LARGER,
@@ -221,39 +225,42 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "contact pressure {value} MPa{at}, the {what}'s {material} allows {limit} MPa ({source}): widen the cam, enlarge roller or "
             "base radius, or lower the force", _compared("value", "limit"), _THICKNESS,
         ),
-        "no-contact-pressure": FindingRow("no contact pressure: give {missing}", remedy=_ADD),
+        "no-contact-pressure": FindingRow("no contact pressure: give {missing}", remedy=_ADD, severities=(NOTE, WARNING)),
         "no-contact-pressure-edge": FindingRow(
             "no contact pressure: a {face} touches in a line without width, for which Hertz's equations do not hold: use a roller or a "
-            "shoe"
+            "shoe", severities=(NOTE, WARNING),
         ),
-        "no-contact-pressure-undercut": FindingRow("no contact pressure: the profile is undercut, the {face} does not fit it"),
+        "no-contact-pressure-undercut": FindingRow(
+            "no contact pressure: the profile is undercut, the {face} does not fit it",
+            severities=(NOTE, WARNING),
+        ),
         "profile-meets-hub": FindingRow(
             "the profile's least distance from the cam centre is {radius_mm} mm{at}, the radius of the {what} {limit_mm} mm: make the "
-            "cam larger, or the {what} smaller", _compared("radius_mm", "limit_mm"), _BASE_RADIUS,
+            "cam larger, or the {what} smaller", _compared("radius_mm", "limit_mm"), _BASE_RADIUS, severities=(ERROR,),
         ),
         "profile-meets-keyway": FindingRow(
             "the profile cuts {overlap_mm} mm into the keyway{at}: turn the keyway, make it shallower, or make the cam larger",
-            remedy=_BASE_RADIUS,
+            remedy=_BASE_RADIUS, severities=(ERROR,),
         ),
         "cutter-too-large": FindingRow(
             "the cutter's radius of {cutter_mm} mm is larger than the profile's concave radius of {radius_mm} mm{at}: use a cutter "
-            "no larger than that", _compared("cutter_mm", "radius_mm"),
+            "no larger than that", _compared("cutter_mm", "radius_mm"), severities=(ERROR,),
         ),
         "cutter-wider-than-groove": FindingRow(
             "the cutter's radius of {cutter_mm} mm is more than half the width of the groove, {radius_mm} mm: use a cutter no larger "
-            "than that", _compared("cutter_mm", "radius_mm"),
+            "than that", _compared("cutter_mm", "radius_mm"), severities=(ERROR,),
         ),
         "self-intersection": FindingRow(
             "the {which} crosses itself: it passes the same point{at} and at {other_deg} deg; make the cam larger, the roller "
-            "smaller or the motion gentler", remedy=_LARGER,
+            "smaller or the motion gentler", remedy=_LARGER, severities=(ERROR,),
         ),
         "servo-peak": FindingRow(
             "the servo's motor must give {value} {unit}{at}, its peak is {limit}: use a larger motor, another gear ratio, or a "
-            "gentler motion", _compared("value", "limit"),
+            "gentler motion", _compared("value", "limit"), severities=(ERROR,),
         ),
         "servo-rms": FindingRow(
             "the servo's motor gives {value} {unit} as rms over the turn, rated {limit}: use a larger motor, another gear ratio, "
-            "or a lower speed", _compared("value", "limit"),
+            "or a lower speed", _compared("value", "limit"), severities=(ERROR,),
         ),
         "servo-speed": FindingRow(
             "the servo's motor runs at {value} {unit}{at}, rated {limit}: use a smaller gear ratio, or a lower speed",
@@ -261,7 +268,7 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "separation": FindingRow(
             "the {face} leaves the cam: contact force {force_n} N; it lifts off at {speed_rpm} rpm and above: add closing force or "
-            "lower the speed", remedy=_SPRING,
+            "lower the speed", remedy=_SPRING, severities=(ERROR,),
         ),
         "elastic-separation": FindingRow(
             "the {face} of the elastic follower leaves the cam{at}: contact force {force_n} N in steady running, though a rigid one "
@@ -273,27 +280,29 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "jamming": FindingRow(
             "friction jams the guide: the friction coefficient times the slope of the pushing force is {factor}, it must be below 1: "
-            "reduce the friction, or the pressure angle", _compared("factor", "limit"),
+            "reduce the friction, or the pressure angle", _compared("factor", "limit"), severities=(ERROR,),
         ),
         "jamming.endless": FindingRow(
-            "friction jams the guide: the pushing force is perpendicular to it, so that any friction locks it: reduce the pressure angle"
+            "friction jams the guide: the pushing force is perpendicular to it, so that any friction locks it: reduce the pressure angle",
+            severities=(ERROR,),
         ),
         "pair-jamming": FindingRow(
             "friction jams the mechanism{at}, most of all at {pair}: the factor by which friction increases itself is {factor}, it must "
-            "be below 1: reduce its coefficient, or use a thinner pin or a longer slide", _compared("factor", "limit"),
+            "be below 1: reduce its coefficient, or use a thinner pin or a longer slide", _compared("factor", "limit"), severities=(ERROR,),
         ),
         "spring-ends-meet": FindingRow(
             "the ends of {name} meet{at}, where its force has no direction: attach it elsewhere, or give it a free length of 0 and no "
-            "damper"
+            "damper", severities=(ERROR,),
         ),
         "spring-no-length": FindingRow(
-            "both ends of {name} coincide over the full turn, so that it exerts no force: attach one of them elsewhere"
+            "both ends of {name} coincide over the full turn, so that it exerts no force: attach one of them elsewhere",
+            severities=(ERROR,),
         ),
         "spring-idle": FindingRow("{name} has no rate and no damping: give one of them, or remove it"),
         "process-idle": FindingRow("{name} has neither force nor torque: give it one, or remove it"),
         "process-never": FindingRow("{name} never acts: the motion does not reach its positions; change them, or remove it"),
         "spring-winds-up": FindingRow(
-            "{name} is wound up by {turns} turns with each turn of the shaft: put it between links that swing"
+            "{name} is wound up by {turns} turns with each turn of the shaft: put it between links that swing", severities=(ERROR,),
         ),
         "torsion-still": FindingRow(
             "the links of {name} do not turn relative to each other, so that it does no work: put it between links that do, or use a "
@@ -304,16 +313,19 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         ),
         "contact-jamming": FindingRow(
             "sliding friction of the contact jams the follower: its lever arm is {factor} times that of the cam's force{at}, it must be "
-            "below 1: reduce the friction, or enlarge the base radius", _compared("factor", "limit"),
+            "below 1: reduce the friction, or enlarge the base radius", _compared("factor", "limit"), severities=(ERROR,),
         ),
         "contact-jamming.endless": FindingRow(
             "sliding friction of the contact jams the follower: the cam's force has no lever arm{at}, so that any friction locks it: "
-            "enlarge the base radius"
+            "enlarge the base radius", severities=(ERROR,),
         ),
-        "dead-centre": FindingRow("rod and arm come close to one line (dead centre): the sine of the angle between them is {value}"),
+        "dead-centre": FindingRow(
+            "rod and arm come close to one line (dead centre): the sine of the angle between them is {value}",
+            severities=(WARNING, ERROR),
+        ),
         "rod-across-guide": FindingRow(
             "the rod comes close to a right angle with the guide, where the arm cannot drive the slider: the cosine of "
-            "that angle is {value}"
+            "that angle is {value}", severities=(WARNING, ERROR),
         ),
         "pad-in-line": FindingRow(
             "the pad's arm comes close to the direction of the valve, which the rocker cannot open there: the sine of the angle "
@@ -324,23 +336,24 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "pivot, or change a length"
         ),
         "crank-cannot-turn": FindingRow(
-            "the crank cannot turn fully: the linkage can be assembled only for crank angles within {ranges}, and locks at {joints}"
+            "the crank cannot turn fully: the linkage can be assembled only for crank angles within {ranges}, and locks at {joints}",
+            severities=(ERROR,),
         ),
         "swinging-driver": FindingRow(
             "the crank cannot turn fully: it swings between {low}° ({low_joint} locks) and {high}° ({high_joint} locks), "
-            "as drawn{others}"
+            "as drawn{others}", severities=(NOTE,),
         ),
         "redundant-links": FindingRow(
             "links {links} are constrained by more pairs than necessary; their lengths agree over the full turn, and must agree in the "
-            "built machine"
+            "built machine", severities=(NOTE,),
         ),
         "undetermined-reactions": FindingRow(
             "statics does not determine the forces in {pairs}, since more pairs than necessary constrain the links: these forces are "
-            "left out; the driver's torque and the balance of power are valid"
+            "left out; the driver's torque and the balance of power are valid", severities=(NOTE,),
         ),
         "no-common-period": FindingRow(
             "the linkage does not return to its first position within {most} turns of the driver: the first {shown} shown, the "
-            "following turns differ"
+            "following turns differ", severities=(NOTE,),
         ),
         "wheels-apart": FindingRow(
             "the wheels of link {link} (pitch circles of {first} and {second} mm) do not touch: their centres are {distance} "
@@ -350,7 +363,10 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the links at {joint} become collinear, where both assemblies coincide (change point); the motion continues "
             "smoothly, but in the built machine play decides which assembly follows"
         ),
-        "linkage-dead-centre": FindingRow("dead centre: the links at {joint} become collinear, transmission angle {value} deg"),
+        "linkage-dead-centre": FindingRow(
+            "dead centre: the links at {joint} become collinear, transmission angle {value} deg",
+            severities=(ERROR,),
+        ),
         "transmission-angle": FindingRow(
             "transmission angle of {joint} {value} deg{at}, limit {limit} deg: change the lengths of the links that meet there",
             _compared("value", "limit"),
@@ -358,50 +374,56 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "unstable-speed": FindingRow(
             "{rpm} rpm is in a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n}): twist of the shaft grows by up to "
             "{growth_percent} % per turn; change its stiffness or the speed", _compared("rpm", "rpm_lo", "rpm_hi"),
+            severities=(WARNING, ERROR),
         ),
         "unstable-shaft": FindingRow(
-            "at {rpm} rpm twist of the shaft grows by {growth_percent} % per turn; change its stiffness or the speed"
+            "at {rpm} rpm twist of the shaft grows by {growth_percent} % per turn; change its stiffness or the speed",
+            severities=(WARNING, ERROR),
         ),
         "near-unstable-speed": FindingRow(
             "{rpm} rpm is near a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n}), in which twist of the shaft grows "
-            "by up to {growth_percent} % per turn", _compared("rpm", "rpm_lo", "rpm_hi"),
+            "by up to {growth_percent} % per turn", _compared("rpm", "rpm_lo", "rpm_hi"), severities=(NOTE,),
         ),
         "above-all-speeds": FindingRow(
             "{rpm} rpm is above {top_rpm} rpm, and at every speed above that the shaft is unstable", _compared("rpm", "top_rpm"),
+            severities=(ERROR,),
         ),
-        "no-stability": FindingRow("the stability of the shaft cannot be computed: {why}; {hint}"),
+        "no-stability": FindingRow("the stability of the shaft cannot be computed: {why}; {hint}", severities=(NOTE,)),
         "no-elastic-follower": FindingRow("the vibration of the follower cannot be computed: {why}; {hint}"),
         "motor-stalls": FindingRow(
             "the motor stalls: a flywheel of {inertia_kg_m2} kg·m² does not carry the load over its peak{at}, at least "
-            "{least_kg_m2:up} kg·m² are needed; a steeper motor slope needs less", remedy=_FLYWHEEL,
+            "{least_kg_m2:up} kg·m² are needed; a steeper motor slope needs less", remedy=_FLYWHEEL, severities=(ERROR,),
         ),
         "speed-fluctuates": FindingRow(
             "the speed fluctuates by {percent} %, limit {wanted_percent} %: a flywheel of {inertia_kg_m2:up} kg·m² keeps it "
             "within the limit",
-            _compared("percent", "wanted_percent"), _FLYWHEEL,
+            _compared("percent", "wanted_percent"), _FLYWHEEL, severities=(NOTE,),
         ),
         "probe-hollow": FindingRow(
             "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe which "
-            "touches at two points{left}"
+            "touches at two points{left}", severities=(NOTE,),
         ),
         "probe-overhang": FindingRow(
-            "the line of measurement runs along the profile{at}: the profile behind it is hidden from the probe, and the lift jumps"
+            "the line of measurement runs along the profile{at}: the profile behind it is hidden from the probe, and the lift jumps",
+            severities=(NOTE,),
         ),
         "out-of-tolerance": FindingRow(
             "the measured lift deviates by {deviation_mm} mm{at}, {normal_mm} mm normal to the profile; tolerance {limit_mm} mm",
-            _compared("deviation_mm", "normal_mm", "limit_mm"),
+            _compared("deviation_mm", "normal_mm", "limit_mm"), severities=(ERROR,),
         ),
-        "not-measured": FindingRow("no measured rows from {from_deg} to {to_deg} deg: the cam is not assessed there"),
-        "no-drive": FindingRow("no solution, the other drives are computed without this one: {why}{at}; {hint}"),
+        "not-measured": FindingRow("no measured rows from {from_deg} to {to_deg} deg: the cam is not assessed there", severities=(NOTE,)),
+        "no-drive": FindingRow("no solution, the other drives are computed without this one: {why}{at}; {hint}", severities=(ERROR,)),
         "timing-broken": FindingRow(
             "{second} comes {after_deg} deg after {first}, at machine angle {second_deg} deg; it must come at least {least_deg} deg "
             "after it: change the phase or the motion of one of the two drives", _compared("after_deg", "least_deg"), _PHASES,
+            severities=(ERROR,),
         ),
         "timing-contradicts": FindingRow(
             "in the current order of their events no phases satisfy {rows} together: they require {excess_deg} deg more than "
-            "a turn has; reduce one of their distances, lengthen a dwell between their events, or turn one drive past the other"
+            "a turn has; reduce one of their distances, lengthen a dwell between their events, or turn one drive past the other",
+            severities=(ERROR,),
         ),
-        "no-load": FindingRow("no masses and no forces are given: all forces and the torque are zero", remedy=_MASSES),
+        "no-load": FindingRow("no masses and no forces are given: all forces and the torque are zero", remedy=_MASSES, severities=(NOTE,)),
     }
 )  # fmt: skip
 """Code, or code.variant -> row."""

@@ -72,20 +72,24 @@ def quantity_cells(row: Quantity) -> tuple[str, ...]:
     """Cells of a quantity; with its equation under a straight face, where that is another."""
     lines = [line for line in (row.equation, row.flat) if line]
     unit = "of the motion" if "{m}" in row.slug else row.unit.symbol
-    return code(row.slug), words(row.label), words(row.symbol), words(unit), equation(lines), words(row.source)
+    return code(row.column), words(row.label), words(row.symbol), words(unit), equation(lines), words(row.source)
 
 
 def findings() -> str:
-    """Codes and sentences of findings, whose values are named in italics."""
+    """Codes, severities and sentences of findings, whose values are named in italics."""
 
     def value(name: re.Match[str]) -> str:
         return " at <i>angle</i>" if name[1] == "at" else f"<i>{split_unit(name[1])[0].replace('_', ' ')}</i>"
 
     rows = (
-        (code(name), re.sub(r"{(\w+)[^}]*}", value, words(row.sentence).replace("&#95;", "_")))
+        (
+            code(name),
+            words(" or ".join(row.severities)),
+            re.sub(r"{(\w+)[^}]*}", value, words(row.sentence).replace("&#95;", "_")),
+        )
         for name, row in ROWS.items()
     )
-    return table("code | sentence, with its remedy", rows)
+    return table("code | severity | sentence, with its remedy", rows)
 
 
 def fields() -> str:

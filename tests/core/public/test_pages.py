@@ -132,6 +132,23 @@ def test_tables_list_every_row_of_core() -> None:
     )
 
 
+def test_findings_have_a_severity_that_their_table_lists() -> None:
+    listed = dict(re.findall(r"<code>([\w.-]+)</code> \| ([\w ]+) \|", findings()))
+    assert set(listed) == set(ROWS)
+    rocker, lift, bar = (kd.example(slug) for slug in ("rocker_cam", "transfer_lift", "four_bar"))
+    designs = [
+        *map(kd.example, ("kim_1990", "groove", "lecture_six_bar")),
+        rocker.edit({"cam.thickness_mm": None, "limits.contact_pressure_mpa": 100.0}),
+        rocker.edit({"shaft.speed_rpm": 3000.0}),
+        lift.edit({"cam.base_radius_mm": 150.0}),
+        bar.edit({"linkage.links[1].points.A.x_mm": 200.0}),
+    ]
+    shown = {(finding.code, finding.severity) for design in designs for finding in design.findings}
+    assert len(shown) > 8
+    assert {severity for _, severity in shown} == {"error", "warning", "note"}
+    assert [row for row in shown if row[1] not in listed[row[0]].split(" or ")] == []
+
+
 def test_faults_of_built_pages_are_listed(tmp_path: Path) -> None:
     good = (
         '<a href="#there" id="there"></a><a href="b.html#here"></a><a href="https://example.org"></a><img src="c.svg"/>'
