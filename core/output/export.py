@@ -34,10 +34,6 @@ TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, SERVO, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks, which limits memory
 LINES_AT_ONCE = 1_024  # their text fits into the processor's cache
 TONGUES, SUMMARY, SHAFT = "tongues.csv", "summary.json", "shaft.csv"
-MOTOR_COLUMNS = {
-    f"servo_{suffix}": f"motor_{suffix}" for suffix in ("torque_nm", "force_n", "speed_rpm", "velocity_mm_s", "power_w")
-}
-"""Names of the servo's columns in its table, which has no motor of the shaft."""
 SHAFT_QUANTITIES = frozenset({"motor_torque", "linear_motor_torque"})
 """Quantities of all drives of a shaft together, which no table of a single drive holds."""
 
@@ -130,7 +126,7 @@ def table_rows(
     )
     if not rows or (name in (DYNAMICS, SERVO) and bounded.jam is not None):
         return []
-    return [(MOTOR_COLUMNS.get(row.slug, row.slug), row) for row in rows]
+    return [(row.column, row) for row in rows]
 
 
 def angle_of_table(study: Study, name: str) -> str:
@@ -208,9 +204,12 @@ def as_texts(contents: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
     return {name: parts if isinstance(parts, str) else b"".join(parts).decode() for name, parts in contents.items()}
 
 
-def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
-    """Write all files into the folder and return their paths. Raises NoSolution, NoSuchStage, FileError; then nothing is written."""
-    contents = file_parts(study, stages)
+def export(study: Study, folder: Path, stages: Sequence[str] = (), without: frozenset[str] = frozenset()) -> list[Path]:
+    """Write all files into the folder and return their paths. Raises NoSolution, NoSuchStage, FileError; then nothing is written.
+
+    ``without`` lists quantities to omit.
+    """
+    contents = file_parts(study, stages, without)
     write_into(folder, contents)
     return [folder / name for name in contents]
 

@@ -197,6 +197,11 @@ class Quantity:
     straight: bool = False
 
     @property
+    def column(self) -> str:
+        """Name of its column in its table; in that of a servo, which has no other motor, ``motor_...``."""
+        return self.slug.replace("servo_", "motor_", 1) if self.file == SERVO else self.slug
+
+    @property
     def unit(self) -> Unit:
         """Unit at the end of its slug."""
         return split_unit(self.slug)[1]

@@ -17,7 +17,7 @@ from core.project.reading_faults import did_you_mean
 from core.study.camshaft import Camshaft
 from core.study.drive_forces import PRESSURES, pairings, roller_lives
 from core.study.extremes import extremes_of, has_undercut
-from core.study.quantities import names_of, quantity, why_absent
+from core.study.quantities import Quantity, names_of, quantity, why_absent
 from core.study.study import Study
 from core.units import split_unit
 
@@ -124,7 +124,7 @@ def quantity_request(design: Design, key: str) -> QuantityRequest:
                 f"{', '.join(TOTALS)}{did_you_mean(slug, request_columns(design))}"
             )
         return quantity_request(only(design, number), f"{column}:{statistic}")._replace(key=key, drive=number)
-    name = _columns(design).get(slug, "")
+    name = _columns(design).get(slug) or _table_columns(design).get(slug, "")
     if not name:
         raise ValueError(
             f"{key}: this design has no such column with extremes{did_you_mean(slug, _columns(design))}{why_absent(design, slug)}"
@@ -135,8 +135,17 @@ def quantity_request(design: Design, key: str) -> QuantityRequest:
 @lru_cache(maxsize=16)
 def _columns(design: Design) -> Mapping[str, str]:
     """Column, whose unit the values have -> name of the quantity, of quantities with extremes."""
+    return {row.slug.format(m=design.drive.motion_unit): row.name for row in _with_extremes(design)}
+
+
+def _table_columns(design: Design) -> Mapping[str, str]:
+    """Column of a table that is named otherwise than its quantity, as the servo's -> name of the quantity."""
+    return {row.column: row.name for row in _with_extremes(design) if row.column != row.slug}
+
+
+def _with_extremes(design: Design) -> Iterable[Quantity]:
     rows = (quantity(name) for name in names_of(design))
-    return {row.slug.format(m=design.drive.motion_unit): row.name for row in rows if row.slug and not row.is_periodic}
+    return (row for row in rows if row.slug and not row.is_periodic)
 
 
 def request_columns(design: Design) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from core.output.channels import channels, existing
 from core.output.explain.shaft import FIGURES, has_figure, shaft_columns
 from core.output.explain.workings import calculation_of
 from core.output.lines import columns, digits
+from core.project.reading_faults import did_you_mean
 from core.study import Quantity, Study, certificate_of, extremes_of
 from core.study.extremes import has_quantity, is_unlimited
 from core.study.formulas import FORMULAS
@@ -104,9 +105,7 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
         return _shaft_column(study, name, at_deg)
     row = next((row for row in channels(study.design) if row.slug == name), None)
     if row is None or not has_quantity(study, row):
-        raise KindynaError(
-            f"explain {name}: this design has no such quantity; allowed: {', '.join(explainable(study))}"
-        )
+        raise KindynaError(f"explain {name}: this design has no such quantity{_near(study, name)}")
     largest = _largest(study, row) if at_deg is None else None
     angle = at_deg if at_deg is not None else math.degrees(largest.theta if largest else study.theta[0]) % 360.0
     _require_angle(angle)
@@ -141,6 +140,12 @@ def explained(study: Study, name: str, at_deg: float | None = None) -> Explanati
     )
 
 
+def _near(study: Study, name: str) -> str:
+    """The names nearest to one that the study lacks, and all that it has."""
+    names = explainable(study)
+    return f"{did_you_mean(name, names)}; allowed: {', '.join(names)}"
+
+
 def explainable(study: Study) -> list[str]:
     """Names of the columns and figures of a design that can be explained."""
     rows = (
@@ -162,7 +167,7 @@ def _shaft_column(study: Study, name: str, at_deg: float | None) -> Explanation:
     columns = shaft_columns(study)
     if name not in columns:
         raise KindynaError(
-            f"explain {name}: this shaft has no such quantity; allowed: {', '.join(explainable(study))}, or with --drive"
+            f"explain {name}: this shaft has no such quantity{_near(study, name)}, or choose a drive with --drive"
         )
     column, camshaft = columns[name], study.camshaft
     if at_deg is None:

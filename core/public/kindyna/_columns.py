@@ -11,7 +11,7 @@ import numpy as np
 from core.commands.common import solved
 from core.errors import KindynaError
 from core.output.channels import ANGLES, channels
-from core.output.export import MOTOR_COLUMNS, SHAFT, TABLES, angle_of_table, bounded_study, table_rows
+from core.output.export import SHAFT, TABLES, angle_of_table, bounded_study, table_rows
 from core.output.summary import extremes, shaft_extremes
 from core.study.extremes import has_quantity
 from core.study.formulas import FORMULAS
@@ -126,7 +126,7 @@ class Columns:
 
     def _quantity(self, name: str) -> Quantity | None:
         """Return the quantity of a column of a drive; the servo's motor after that of the shaft, which has the same column."""
-        rows = (row for row in channels(self.full.design) if name in (row.slug, MOTOR_COLUMNS.get(row.slug)))
+        rows = (row for row in channels(self.full.design) if name in (row.slug, row.column))
         study = self._bounded
         for row in sorted(rows, key=lambda row: TABLES.index(row.table)):
             if (

@@ -24,7 +24,7 @@ from core.study.study import Study as CoreStudy
 from kindyna._checks import Array, brief, number, path_of, path_to_write, read_only, text, unknown, vector, whole
 from kindyna._columns import Columns
 from kindyna._fields import edited_design, file_values
-from kindyna._options import requested
+from kindyna._options import names_arguments, requested
 from kindyna._results import Finding, ManyResult, many_result
 from kindyna._study import StudyResults
 
@@ -118,7 +118,7 @@ class Design:
         Parameters
         ----------
         path : str or path
-            The file, which ends with ``.toml``; a file of this name is replaced.
+            The file, by custom ``NAME.toml``; its folder is created, and a file of this name replaced.
 
         Raises
         ------
@@ -127,6 +127,7 @@ class Design:
         """
         save(self._design, path_to_write("path", path))
 
+    @names_arguments
     def study(self, samples: int = 360, drive: str = "") -> Study:
         """Return a study at equally spaced angles.
 
@@ -161,6 +162,7 @@ class Design:
         """Limits that the design exceeds, errors first. Raises KindynaError where the mechanism has no solution."""
         return self.study().findings
 
+    @names_arguments
     def find(
         self, goal: str, limits: Mapping[str, float | None] | None = None, drive: str = "", **options: Any
     ) -> FindResult:
@@ -251,6 +253,7 @@ class Design:
         inputs = {path: vector(path, numbers) for path, numbers in values.items()}
         return many_result(inputs, many(self._design, inputs, _keys(quantities), polish=polish, executor=executor))
 
+    @names_arguments
     def vary(
         self, values: Mapping[str, Sequence[float | str] | ArrayLike], quantities: Sequence[str], workers: int = 1
     ) -> ManyResult:
@@ -296,6 +299,7 @@ class Design:
             results = study_values(study, columns, executor=executor)
         return many_result({path: fixed_column(column) for path, column in columns.items()}, results)
 
+    @names_arguments
     def optimise(
         self,
         vary: Mapping[str, tuple[float, float] | Sequence[str]],
@@ -417,8 +421,12 @@ def _mapping(what: str, value: Any) -> Mapping[str, Any]:
 
 
 def _keys(quantities: Sequence[str]) -> list[str]:
-    if isinstance(quantities, str) or not all(isinstance(key, str) for key in quantities):
-        raise TypeError(f"quantities = {quantities!r}: a list of texts is needed")
+    if (
+        isinstance(quantities, str)
+        or not isinstance(quantities, Iterable)
+        or not all(isinstance(key, str) for key in quantities)
+    ):
+        raise TypeError(f"quantities = {quantities!r}: a list of texts is needed, as ['pressure_angle_deg:max']")
     return list(quantities)
 
 
@@ -594,6 +602,7 @@ def design(table: Mapping[str, Any] | str) -> Design:
     return Design(from_table(table))
 
 
+@names_arguments
 def measured(table: str | os.PathLike[str], **options: Any) -> Design:
     """Return the motion of a measured table as a design of its own, as the command ``measured``.
 

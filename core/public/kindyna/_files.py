@@ -31,8 +31,13 @@ from kindyna._options import requested
 _PDF = ".pdf"
 
 
-def export_study(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:
-    """Write tables into a folder, or a profile or report to a file; return the paths. Raises as ``StudyResults.export``."""
+def export_study(
+    study: Study, target: Path, options: Mapping[str, Any], without: frozenset[str] = frozenset()
+) -> list[Path]:
+    """Write tables into a folder, or a profile or report to a file; return the paths. Raises as ``StudyResults.export``.
+
+    ``without`` lists quantities that the tables omit.
+    """
     writers = {**dict.fromkeys(FORMATS, _profile), **dict.fromkeys(ENDINGS, _report)}
     ending = target.suffix.lower()
     if ending in writers:
@@ -41,7 +46,7 @@ def export_study(study: Study, target: Path, options: Mapping[str, Any]) -> list
         allowed = f"{', '.join(writers)}, or a folder, with such a name one that exists"
         raise KindynaError(f"{target}: no format has the ending {ending}; allowed: {allowed}")
     request = requested(ExportArguments, options, "samples", design=Path(), out=target)
-    return export(solved(study), request.out, request.only)
+    return export(solved(study), request.out, request.only, without)
 
 
 def _profile(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from argparse import ArgumentTypeError
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field
+from functools import wraps
 from keyword import iskeyword
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from core.design.fields import Info, info_of, unit_of
 from core.errors import KindynaError
@@ -16,6 +18,32 @@ from core.requests import OptionInfo, build_request, option_info, option_word, r
 from kindyna._checks import number, text, unknown, whole
 
 Request = TypeVar("Request")
+Result = TypeVar("Result")
+Parameters = ParamSpec("Parameters")
+_OPTION = re.compile(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)")
+
+
+def names_arguments(method: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """Decorate a method of the library: errors name options as its arguments, without ``--``."""
+
+    @wraps(method)
+    def called(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
+        try:
+            return method(*args, **kwargs)
+        except KindynaError as error:
+            error.args = tuple(_OPTION.sub(_argument, part) if isinstance(part, str) else part for part in error.args)
+            raise
+
+    return called
+
+
+def _argument(option: re.Match[str]) -> str:
+    return _python_name(option[1])
+
+
+def _python_name(option: str) -> str:
+    name = option.replace("-", "_")
+    return f"{name}_" if iskeyword(name) else name
 
 
 def requested(kind: type[Request], given: Mapping[str, Any], *without: str, **fixed: Any) -> Request:
@@ -57,8 +85,7 @@ def _options(kind: Any) -> Iterator[tuple[str, Field[Any], OptionInfo]]:
     for part in request_fields(kind):
         how = option_info(part)
         if how.option is not None and not how.is_positional:
-            name = option_word(part, how).lstrip("-").replace("-", "_")
-            yield f"{name}_" if iskeyword(name) else name, part, how
+            yield _python_name(option_word(part, how).lstrip("-")), part, how
 
 
 def _value(name: str, part: Field[Any], how: OptionInfo, value: Any) -> Any:

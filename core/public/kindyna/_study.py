@@ -20,6 +20,7 @@ from core.study.findings import findings_of
 from core.study.study import Study as CoreStudy
 from kindyna._checks import Array, brief, number, path_to_write, points, text, unknown, vector, whole
 from kindyna._columns import Columns
+from kindyna._options import names_arguments
 from kindyna._results import Channel, Explanation, Extreme, Finding, explanation, finding, frame
 
 if TYPE_CHECKING:
@@ -232,6 +233,7 @@ class StudyResults(Generic[D]):
         without = SHAFT_QUANTITIES if full.design.listed else frozenset[str]()
         return {name: type(self)(self._design, Columns(study, None, without)) for name, study in studies.items()}
 
+    @names_arguments
     def explain(self, name: str, at_deg: float | None = None) -> Explanation:
         """Return where a number comes from: its equation, and the value and origin of every symbol.
 
@@ -293,6 +295,7 @@ class StudyResults(Generic[D]):
 
         return machine(self._columns, number("at_deg", at_deg))
 
+    @names_arguments
     def export(self, target: str | os.PathLike[str], **options: Any) -> list[Path]:
         """Write files, completely or not at all.
 
@@ -330,8 +333,10 @@ class StudyResults(Generic[D]):
         """
         from kindyna._files import export_study  # no reader of results needs the formats of files
 
-        return export_study(self._columns.full, path_to_write("target", target), options)
+        columns = self._columns
+        return export_study(columns.full, path_to_write("target", target), options, columns.without)
 
+    @names_arguments
     def ecam(self, controller: str, out: str | os.PathLike[str] | None = None, **options: Any) -> dict[str, Any]:
         """Compute a table for a servo controller, and the error of the curve that the controller makes of it.
 

@@ -175,6 +175,18 @@ def test_export_writes_what_the_command_writes(tmp_path: Path) -> None:
     assert {path.name: path.read_text("utf-8") for path in paths} == texts
 
 
+def test_a_drive_exports_its_channels(tmp_path: Path) -> None:
+    study = UNIT.study(36).drives["Lift"]
+    study.export(tmp_path)
+    columns = {
+        name for path in tmp_path.glob("*.csv") for name in path.read_text("utf-8").partition("\n")[0].split(",")
+    }
+    assert columns == set(study.channels)
+    UNIT.study(36).export(tmp_path / "shaft")
+    for path in tmp_path.glob("*.*"):
+        assert path.read_bytes() == (tmp_path / "shaft" / "lift" / path.name).read_bytes()
+
+
 def test_an_explanation_is_that_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     LIFT.save(tmp_path / "lift.toml")
     for name, at in (("pressure_angle_deg", None), ("drive_torque_nm", 90.0), ("needed_inertia_kg_m2", None)):

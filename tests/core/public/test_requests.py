@@ -244,6 +244,66 @@ def test_a_table_for_a_controller_is_that_of_the_command(capsys: pytest.CaptureF
     assert sorted(Path().iterdir()) == before
 
 
+SERVO = """
+format = 1
+name = "Turntable"
+[motion]
+start_deg = 0.0
+segments = [{ law = "modified-sine", span_deg = 120.0, rise_deg = 90.0 }, { law = "dwell", span_deg = 60.0 },
+            { law = "cycloidal", span_deg = 180.0, rise_deg = -90.0 }]
+[servo]
+kind = "rotary"
+gear_ratio = 10.0
+rotor_inertia_kg_m2 = 2e-4
+inertia_kg_m2 = 0.05
+"""
+
+
+@pytest.mark.parametrize("of", ["max", "abs", "rms"])
+def test_the_torque_of_a_servo_has_the_name_of_its_channel_in_all_figures(of: str) -> None:
+    design, ratio = kd.design(SERVO), "servo.gear_ratio"
+    figure, quantity = f"motor_torque_nm:{of}", f"servo_torque_nm:{of}"
+    many = design.many({ratio: [10.0, 20.0]}, [figure, quantity])
+    torque = design.study(20_000)["motor_torque_nm"]
+    expected = {"max": torque.max(), "abs": np.abs(torque).max(), "rms": np.sqrt(np.mean(torque**2))}[of]
+    assert many.value[figure][0] == pytest.approx(expected, rel=1e-6)
+    np.testing.assert_array_equal(many.value[figure], many.value[quantity])
+    np.testing.assert_array_equal(design.vary({ratio: [10.0, 20.0]}, [figure]).value[figure], many.value[figure])
+    limits = {"motor_speed_rpm:abs": {"max": 2000.0}}
+    best = design.optimise({ratio: (5.0, 60.0)}, figure, limits)
+    assert best.answer == design.optimise({ratio: (5.0, 60.0)}, quantity, limits).answer
+    assert float(best.design.study().extreme("motor_speed_rpm", "abs")) <= 2000.0 * (1.0 + 1e-9)
+
+
+LOADED = SERVO.partition("[servo]")[0] + "[loads]\ninertia_kg_m2 = 0.1\ntorque_nm = 3.0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "numbers", "name"),
+    [
+        (SERVO, "motion.segments[0].rise_deg", [80.0, 90.0], "motor_torque_nm"),
+        (SERVO, "motion.segments[0].rise_deg", [80.0, 90.0], "motor_speed_rpm"),
+        (LOADED, "loads.inertia_kg_m2", [0.1, 0.2], "torque_nm"),
+        (LOADED, "loads.inertia_kg_m2", [0.1, 0.2], "power_w"),
+    ],
+)
+def test_motions_without_a_mechanism_are_evaluated_together(
+    text: str, path: str, numbers: list[float], name: str
+) -> None:
+    design = kd.design(text)
+    many = design.many({path: numbers}, [f"{name}:max"])
+    for number, value in zip(numbers, many.value[f"{name}:max"], strict=True):
+        assert value == pytest.approx(float(design.edit({path: number}).study().extreme(name)), rel=1e-9)
+
+
+def test_a_figure_of_a_shaft_with_its_own_motor_is_that_of_the_shaft() -> None:
+    design = kd.design(ROCKER.toml + '\n[servo]\nkind = "rotary"\ngear_ratio = 20.0\n')
+    many = design.many({BASE: [45.0]}, ["motor_torque_nm:max", "servo_torque_nm:max"])
+    for name in ("motor_torque_nm", "servo_torque_nm"):
+        assert many.value[f"{name}:max"][0] == pytest.approx(design.study().extreme(name).value, rel=1e-9)
+    assert many.value["motor_torque_nm:max"][0] != many.value["servo_torque_nm:max"][0]
+
+
 # -- what is wrong --------------------------------------------------------------------------------------------
 
 NAMES = [
@@ -256,6 +316,8 @@ NAMES = [
     (lambda: STUDY.ecam("sew-tb", "a.txt"), "sew-tb", "sew-tab"),
     (lambda: STUDY.ecam("sew-tab", "a.txt", pionts=20), "pionts", "points"),
     (lambda: STUDY.ecam("sew-tab", "a.txt", of="displacment_deg"), "displacment_deg", "displacement_deg"),
+    (lambda: STUDY.explain("pressure_angle"), "pressure_angle", "did you mean 'pressure_angle_deg'"),
+    (lambda: UNIT.study(36).explain("torque"), "torque", "did you mean 'torque_nm'"),
     (lambda: kd.measured("lift.csv", colum="a"), "colum", "column"),
     (lambda: kd.measured("lift.csv", column="lft"), "lft", "lift_mm"),
     (lambda: ROCKER.vary({"cam.base_radus_mm": [40]}, [PRESSURE]), "cam.base_radus_mm", BASE),
@@ -366,6 +428,8 @@ VALUES = [
     (lambda: ROCKER.find("base-radius", 3), "limits"),  # type: ignore[arg-type]
     (lambda: ROCKER.find("base-radius", round=-1), "round"),
     (lambda: ROCKER.save(""), "path"),
+    (lambda: ROCKER.many({BASE: [44]}, 5), "quantities"),  # type: ignore[arg-type]
+    (lambda: ROCKER.vary({BASE: [44]}, None), "quantities"),  # type: ignore[arg-type]
 ]  # fmt: skip
 
 
@@ -377,6 +441,25 @@ def test_a_wrong_value_is_named_in_one_line(wrong: Callable[[], object], named: 
     assert named in str(caught.value)
     assert "\n" not in str(caught.value)
     assert sorted(Path().iterdir()) == before
+
+
+ARGUMENTS = [
+    (lambda: STUDY.ecam("sew-tab", "a.txt", of="displacment_deg"), "of displacment_deg"),
+    (lambda: STUDY.ecam("sew-tab", "a.txt", points=2), "points"),
+    (lambda: STUDY.ecam("codesys-cambuilder", "a.txt", as_="placed", error=0.1, segment=99), "segment 99"),
+    (lambda: ROCKER.study(drive="Lift"), "leave drive out"),
+    (lambda: UNIT.find("base-radius"), "choose one with drive: Feed | Clamp | Lift | Torque"),
+    (lambda: UNIT.study(36).export("a.dxf"), "choose one with drive: Feed | Clamp | Lift | Torque"),
+    (lambda: STUDY.explain("pressure_angle_deg", at_deg=400), "at 400"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "named"), ARGUMENTS)
+def test_an_error_names_the_arguments_of_the_method(wrong: Callable[[], object], named: str) -> None:
+    with pytest.raises(kd.KindynaError) as caught:
+        wrong()
+    assert named in str(caught.value)
+    assert "--" not in str(caught.value)
 
 
 def test_all_that_is_wrong_is_named_at_once() -> None:
