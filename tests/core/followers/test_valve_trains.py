@@ -322,6 +322,8 @@ def force_by_virtual_work(train: Design, study: Study, form: Any) -> np.ndarray:
     reference, first, _ = form.reference
     t = first - 1j * d * reference
     normal = -1j * d * t / np.abs(t)
+    if train.drive.face.straight:
+        normal = np.full(t.shape, -unit(f.direction_deg + f.face.face_tilt_deg))
     v = unit(f.valve_direction_deg)
     spring = s.preload_n + s.spring_rate_n_per_mm * form.valve[0]
     valve = s.valve_mass_kg * (1e-3 * w2 * form.valve[2] - (gravity * np.conj(v)).real) + spring
@@ -342,7 +344,15 @@ def force_by_virtual_work(train: Design, study: Study, form: Any) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize(
-    ("kind", "face"), [("rocker", "roller"), ("rocker", "shoe"), ("pushrod", "roller"), ("pushrod", "shoe")]
+    ("kind", "face"),
+    [
+        ("rocker", "roller"),
+        ("rocker", "shoe"),
+        ("pushrod", "roller"),
+        ("pushrod", "shoe"),
+        ("pushrod", "flat"),
+        ("pushrod", "knife"),
+    ],
 )
 def test_a_train_agrees_with_its_closed_form(kind: str, face: str, seed: int) -> None:
     """Random lengths, either side, any direction of the valve; the contact force by virtual work."""

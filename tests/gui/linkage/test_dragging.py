@@ -84,6 +84,29 @@ def test_the_roller_of_a_translating_follower_is_drawn_aside(open_user: Open) ->
     assert user.steps == ["Move roller"]
 
 
+@pytest.mark.parametrize(
+    ("name", "joint", "way", "step"),
+    [("finger_follower", "pad_centre", 2.0 - 1.0j, "pad"), ("pushrod_train", "upper_ball", -3.0 + 2.0j, "upper ball")],
+)
+def test_a_joint_of_a_valve_train_is_drawn_elsewhere(
+    open_user: Open, name: str, joint: str, way: complex, step: str
+) -> None:
+    """Within the lift; the pivot stays, the fields show the new lengths, and Undo brings them back."""
+    user = open_user(example(name))
+    user.turn(170.0)
+    view, before, pivot = user.drawing(), user.design, place(user, "pivot")
+    start = place(user, joint)
+    user.drag(start, start + way)
+    assert user.steps == [f"Move {step}"]
+    assert place(user, joint) == pytest.approx(start + way, abs=1.5 / view.canvas.scale_now)
+    assert place(user, "pivot") == pytest.approx(pivot, abs=1e-9)
+    assert faults(user.design) == []
+    assert user.number("follower.pad_angle_deg").value == user.design.drive.mechanism.pad_angle_deg
+    assert user.design.drive.mechanism.pad_angle_deg != before.drive.mechanism.pad_angle_deg
+    user.session.stack.undo()
+    assert user.design == before
+
+
 def test_the_face_of_a_flat_rocker_is_drawn_off_its_pivot(open_user: Open) -> None:
     """It goes through the mouse, in the same direction."""
     user = open_user(example("rocker_flat"))
