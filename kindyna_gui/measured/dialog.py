@@ -167,7 +167,7 @@ class MeasuredDialog(PutDialog):
         notes = fill(QVBoxLayout(), self.entries, (self.leave, 0, Qt.AlignmentFlag.AlignLeft), self.alternatives)
         footer = fill(QHBoxLayout(), (self.segments, 11), (notes, 10))
         derivatives = ((plot, 2) for plot in self.derivative_plots)
-        right = fill(QVBoxLayout(), (self.rows_plot, 4), *derivatives, (self.residual_plot, 3), (footer, 3), spacing=2)
+        right = fill(QVBoxLayout(), (self.rows_plot, 5), *derivatives, (self.residual_plot, 3), (footer, 3), spacing=2)
         self.frame(left, FORM_WIDTH, right, TYPICAL_SIZE, LEAST_SIZE)
 
         reading = (self.again, self.pages, self.cells, *self.form.boxes.values(), self.estimate, *self.errors.values())
