@@ -16,7 +16,7 @@ from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.places import example
 
 PRINT = 0.02  # cm, rpm, cm/s: the print rounds its intermediates
-FIGURES = 1e-3  # of what is computed from the four digits on the screen
+ON_SCREEN = 1e-3  # of what is computed from the four digits on the screen
 FIGURES = {"Four bar": 6, "Slider crank": 6, "Lecture six bar": 15, "Rear suspension": 6}
 
 
@@ -136,7 +136,7 @@ def test_the_ratios_on_page_9_are_distances_on_the_screen(open_user: Open) -> No
     for base, body in ("24", "23", "34"):
         common = f"I{base}{body}"
         by_distance = distance(user, f"I1{base}", common) / distance(user, f"I1{body}", common)
-        assert by_distance == pytest.approx(abs(rpm[body] / rpm[base]), rel=FIGURES)
+        assert by_distance == pytest.approx(abs(rpm[body] / rpm[base]), rel=ON_SCREEN)
 
 
 def test_the_sliders_velocity_on_page_10_is_a_distance_times_the_cranks(open_user: Open) -> None:
@@ -144,7 +144,7 @@ def test_the_sliders_velocity_on_page_10_is_a_distance_times_the_cranks(open_use
     at(user, "50")
     crank = number(table(centres(user).page("links"))["2"]["ω, rad/s"])
     speed = number(table(centres(user).page("points"))["B"]["|v|, mm/s"]) / 10.0
-    assert distance(user, "I12", "I24") * crank == pytest.approx(speed, rel=FIGURES)
+    assert distance(user, "I12", "I24") * crank == pytest.approx(speed, rel=ON_SCREEN)
 
 
 @pytest.mark.parametrize("name", spread(FIGURES, 2))
@@ -161,7 +161,7 @@ def test_centres_stand_where_the_lecture_constructs_them(name: str, open_user: O
                 one, other = line.split("–")
                 if {centre, one, other} <= set(there):
                     tried += 1
-                    assert off_line(there[centre], there[one], there[other]) < FIGURES, (centre, line)
+                    assert off_line(there[centre], there[one], there[other]) < ON_SCREEN, (centre, line)
         assert tried >= 2
 
 
@@ -172,7 +172,7 @@ def test_the_suspension_on_page_12_steers_by_what_the_screen_says(open_user: Ope
     there, wheel = places(user), table(centres(user).page("points"))["W"]
     velocity = complex(number(wheel["vx, mm/s"]), number(wheel["vy, mm/s"]))
     arm = there["W"] - there["I13"]
-    assert abs((velocity * arm.conjugate()).real) < FIGURES * abs(velocity) * abs(arm)
+    assert abs((velocity * arm.conjugate()).real) < ON_SCREEN * abs(velocity) * abs(arm)
     assert abs(velocity.real) > 1.0
 
 
