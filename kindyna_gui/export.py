@@ -376,7 +376,7 @@ class Exports(QObject):
 
     def timing(self) -> None:
         """Write the timing chart, or the table of its events, with the axis and overlap of an open timing view."""
-        from kindyna_gui.pictures.paper.timing_chart import timing_file
+        from kindyna_gui.pictures.paper.timing_page import timing_file
 
         view = self.view("timing")
         path = dialogs.timing_to_save(self._window, self._settings.folder / f"{self._name}_timing.pdf")

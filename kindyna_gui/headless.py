@@ -91,7 +91,9 @@ class Timing:
     out: Path = text_option(
         ".pdf, .svg or .png; .csv: the events as a table", type=ending_with("a timing chart", *CHARTS), metavar="FILE"
     )
-    axis: str = choice("Axis", ("deg", "ms"), default="deg", help="unit of the axis")
+    axis: str = choice(
+        "Axis", ("deg", "ms", "crank"), default="deg", help="unit of the axis; crank: valve lifts over crank degrees"
+    )
 
 
 def _handover_options() -> type:
@@ -214,7 +216,7 @@ def timing(arguments: Timing, painter: Painter | None) -> int:
     """Write the timing chart of a shaft, or its events as a table."""
     design = load(arguments.design)
     hide_windows()
-    from kindyna_gui.pictures.paper.timing_chart import timing_file
+    from kindyna_gui.pictures.paper.timing_page import timing_file
 
     with quiet():
         data = timing_file(design, arguments.out.suffix.lower(), arguments.axis)

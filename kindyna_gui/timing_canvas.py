@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
@@ -22,25 +21,20 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QLineEdit, QSizePolicy, QToolTip, QWidget
 
 from core.design import (
-    AngleRoom,
     Design,
     Unit,
     drive_names,
     events_at,
-    join_room,
     path_in,
     phase_path,
-    phase_room,
-    turn_drive,
-    turn_join,
 )
-from core.frozen import frozen
 from core.number_text import shortest, typed_text
 from kindyna_gui.forms.number_box import RedFrame, parsed
 from kindyna_gui.forms.refusal import NO_REMEDIES, FloatingRefusal, Remedies
 from kindyna_gui.labels import no_number, sentence
 from kindyna_gui.pictures.paper.timing_chart import (
     AXES,
+    CRANK,
     DEGREES,
     ChartHighlights,
     Reference,
@@ -48,9 +42,11 @@ from kindyna_gui.pictures.paper.timing_chart import (
     accessible_text,
     event_text,
 )
+from kindyna_gui.pictures.paper.timing_page import timing_chart
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.settings import sized
+from kindyna_gui.timing_drags import DraggedBand, DraggedValve, dragged
 
 # -- field over the chart --------------------------------------------------------------------------------
 
@@ -78,13 +74,13 @@ class TypedAngle(RedFrame, QLineEdit):
         self.returnPressed.connect(self._enter)
         self.textEdited.connect(self._clear)
 
-    def ask(self, drive: int, join: int | None, value: float, unit: str, position: QPointF) -> None:
-        """Open the field for a drive's phase, or for a join."""
+    def ask(self, drive: int, join: int | None, name: str, value: float, unit: str, position: QPointF) -> None:
+        """Open the field for a drive's phase, or for a join; ``name`` is that of the value."""
         self._target, self._unit = (drive, join), Unit(AXES[unit], 1.0)
         self._clear()
         self._first = shortest(round(value, 6))
         self.setText(self._first)
-        self.setAccessibleName("Phase" if join is None else "Machine angle")
+        self.setAccessibleName(name)
         room = self._parent.rect()
         x = min(max(int(position.x()) - WIDTH // 2, 0), room.width() - WIDTH)
         y = min(max(int(position.y()) - HEIGHT - 8, 0), room.height() - HEIGHT)
@@ -135,43 +131,11 @@ STEP, FINE = 0.5, 0.1  # step of a drag, degrees; factor for step and movement w
 LEAST_HEIGHT, LEAST_BAND = 90, 26  # pixels
 TREMBLE = 3.0  # movement of the mouse before a drag begins, pixels
 
-HOW = (
-    "Drag a point to move one start or end, a band to turn its drive against the others; both stop at sequence conditions.\n"
-    "Ctrl is ten times finer, Esc cancels. Double-click a point or a band to type the angle.\n"
-    "Shift-drag from point to point: the second must come after the first."
-)
 
-
-@frozen
-class DraggedDrive:
-    """A drive, or a join of its motion, while the mouse drags it; ``at``: its angle at the start of the drag [deg]."""
-
-    drive: int
-    join: int | None
-    design: Design
-    at: float
-    room: AngleRoom
-
-    @property
-    def path(self) -> str:
-        """Path of the field that the drag changes."""
-        return (
-            phase_path(self.design, self.drive)
-            if self.join is None
-            else f"drives[{self.drive}].motion.joins[{self.join}]"
-        )
-
-    def turned(self, by: float) -> Design:
-        """Return the design with the drive or join turned by an angle [deg]."""
-        if self.join is None:
-            return turn_drive(self.design, self.drive, self.at + by)
-        return turn_join(self.design, self.drive, self.join, by)
-
-
-def _chart_content(design: Design | None) -> object:
+def _chart_content(design: Design | None, unit: str) -> object:
     """The parts of a design that the chart shows, to compare two designs."""
-    if design is None:
-        return None
+    if design is None or unit == CRANK:
+        return design
     drives = tuple((drive.phase, drive.mirrored, drive.motion) for drive in design.drives)
     return design.speed_rpm, drive_names(design), drives, design.timing
 
@@ -210,7 +174,7 @@ class TimingCanvas(QWidget):
         self.pair: tuple[int, ...] = ()
         self.machine: float | None = None
         self._hovered: tuple[int, int | None] | None = None
-        self._drag: DraggedDrive | None = None
+        self._drag: DraggedBand | DraggedValve | None = None
         self._link: tuple[tuple[int, int], QPointF] | None = None
         self._mouse, self._start = QPointF(), QPointF()
         self._distance, self._is_moved = 0.0, False
@@ -233,14 +197,14 @@ class TimingCanvas(QWidget):
         if reference != self._reference:
             self._reference, self._chart = reference, None
         if design is not self._design:
-            if _chart_content(design) != _chart_content(self._design):
+            if _chart_content(design, self.unit) != _chart_content(self._design, self.unit):
                 self._chart = None
             self._design = design
             if self._drag is None:
                 self.typed.hide()
             bands = 0 if design is None else len(design.drives)
             if QAccessible.isActive():
-                self.setAccessibleDescription("" if design is None else accessible_text(design))
+                self.setAccessibleDescription("" if design is None else self._description())
             self.setMinimumHeight(round(sized(max(LEAST_HEIGHT, bands * LEAST_BAND + 26))))
         self.update()
 
@@ -261,10 +225,17 @@ class TimingCanvas(QWidget):
         assert self._design is not None
         chart = self._chart
         if chart is None or (chart.width, chart.height) != (self.width(), self.height()):
-            chart = self._chart = TimingChart(
+            chart = self._chart = timing_chart(
                 self._design, self.width(), self.height(), self.unit, SCREEN, self._reference
             )
         return chart
+
+    def _description(self) -> str:
+        """Content of the chart for screen readers."""
+        assert self._design is not None
+        if self.unit == CRANK:
+            return "; ".join(text for text, _ in self.chart.lines(()))
+        return accessible_text(self._design)
 
     @property
     def is_dragging(self) -> bool:
@@ -321,9 +292,14 @@ class TimingCanvas(QWidget):
             return None
         join = self.chart.join_at(pixel)
         if join is not None:
-            return None if join[1] == 0 and not self._design.listed else join
+            return None if join[1] == 0 and not self._turns else join
         band = self.chart.band_at(pixel)
-        return (band, None) if band is not None and self._design.listed else None
+        return (band, None) if band is not None and self._turns else None
+
+    @property
+    def _turns(self) -> bool:
+        """Whether a drive can be turned: against the others, or a valve against the crank."""
+        return self.unit == CRANK or (self._design is not None and self._design.listed)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         event.accept()
@@ -338,7 +314,7 @@ class TimingCanvas(QWidget):
         elif grip is None:
             self._on_axis = pixel.x() >= self.chart.left
             self._choose_angle(pixel)
-        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and grip[1] is not None:
+        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and grip[1] is not None and self.unit != CRANK:
             if events_at(self._design, grip[0], grip[1]):
                 self._link = (grip[0], grip[1]), pixel
         else:
@@ -346,19 +322,15 @@ class TimingCanvas(QWidget):
         self._hover(grip)
         self.update()
 
-    def _dragged(self, drive: int, join: int | None) -> DraggedDrive:
+    def _dragged(self, drive: int, join: int | None) -> DraggedBand | DraggedValve:
         """A drive or a join before it is moved."""
-        design = self._design
-        assert design is not None
-        if join is None:
-            return DraggedDrive(drive, None, design, design.drives[drive].phase, phase_room(design, drive))
-        at = self.chart.bands[drive].joins[join]
-        return DraggedDrive(drive, join, design, at, join_room(design, drive, join))
+        assert self._design is not None
+        return dragged(self.chart, self._design, drive, join)
 
     def _begin_drag(self, drive: int, join: int | None) -> None:
         self._drag = self._dragged(drive, join)
         self._distance, self._is_moved, self._is_refused, self._stopped = 0.0, False, False, -1
-        self.label = self._text(self._drag, 0.0)
+        self.label = self._drag.text(0.0)
         self.drag_started.emit()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -384,7 +356,7 @@ class TimingCanvas(QWidget):
         target = round(round((drag.at + self._distance / self.chart.degree) / step) * step - drag.at, 9)
         by, stop = drag.room.within(target), drag.room.stop(target)
         possible = self._apply(drag, by)
-        self.label, self._is_refused = self._text(drag, by), not possible or stop is not None
+        self.label, self._is_refused = drag.text(by), not possible or stop is not None
         if not possible:
             self.label += "  not possible"
         elif stop is not None:
@@ -393,25 +365,9 @@ class TimingCanvas(QWidget):
         self._stopped = -1 if stop is None else stop
         self.update()
 
-    def _apply(self, drag: DraggedDrive, by: float) -> bool:
+    def _apply(self, drag: DraggedBand | DraggedValve, by: float) -> bool:
         """Put the design turned by an angle; False where it is refused."""
-        return self._put(drag.turned(by), self._step(drag, by), drag.path)
-
-    def _step(self, drag: DraggedDrive, by: float) -> str:
-        """Name of the undo step: ``Turn Feed to 330°``, ``Move Feed rise 1 end to 33.5°``."""
-        at = f"{short((drag.at + by) % 360.0)}°"
-        if drag.join is None:
-            return f"Turn {self.chart.bands[drag.drive].name} to {at}"
-        return f"Move {self._name(drag)} to {at}"
-
-    def _name(self, drag: DraggedDrive) -> str:
-        assert drag.join is not None
-        events = events_at(drag.design, drag.drive, drag.join)
-        return event_text(events[0]) if events else f"join {drag.join + 1} of {self.chart.bands[drag.drive].name}"
-
-    def _text(self, drag: DraggedDrive, by: float) -> str:
-        name = f"{self.chart.bands[drag.drive].name} phase" if drag.join is None else self._name(drag)
-        return f"{name}  {self.chart.degrees_and_ms(round(drag.at + by, 9) % 360.0)}"
+        return self._put(drag.turned(by), drag.step(by), drag.path)
 
     def _draw_link(self, pixel: QPointF) -> None:
         assert self._link is not None
@@ -456,27 +412,18 @@ class TimingCanvas(QWidget):
         grip = self._grip(event.position())
         if event.button() != Qt.MouseButton.LeftButton or grip is None:
             return
-        drive, join = grip
-        assert self._design is not None
-        band = self.chart.bands[drive]
-        at = self._design.drives[drive].phase % 360.0 if join is None else band.joins[join]
-        position = event.position() if join is None else self.chart.join_position(drive, join)
-        self.typed.ask(drive, join, self.chart.value(at), self.unit, position)
+        drag = self._dragged(*grip)
+        position = event.position() if grip[1] is None else self.chart.join_position(grip[0], grip[1])
+        self.typed.ask(*grip, drag.typed_name, drag.value, self.unit, position)
 
     def _apply_typed(self, drive: int, join: int | None, value: float) -> None:
         """Apply a typed value, even where it violates a sequence condition, which is then a finding."""
         drag = self._dragged(drive, join)
-        angle = value / self.chart.value(360.0) * 360.0
-        if join is None:
-            by, room = angle - drag.at, AngleRoom(-3600.0, 3600.0)
-        else:  # between its neighbours, without sequence conditions
-            room = join_room(replace(drag.design, timing=()), drive, join)
-            by = (angle - drag.at + 180.0) % 360.0 - 180.0
-        by = round(by, 9)
+        by, room = drag.typed(value)
         if not room.low <= by <= room.high:
             nearest = (drag.at + min(max(by, room.low), room.high)) % 360.0
             low, high, near, now = (
-                self.chart.text(end % 360.0) for end in (drag.at + room.low, drag.at + room.high, nearest, angle)
+                self.chart.text(end % 360.0) for end in (drag.at + room.low, drag.at + room.high, nearest, drag.at + by)
             )
             use = {f"Use {near}": partial(self._apply_typed, drive, join, self.chart.value(nearest))}
             self.typed.refuse(f"outside its range; allowed: {low} ... {high}, between its neighbours, not {now}", use)
@@ -488,7 +435,7 @@ class TimingCanvas(QWidget):
             self.typed.hide()
             self.setFocus()
         else:
-            self.typed.refuse("not possible: see the findings and the status line")
+            self.typed.refuse(drag.refusal(by))
 
     def _choose_angle(self, pixel: QPointF) -> None:
         if self._on_axis:
@@ -500,7 +447,7 @@ class TimingCanvas(QWidget):
         if self._drag is not None:
             drag, self._drag = self._drag, None
             if cancel and self._is_moved:
-                self._put(drag.design, self._step(drag, 0.0), drag.path)
+                self._put(drag.design, drag.step(0.0), drag.path)
             self.drag_ended.emit(cancel)
         self._is_moved = False
 
@@ -535,6 +482,8 @@ class TimingCanvas(QWidget):
         if self._design is None:
             return ""
         grip, row = self._grip(pixel), self.chart.row_at(pixel)
+        if grip is not None and self.unit == CRANK:
+            return self._dragged(*grip).path
         if grip is not None and grip[1] is not None and (motion := self._design.drives[grip[0]].motion) is not None:
             inside = f"motion.segments[{(grip[1] - 1) % len(motion.segments)}].span_deg"
             return path_in(self._design, grip[0], inside)
@@ -568,7 +517,9 @@ class TimingCanvas(QWidget):
         if self._design is None:
             return ""
         grip, row = self._grip(pixel), self.chart.row_at(pixel)
-        if grip is not None and grip[1] is not None:
+        if grip is not None and self.unit == CRANK:
+            what = self._dragged(*grip).text(0.0)
+        elif grip is not None and grip[1] is not None:
             drive, join = grip
             events = events_at(self._design, drive, join or 0)
             what = "\n".join(
@@ -582,5 +533,5 @@ class TimingCanvas(QWidget):
             phase = self._design.drives[grip[0]].phase % 360.0
             what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.degrees_and_ms(phase)}"
         else:
-            return HOW
-        return f"{what}\n\n{HOW}"
+            return self.chart.how
+        return f"{what}\n\n{self.chart.how}"

@@ -42,12 +42,12 @@ from kindyna_gui.forms.refusal import RefusalLine, accept_in_range
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of
 from kindyna_gui.look import described, scrolled
-from kindyna_gui.pictures.paper.timing_chart import DEGREES, MILLISECONDS, TimingChart, event_text
+from kindyna_gui.pictures.paper.timing_chart import CRANK, DEGREES, MILLISECONDS, TimingChart, event_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all, fill, widget_with
-from kindyna_gui.timing_canvas import HOW, TimingCanvas
+from kindyna_gui.timing_canvas import TimingCanvas
 from kindyna_gui.view import View
 
 # -- list of sequence conditions -------------------------------------------------------------------------
@@ -303,7 +303,7 @@ class TimingView(View):
         self.splitter.setChildrenCollapsible(False)
         self.splitter.setSizes([3 * LIST_WIDTH, LIST_WIDTH])
         self.set_column(self.splitter, grows=self.splitter)
-        self.canvas.setToolTip(HOW)
+        self.canvas.setToolTip(TimingChart.how)
         self._connect()
 
     def _connect(self) -> None:
@@ -332,15 +332,33 @@ class TimingView(View):
         design, canvas = self._design, self.canvas
         canvas.chosen = self.session.chosen if self.session.has_several_drives else -1
         canvas.row = min(canvas.row, len(design.timing) - 1)
+        self._offer_crank(design)
         canvas.show_design(design, self.pins.named_design)
         content = canvas.chart, canvas.row, canvas.chosen < 0
         if content == self._content_key:
             return
         self._content_key = content
-        for part in (self.rows, self._overlap_label, *self.pair, self.overlap):
-            part.setVisible(canvas.chosen >= 0)
+        self._show_parts()
         self._show_pair()
         self._show_rows()
+
+    def _offer_crank(self, design: Design) -> None:
+        """List crank degrees for an engine with valves; without them return to degrees."""
+        index = self.unit.findData(CRANK)
+        has_valves = design.engine is not None and any(drive.valve is not None for drive in design.drives)
+        if has_valves and index < 0:
+            self.unit.addItem("crank degrees", CRANK)
+        elif index >= 0 and not has_valves:
+            if self.canvas.unit == CRANK:
+                self.unit.setCurrentIndex(self.unit.findData(DEGREES))
+                self.canvas.set_unit(DEGREES)
+            self.unit.removeItem(index)
+
+    def _show_parts(self) -> None:
+        """Show the conditions and the overlap of two drives where there are several, not over the crank."""
+        is_shown = self.canvas.chosen >= 0 and self.canvas.unit != CRANK
+        for part in (self.rows, self._overlap_label, *self.pair, self.overlap):
+            part.setVisible(is_shown)
 
     def follow(self, theta: float) -> None:
         self.canvas.machine = degrees(self.player.machine)
@@ -399,10 +417,11 @@ class TimingView(View):
 
     def _choose_unit(self) -> None:
         self.canvas.set_unit(self.unit.currentData())
+        self._show_parts()
         self._show_rows()
 
     def set_unit(self, unit: str) -> None:
-        """Set the unit of the axis: degrees or milliseconds."""
+        """Set the unit of the axis: degrees, milliseconds, or crank degrees."""
         self.unit.setCurrentIndex(self.unit.findData(unit))
         self._choose_unit()
 
@@ -472,6 +491,6 @@ class TimingView(View):
     # -- as a picture ---------------------------------------------------------------------------------------
 
     def picture(self, ending: str) -> bytes:
-        from kindyna_gui.pictures.paper.timing_chart import timing_file
+        from kindyna_gui.pictures.paper.timing_page import timing_file
 
         return timing_file(self._design, ending, self.canvas.unit, self.canvas.pair, self.pins.named_design)

@@ -50,7 +50,7 @@ _SCALARS = (
 _ROWS = (("duration", 2.0 * CRANK_PER_CAM), ("to_nose", CRANK_PER_CAM))
 
 
-def _typed(part: Any, prefix: str = "") -> list[TypedValue]:
+def typed_values(part: Any, prefix: str = "") -> list[TypedValue]:
     """Typed values of a side: rows by their lift, then the others in the order of the file."""
     rows = [
         TypedValue(f"{prefix}{key}[{i}]", row.crank_deg, Condition(HEIGHT, row.crank_deg / factor, row.at_mm), factor)
@@ -87,8 +87,8 @@ def _closing_lobe(lobe: Lobe) -> Lobe:
 
 def _last_of_closing(lobe: Lobe) -> TypedValue:
     """The value that the closing side has together with the acceleration of the nose: its own, else that of the opening side."""
-    own = _typed(lobe.closing, "closing.")
-    opening = [value for value in _typed(lobe) if value.condition.kind != NOSE_ACCELERATION]
+    own = typed_values(lobe.closing, "closing.")
+    opening = [value for value in typed_values(lobe) if value.condition.kind != NOSE_ACCELERATION]
     rows = [value for value in opening if value.condition.kind == HEIGHT]
     return (own or rows[-1:] or opening[-1:])[-1]
 
@@ -106,7 +106,7 @@ def lobe_sides(lobe: Lobe) -> tuple[Side, Side]:
         raise DesignError([])
     for fault in _contradictions(lobe):
         raise DesignError([fault])
-    opening = closing = _solved(_form(lobe, 180.0 if lobe.closing is None else 360.0), *_typed(lobe))
+    opening = closing = _solved(_form(lobe, 180.0 if lobe.closing is None else 360.0), *typed_values(lobe))
     if lobe.closing not in (None, LobeClosing()):
         nose = TypedValue("", 0.0, Condition(NOSE_ACCELERATION, opening.nose_acceleration))
         closing = _solved(_form(_closing_lobe(lobe), 360.0 - opening.span), nose, _last_of_closing(lobe))
@@ -186,7 +186,7 @@ def lobe_fault(lobe: Lobe) -> Fault | None:
 
 def _contradictions(lobe: Lobe) -> Iterator[Fault]:
     """Faults of values that no lobe can have, whatever the others are."""
-    typed = _typed(lobe)
+    typed = typed_values(lobe)
     if len(typed) != 2:
         noun = "value" if len(typed) == 1 else "values"
         yield Fault("", MISSING, f"{len(typed)} {noun} besides the lift, and a lobe has two", VALUES)
@@ -197,7 +197,7 @@ def _contradictions(lobe: Lobe) -> Iterator[Fault]:
     if lobe.closing is not None:
         yield from _ramp_faults(_closing_lobe(lobe), "closing.")
     rows = [value for value in typed if value.condition.kind == HEIGHT]
-    for row in [*rows, *_typed(closing, "closing.")]:
+    for row in [*rows, *typed_values(closing, "closing.")]:
         if not row.condition.height < lobe.lift_mm:
             yield Fault(f"{row.path}", row.condition.height, "at or above the lift", f"< {lobe.lift_mm:g} mm")
     if len(rows) == 2:

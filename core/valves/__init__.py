@@ -1,15 +1,19 @@
 """Valve trains on the crank: events, overlap, and the figures of a lobe. Crank degrees count from TDC of overlap."""
 
-from core.valves.card import lift_table, valve_data
+from core.valves.card import crank_text, lift_table, valve_data
+from core.valves.edges import LobeEdge, lobe_edges
 from core.valves.pairs import ValvePair, valve_pairs
 from core.valves.timing import LIFTS, Event, ValveTiming, valve_timings
 
 __all__ = [
     "LIFTS",
     "Event",
+    "LobeEdge",
     "ValvePair",
     "ValveTiming",
+    "crank_text",
     "lift_table",
+    "lobe_edges",
     "valve_data",
     "valve_pairs",
     "valve_timings",

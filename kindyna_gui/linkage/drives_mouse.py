@@ -24,7 +24,8 @@ from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.units import measure, short
 from kindyna_gui.player import Player
-from kindyna_gui.timing_canvas import FINE, STEP, DraggedDrive
+from kindyna_gui.timing_canvas import FINE, STEP
+from kindyna_gui.timing_drags import DraggedDrive
 from kindyna_gui.touch_targets import MouseReadout, MouseTarget, ReadoutLine, open_menu, typed_key
 from kindyna_gui.view import View
 

@@ -5,7 +5,7 @@ Lengths are in pixels from the upper left corner, angles in degrees. The window 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFontMetricsF, QImage, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 
 from core.design import (
     UNITS,
@@ -31,19 +31,16 @@ from core.design import (
 )
 from core.frozen import frozen
 from core.output.drawing.scales import ticks
-from core.output.timing import ENDINGS, MotionBand, bands, events_csv
-from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.painter import paint_on, png_bytes
-from kindyna_gui.pictures.paper.sheets import FILES, UNITS_PER_MM
+from core.output.timing import MotionBand, bands
 from kindyna_gui.pictures.plots.lines import DASHED_MARK
-from kindyna_gui.pictures.style import DASHED, LIGHT, OUTLINE, SMALL, TEXT, THIN, Theme, brush, font, rgb
-from kindyna_gui.pictures.units import brief, digits, short, typed, with_unit
+from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, font, rgb
+from kindyna_gui.pictures.units import brief, digits, short, with_unit
 from kindyna_gui.settings import sized
 
 # -- chart ---------------------------------------------------------------------------------------------
 
-DEGREES, MILLISECONDS = "deg", "ms"
-AXES: Mapping[str, str] = MappingProxyType({DEGREES: "°", MILLISECONDS: "ms"})
+DEGREES, MILLISECONDS, CRANK = "deg", "ms", "crank"
+AXES: Mapping[str, str] = MappingProxyType({DEGREES: "°", MILLISECONDS: "ms", CRANK: "°"})
 """Symbol of each unit of the axis."""
 
 NAMES = 118.0  # greatest width of the column of names, pixels
@@ -124,6 +121,13 @@ class TimingChart:
     reference : Reference, optional
         A second design, whose motions are drawn dashed in the bands of the drives with their names.
     """
+
+    content = "motions of all drives over the machine angle"
+    how = (
+        "Drag a point to move one start or end, a band to turn its drive against the others; both stop at sequence conditions.\n"
+        "Ctrl is ten times finer, Esc cancels. Double-click a point or a band to type the angle.\n"
+        "Shift-drag from point to point: the second must come after the first."
+    )
 
     def __init__(
         self,
@@ -249,12 +253,12 @@ class TimingChart:
 
     def value(self, angle: float) -> float:
         """Angle in the unit of the axis."""
-        return angle if self.unit == DEGREES else milliseconds(self.design, angle)
+        return milliseconds(self.design, angle) if self.unit == MILLISECONDS else angle
 
     def text(self, angle: float) -> str:
         """Angle in the unit of the axis, with the unit."""
         value = self.value(angle)
-        return with_unit(short(value) if self.unit == DEGREES else digits(value), AXES[self.unit])
+        return with_unit(digits(value) if self.unit == MILLISECONDS else short(value), AXES[self.unit])
 
     def degrees_and_ms(self, angle: float) -> str:
         """Angle in degrees and in milliseconds."""
@@ -263,8 +267,24 @@ class TimingChart:
     def condition_text(self, row: int) -> str:
         """Distance from the first to the second event, and its least value, such as ``3° ≥ 2°``."""
         timing, distance = self.design.timing[row], self.distances[row]
-        after = self.text(distance.after_deg) if self.unit == DEGREES else digits(self.value(distance.after_deg), 3)
+        after = self.text(distance.after_deg)
+        if self.unit == MILLISECONDS:
+            after = digits(self.value(distance.after_deg), 3)
         return f"{after} {'≥' if distance.kept else '<'} {self.text(timing.least_deg)}"
+
+    def lines(self, pair: Sequence[int]) -> list[tuple[str, bool]]:
+        """Lines below the chart in a file, and whether each is violated: the distances, and the overlap of a pair of drives."""
+        lines = []
+        for row, timing in enumerate(self.design.timing):
+            is_violated = not self.distances[row].kept
+            text = f"{event_text(timing.second)} after {event_text(timing.first)}: {self.condition_text(row)}"
+            lines.append((f"{text}{', violated' if is_violated else ''}", is_violated))
+        if len(pair) == 2:
+            names = " and ".join(self.bands[number].name for number in pair)
+            overlaps = together(self.design, *pair)
+            text = ", ".join(f"{self.text(begin)} - {self.text(end % 360.0)}" for begin, end in overlaps)
+            lines.append((f"{names} both move: {text or 'never'}", False))
+        return lines
 
     # -- painting --------------------------------------------------------------------------------------
 
@@ -281,7 +301,7 @@ class TimingChart:
         self._text_boxes: list[QRectF] = []
         for index, band in enumerate(self.bands):
             for begin, end in band.moving:
-                colour = QColor(_tint(self.theme.drive(index), self.theme.paper))
+                colour = QColor(tint(self.theme.drive(index), self.theme.paper))
                 self._fill(painter, self.box(index), begin, end, colour)
         self._paint_axis(painter)
         for index in range(len(self.bands)):
@@ -314,7 +334,7 @@ class TimingChart:
         theme, bottom = self.theme, self.height - self.footer_height
         widest = self._metrics.horizontalAdvance("0000") + 14.0
         room = max(int((self.right - self.left) / widest), 2)
-        if self.unit == DEGREES:
+        if self.unit != MILLISECONDS:
             step = next(step for step in (15, 30, 45, 60, 90, 180) if 360 / step <= room or step == 180)
             marks = [(float(angle), str(angle)) for angle in range(0, 361, step)]
         else:
@@ -329,11 +349,17 @@ class TimingChart:
             painter.drawLine(QPointF(x, bottom), QPointF(x, bottom + 4.0))
             painter.setPen(QColor(theme.ink))
             painter.drawText(QRectF(x - 40.0, bottom + 4.0, 80.0, 14.0), Qt.AlignmentFlag.AlignCenter, text)
+        is_time = self.unit == MILLISECONDS
+        self._paint_axis_name(
+            painter, f"Time [ms] at {short(self.design.speed_rpm)} rpm" if is_time else "Machine angle [°]"
+        )
+
+    def _paint_axis_name(self, painter: QPainter, name: str) -> None:
+        """Paint the name of the axis below its numbers, and that of the dashed curves at its end."""
         if self.footer_height < sized(BOTTOM):
             return
-        name = "Machine angle [°]" if self.unit == DEGREES else f"Time [ms] at {short(self.design.speed_rpm)} rpm"
-        painter.setPen(QColor(theme.quiet))
-        row = QRectF(self.left, bottom + 17.0, self.right - self.left, 15.0)
+        painter.setPen(QColor(self.theme.quiet))
+        row = QRectF(self.left, self.height - self.footer_height + 17.0, self.right - self.left, 15.0)
         painter.drawText(row, Qt.AlignmentFlag.AlignCenter, name)
         if self.reference_name:
             free = (row.width() - self._metrics.horizontalAdvance(name)) / 2.0 - 8.0
@@ -508,20 +534,21 @@ class TimingChart:
         x = self.join_position(*shown.joins[0]).x()
         painter.setFont(font(SMALL, bold=True))
         width = QFontMetricsF(painter.font()).horizontalAdvance(shown.label) + 10.0
-        drive = shown.joins[0][0]
-        band = self.box(drive)
         left = x + 10.0 if x + 10.0 + width <= self.right else self.right - width
-        is_above = drive == len(self.bands) - 1 > 0  # the label is clear of the dragged point
-        top = band.top() - 19.0 if is_above else band.bottom() + 2.0
-        box = QRectF(max(left, 2.0), top, width, 17.0)
+        box = QRectF(max(left, 2.0), self._label_top(shown.joins[0][0]), width, 17.0)
         painter.fillRect(box, brush(self.theme.paper, 0.94))
         painter.setPen(self._pen(self.theme.faint))
         painter.drawRect(box)
         painter.setPen(QColor(self.theme.limit if shown.is_invalid else self.theme.ink))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, shown.label)
 
+    def _label_top(self, drive: int) -> float:
+        """Top of the label of a drag, clear of the dragged point."""
+        band = self.box(drive)
+        return band.top() - 19.0 if drive == len(self.bands) - 1 > 0 else band.bottom() + 2.0
 
-def _tint(colour: str, paper: str) -> str:
+
+def tint(colour: str, paper: str) -> str:
     """Opaque tint of a colour on a paper, which is filled much faster than a transparent colour."""
     mixed = (round(TINT * a + (1.0 - TINT) * b) for a, b in zip(rgb(colour), rgb(paper), strict=True))
     return QColor(*mixed).name()
@@ -543,95 +570,3 @@ def event_text(event: str) -> str:
     """Event in words, such as ``Feed return 1 end``."""
     name = drive_of(event)
     return f"{name} {event.removeprefix(name + '.').replace('.', ' ')}"
-
-
-# -- file ----------------------------------------------------------------------------------------------
-
-PIXEL = 0.26  # mm of paper per pixel of the chart
-WIDTH, BAND, AXIS, MARGIN = 1060.0, 92.0, 48.0, 28.0  # page width, heights of band and axis, margin, pixels
-TITLE, FILE_LINE = 46.0, 15.0  # heights of the title and of a line of the list
-DOTS = 2.0  # dots of a PNG per pixel
-
-
-def timing_file(
-    design: Design, ending: str, unit: str = DEGREES, pair: Sequence[int] = (), reference: Reference | None = None
-) -> bytes:
-    """Write the chart as a file.
-
-    Parameters
-    ----------
-    design : Design
-    ending : str
-        One of ``ENDINGS``.
-    unit : str
-        Unit of the axis.
-    pair : sequence of int
-        Two drives whose overlap is shaded, or none.
-    reference : Reference, optional
-        A second design, drawn dashed.
-
-    Returns
-    -------
-    bytes
-    """
-    assert ending in ENDINGS
-    if ending == ".csv":
-        return events_csv(design).encode()
-    ensure_app(offscreen=True)
-    height = _chart_height(design) + TITLE + FILE_LINE * (len(design.timing) + (len(pair) == 2)) + 2.5 * MARGIN
-
-    def paint(scale: float) -> Callable[[QPainter], None]:
-        return lambda painter: _paint(painter, design, unit, tuple(pair), reference, scale)
-
-    if ending == ".png":
-        image = QImage(round(WIDTH * DOTS), round(height * DOTS), QImage.Format.Format_RGB32)
-        paint_on(image, paint(DOTS))
-        return png_bytes(image)
-    description = "Timing chart: motions of all drives over the machine angle"
-    return FILES[ending](design.name, description, WIDTH * PIXEL, height * PIXEL, paint(PIXEL * UNITS_PER_MM))
-
-
-def _paint(
-    painter: QPainter, design: Design, unit: str, pair: tuple[int, ...], reference: Reference | None, scale: float
-) -> None:
-    """Paint the page; ``scale`` is the number of device units per pixel."""
-    theme = LIGHT
-    chart = TimingChart(design, WIDTH - 2.0 * MARGIN, _chart_height(design), unit, theme, reference)
-    lines = _lines(design, pair, chart)
-    painter.scale(scale, scale)
-    painter.setRenderHint(QPainter.RenderHint.TextAntialiasing)
-    height = chart.height + TITLE + FILE_LINE * len(lines) + 2.5 * MARGIN
-    painter.fillRect(QRectF(0.0, 0.0, WIDTH, height), QColor(theme.paper))
-    painter.translate(MARGIN, MARGIN)
-    painter.setPen(QColor(theme.ink))
-    painter.setFont(font(TEXT + 3, bold=True))
-    painter.drawText(QRectF(0.0, 0.0, chart.width, 20.0), Qt.AlignmentFlag.AlignVCenter, design.name)
-    painter.setFont(font(SMALL))
-    painter.setPen(QColor(theme.quiet))
-    subtitle = f"Timing chart. {typed(design.speed_rpm)} rpm: a turn takes {chart.degrees_and_ms(360.0).split('  ')[1]}"
-    painter.drawText(QRectF(0.0, 20.0, chart.width, 16.0), Qt.AlignmentFlag.AlignVCenter, subtitle)
-    painter.translate(0.0, TITLE)
-    chart.paint(painter, ChartHighlights(pair=pair))
-    painter.translate(0.0, chart.height + 0.5 * MARGIN)
-    for number, (text, is_violated) in enumerate(lines):
-        painter.setPen(QColor(theme.limit if is_violated else theme.ink))
-        painter.drawText(QRectF(0.0, FILE_LINE * number, chart.width, FILE_LINE), Qt.AlignmentFlag.AlignVCenter, text)
-
-
-def _chart_height(design: Design) -> float:
-    return BAND * len(design.drives) + AXIS
-
-
-def _lines(design: Design, pair: Sequence[int], chart: TimingChart) -> list[tuple[str, bool]]:
-    """Lines below the chart, and whether each is violated: the distances, and the overlap of a pair of drives."""
-    lines = []
-    for row, timing in enumerate(design.timing):
-        is_violated = not chart.distances[row].kept
-        text = f"{event_text(timing.second)} after {event_text(timing.first)}: {chart.condition_text(row)}"
-        lines.append((f"{text}{', violated' if is_violated else ''}", is_violated))
-    if len(pair) == 2:
-        names = " and ".join(chart.bands[number].name for number in pair)
-        overlaps = together(design, *pair)
-        text = ", ".join(f"{chart.text(begin)} - {chart.text(end % 360.0)}" for begin, end in overlaps)
-        lines.append((f"{names} both move: {text or 'never'}", False))
-    return lines

@@ -20,7 +20,7 @@ from kindyna_gui.compare import CompareView, ExplainView
 from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.graph.curves_view import CurvesView
 from kindyna_gui.graph.graph_view import GraphView
-from kindyna_gui.graph.live_plot import LivePolar
+from kindyna_gui.graph.live_polar import LivePolar
 from kindyna_gui.graph.plots_view import PlotView, StackView
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.pictures.plots.curves import CurvePlot

@@ -1,0 +1,74 @@
+"""Valve lifts over the crank as numbers: a curve for each drive that moves a valve, and the overlap of inlet and exhaust."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.design import Design
+from core.frozen import frozen
+from core.valves import LobeEdge, ValvePair, ValveTiming, lobe_edges, valve_pairs, valve_timings
+
+HALF_CYCLE = 360.0
+"""Crank angle from TDC of overlap to the ends of the cycle [deg]."""
+SAMPLES = 1441
+
+
+@frozen(eq=False)
+class CrankCurve:
+    """Lift of a valve over the crank of the engine.
+
+    Attributes
+    ----------
+    drive : number of the drive
+    timing : its timing
+    crank : (n,) crank angles from TDC of overlap of the first cylinder, -360 to 360, ascending [deg]
+    lift : (n,) valve lift, of a valve that is not moved directly lobe lift [mm]
+    centre : crank angle of the greatest lift, -360 to 360 [deg]
+    edges : edges of the lobe at its typed rows, each with its crank angle and lift in the curve
+    """
+
+    drive: int
+    timing: ValveTiming
+    crank: np.ndarray
+    lift: np.ndarray
+    centre: float
+    edges: tuple[tuple[LobeEdge, float, float], ...]
+
+    @property
+    def quantity(self) -> str:
+        """Name of the lift."""
+        return "valve lift" if self.timing.is_direct else "lobe lift"
+
+
+def crank_curves(design: Design) -> tuple[CrankCurve, ...]:
+    """Lifts of all valves of a design, in the order of its drives. Raises KindynaError where no drive moves a valve."""
+    numbers = [i for i, drive in enumerate(design.drives) if drive.valve is not None]
+    return tuple(_curve(i, timing) for i, timing in zip(numbers, valve_timings(design), strict=True))
+
+
+def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
+    later = timing.valve.cylinder_deg
+    edges = [(edge, within_cycle(edge.crank_deg + later)) for edge in lobe_edges(timing)]
+    centre = within_cycle(timing.centre + later)
+    crank = np.unique([*np.linspace(-HALF_CYCLE, HALF_CYCLE, SAMPLES), centre, *(angle for _, angle in edges)])
+    lift = _lift(timing, crank - later)
+    for array in (crank, lift):
+        array.setflags(write=False)
+    points = tuple((edge, angle, float(lift[np.searchsorted(crank, angle)])) for edge, angle in edges)
+    return CrankCurve(drive, timing, crank, lift, centre, points)
+
+
+def _lift(timing: ValveTiming, crank: np.ndarray) -> np.ndarray:
+    return timing.valve_lift(crank) if timing.is_direct else timing.lobe_lift(crank)
+
+
+def within_cycle(crank: float) -> float:
+    """Crank angle in the cycle from -360 to 360 [deg]."""
+    return (crank + HALF_CYCLE) % (2.0 * HALF_CYCLE) - HALF_CYCLE
+
+
+def crank_pairs(curves: tuple[CrankCurve, ...]) -> tuple[tuple[CrankCurve, CrankCurve, ValvePair], ...]:
+    """Inlet and exhaust valve of every cylinder that has both."""
+    by_timing = {curve.timing: curve for curve in curves}
+    pairs = valve_pairs([curve.timing for curve in curves])
+    return tuple((by_timing[pair.inlet], by_timing[pair.exhaust], pair) for pair in pairs)

@@ -1,0 +1,62 @@
+"""Edges of a lobe on the crank: where it passes the lifts of its typed rows, and the rows that move with an edge."""
+
+from __future__ import annotations
+
+from core.design.engine import CRANK_PER_CAM, Lobe, LobeClosing
+from core.design.lobe import TypedValue, typed_values
+from core.frozen import frozen
+from core.laws.lobe import HEIGHT
+from core.valves.timing import ValveTiming
+
+
+@frozen
+class LobeEdge:
+    """An edge of a lobe at the lift of a typed row.
+
+    Attributes
+    ----------
+    path : of the row's angle, in the drive
+    at_mm : lobe lift [mm]
+    row_deg : typed angle of the row [crank deg]
+    factor : change of the row per change of the edge towards later angles, 2 or 1, negative for the opening edge
+    crank_deg : crank angle from TDC of overlap of the cylinder [deg]
+    """
+
+    path: str
+    at_mm: float
+    row_deg: float
+    factor: float
+    crank_deg: float
+
+    @property
+    def is_duration(self) -> bool:
+        """Whether the row is a duration; else it is the angle from one side to the nose."""
+        return abs(self.factor) > 1.0
+
+
+def lobe_edges(timing: ValveTiming) -> tuple[LobeEdge, ...]:
+    """Edges at all typed rows of a lobe, those of the opening side first; empty for a motion of segments."""
+    lobe = timing.motion.lobe
+    if lobe is None:
+        return ()
+    edges = []
+    for values, sense in ((_rows(lobe), -1.0), (_closing_rows(lobe), 1.0)):
+        for value in values:
+            lift = value.condition.height
+            ends = timing.passes(lift)
+            if ends is not None:
+                factor = sense * value.factor / CRANK_PER_CAM
+                crank = ends[0] if sense < 0.0 else ends[1]
+                edges.append(LobeEdge(f"motion.lobe.{value.path}.crank_deg", lift, value.value, factor, crank))
+    return tuple(edges)
+
+
+def _rows(part: Lobe | LobeClosing, prefix: str = "") -> list[TypedValue]:
+    return [value for value in typed_values(part, prefix) if value.condition.kind == HEIGHT]
+
+
+def _closing_rows(lobe: Lobe) -> list[TypedValue]:
+    """Rows that determine the closing side: its own, else those of the opening side, of which another ramp keeps the highest."""
+    if lobe.closing in (None, LobeClosing()):
+        return _rows(lobe)
+    return _rows(lobe.closing, "closing.") or _rows(lobe)[-1:]
