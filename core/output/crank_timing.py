@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from core.design import Design
+from core.design.engine import CRANK_PER_CAM
+from core.errors import NoSolution
 from core.frozen import frozen
+from core.study import Study, quantity
 from core.valves import LobeEdge, ValvePair, ValveTiming, lobe_edges, valve_pairs, valve_timings
 
+VALVE_LIFT, LOBE_LIFT = "valve lift", "lobe lift"
 HALF_CYCLE = 360.0
 """Crank angle from TDC of overlap to the ends of the cycle [deg]."""
 SAMPLES = 1441
@@ -22,7 +28,8 @@ class CrankCurve:
     drive : number of the drive
     timing : its timing
     crank : (n,) crank angles from TDC of overlap of the first cylinder, -360 to 360, ascending [deg]
-    lift : (n,) valve lift, of a valve that is not moved directly lobe lift [mm]
+    quantity : what the lift is: ``valve lift``, or ``lobe lift`` where the motion of the valve is not known
+    lift : (n,) [mm]
     centre : crank angle of the greatest lift, -360 to 360 [deg]
     edges : edges of the lobe at its typed rows, each with its crank angle and lift in the curve
     """
@@ -30,14 +37,10 @@ class CrankCurve:
     drive: int
     timing: ValveTiming
     crank: np.ndarray
+    quantity: str
     lift: np.ndarray
     centre: float
     edges: tuple[tuple[LobeEdge, float, float], ...]
-
-    @property
-    def quantity(self) -> str:
-        """Name of the lift."""
-        return "valve lift" if self.timing.is_direct else "lobe lift"
 
 
 def crank_curves(design: Design) -> tuple[CrankCurve, ...]:
@@ -51,15 +54,22 @@ def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
     edges = [(edge, within_cycle(edge.crank_deg + later)) for edge in lobe_edges(timing)]
     centre = within_cycle(timing.centre + later)
     crank = np.unique([*np.linspace(-HALF_CYCLE, HALF_CYCLE, SAMPLES), centre, *(angle for _, angle in edges)])
-    lift = _lift(timing, crank - later)
+    name, lift = _lift(timing, crank - later)
     for array in (crank, lift):
         array.setflags(write=False)
     points = tuple((edge, angle, float(lift[np.searchsorted(crank, angle)])) for edge, angle in edges)
-    return CrankCurve(drive, timing, crank, lift, centre, points)
+    return CrankCurve(drive, timing, crank, name, lift, centre, points)
 
 
-def _lift(timing: ValveTiming, crank: np.ndarray) -> np.ndarray:
-    return timing.valve_lift(crank) if timing.is_direct else timing.lobe_lift(crank)
+def _lift(timing: ValveTiming, crank: np.ndarray) -> tuple[str, np.ndarray]:
+    """Name and values [mm] of the lift at crank angles (n,) from TDC of overlap of the cylinder [deg]."""
+    if timing.is_direct:
+        return VALVE_LIFT, timing.valve_lift(crank)
+    if timing.design.drive.has_valve:
+        theta = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
+        with suppress(NoSolution):
+            return VALVE_LIFT, quantity("valve_lift").values(Study(timing.design).at_theta(theta))
+    return LOBE_LIFT, timing.lobe_lift(crank)
 
 
 def within_cycle(crank: float) -> float:

@@ -14,6 +14,7 @@ from window_user import Open, User, settle
 from core.__main__ import main as command
 from core.design import Design
 from core.project import load
+from core.study import Study, quantity
 from kindyna_gui.__main__ import main
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
@@ -291,3 +292,19 @@ def test_another_cylinder_has_its_own_dead_centres(same_window: Open, tmp_path: 
     assert view.canvas.chart.bands[INLET].joins[0] == pytest.approx(198.0)
     draw(view, place(view, INLET, 198.0, 4.0), 10.0)
     assert centre(user, INLET) == pytest.approx(118.0, abs=1.0), "from TDC of overlap of its own cylinder"
+
+
+def test_a_pushrod_train_shows_the_lift_of_its_valve(same_window: Open, tmp_path: Path) -> None:
+    """The lobe lifts 7 mm and the valve more; a lash is taken off."""
+    path = tmp_path / "pushrod.toml"
+    train = example("pushrod_train").read_text(encoding="utf-8")
+    path.write_text(f"{train}\n{ENGINE}[valve]\ncentre_deg = 110.0\nlash_mm = 0.2\n", encoding="utf-8")
+    user = same_window(path)
+    view = crank_view(user)
+    (band,) = view.canvas.chart.bands
+    lift = quantity("valve_lift").values(Study(load(path), 3600))
+    assert band.stroke == pytest.approx(lift.max(), rel=1e-4)
+    assert band.stroke > 8.0
+    draw(view, view.canvas.chart.join_position(0, 0).toPoint() + QPoint(0, 20), -20.0)
+    assert centre(user, 0) == pytest.approx(90.0, abs=1.0), "a drive alone, against the crank"
+    assert user.steps == [f"Change Pushrod train centre to {centre(user, 0):g}°"]
