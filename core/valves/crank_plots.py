@@ -2,41 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 import numpy as np
 
+from core.design.engine import CRANK_PER_CAM
 from core.plot import Plot, PlotCurve
+from core.study import Study
+from core.study.member_quantities import valve_lift
 from core.valves.pairs import ValvePair
-from core.valves.timing import ValveTiming
+from core.valves.timing import MM, ValveTiming
 
 ACROSS = "Crank angle from TDC of overlap, °"
+TITLES = ("Valve lift, mm", "Velocity, mm/° of the cam", "Acceleration, mm/°²")
 MARKS = ((-180.0, "BDC"), (0.0, "TDC"), (180.0, "BDC"))
 CYCLE = 720.0
 ANGLES = 1441  # of a cycle, with both ends
 
 
-def crank_plots(pair: ValvePair) -> tuple[Plot, Plot, Plot]:
-    """Lift of both valves, or of the lobes of valves that are not moved directly, velocity and acceleration of the lobes."""
-    is_direct = pair.inlet.is_direct and pair.exhaust.is_direct
-    rows: tuple[tuple[str, Callable[[ValveTiming, np.ndarray], np.ndarray]], ...] = (
-        ("Valve lift, mm", ValveTiming.valve_lift) if is_direct else ("Lobe lift, mm", ValveTiming.lobe_lift),
-        ("Velocity, mm/° of the cam", partial(ValveTiming.lobe_derivative, order=1)),
-        ("Acceleration, mm/°²", partial(ValveTiming.lobe_derivative, order=2)),
-    )
+def crank_plots(pair: ValvePair) -> tuple[Plot, ...]:
+    """Lift of both valves with the lash taken off, and velocity and acceleration by cam angle, over one cycle.
+
+    Raises
+    ------
+    NoSolution
+        Where a valve train cannot be assembled.
+    """
     crank = np.linspace(-0.5 * CYCLE, 0.5 * CYCLE, ANGLES)
-    lift, velocity, acceleration = (
+    motions = [(timing.name, _motion(timing, crank)) for timing in (pair.inlet, pair.exhaust)]
+    return tuple(
         Plot(
             ACROSS,
             title,
-            tuple(
-                PlotCurve(crank, values(timing, crank), timing.name, row)
-                for row, timing in enumerate((pair.inlet, pair.exhaust))
-            ),
+            tuple(PlotCurve(crank, motion[order], name, row) for row, (name, motion) in enumerate(motions)),
             MARKS,
             quiet=True,
         )
-        for title, values in rows
+        for order, title in enumerate(TITLES)
     )
-    return lift, velocity, acceleration
+
+
+def _motion(timing: ValveTiming, crank: np.ndarray) -> list[np.ndarray]:
+    """Lift of a valve and its two derivatives by cam angle [mm/deg^order] at crank angles (n,) [deg]."""
+    cam = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
+    study = Study(timing.design).at(timing.compiled.angles(cam))
+    per_degree = np.deg2rad(1.0) / study.omega
+    return [valve_lift(study, order) * MM * per_degree**order for order in range(len(TITLES))]

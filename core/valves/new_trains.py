@@ -21,7 +21,7 @@ from core.design.fields import Info, choice, info_of, length, number, unit_of
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.project import from_table
-from core.units import Unit, split_unit
+from core.units import NO_UNIT, UNITS, Unit
 from core.valves.pairs import valve_pairs
 from core.valves.timing import LOBE, VALVE, valve_timings
 
@@ -96,9 +96,7 @@ class TrainCard:
 
     train: str = choice("Valve train", ("direct", "finger", "rocker", "pushrod"), default="direct")
     of: str = choice("Lifts of", (LOBE, VALVE), default=LOBE, help="lash is taken off the lift of the valve")
-    ratio: float | None = number(
-        "Rocker ratio", 0.0, 20.0, open_low=True, default=None, step=0.05, help="lift of the valve by that of the lobe"
-    )
+    ratio: float | None = number("Rocker ratio", 0.0, 20.0, open_low=True, default=None)
     inlet: ValveCard = ValveCard()
     exhaust: ValveCard = ValveCard()
 
@@ -169,12 +167,12 @@ def _rounded(value: float) -> float:
 
 @frozen
 class CardValue:
-    """A value of a valve on the card: its name and range, and the functions that read it and put it into the card."""
+    """A value of a card, or of a valve on it: its name and range, and the functions that read it and put it in."""
 
     info: Info
     unit: Unit
-    read: Callable[[ValveCard], float | None]
-    write: Callable[[ValveCard, Any], ValveCard]
+    read: Callable[[Any], float | None]
+    write: Callable[[Any, Any], Any]
 
 
 def _plain(name: str, info: Info, unit: Unit) -> CardValue:
@@ -192,10 +190,10 @@ def _event(row: str, end: int, label: str) -> CardValue:
         return valve.with_events(row, *ends)
 
     info = Info(label, "in crank degrees; negative: on the other side of it", -540.0, 540.0, step=1.0)
-    return CardValue(info, split_unit("event_deg")[1], lambda valve: valve.events(row)[end], write)
+    return CardValue(info, UNITS["deg"], lambda valve: valve.events(row)[end], write)
 
 
-CARD_VALUES: Mapping[str, CardValue] = MappingProxyType(
+VALVE_VALUES: Mapping[str, CardValue] = MappingProxyType(
     {part.name: _plain(part.name, info, unit_of(part)) for part in fields(ValveCard) if (info := info_of(part))}
     | {
         f"{row}_{end}": _event(row, i, label)
@@ -203,7 +201,37 @@ CARD_VALUES: Mapping[str, CardValue] = MappingProxyType(
         for i, (end, label) in enumerate((("near_tdc", "Event near TDC"), ("near_bdc", "Event near BDC")))
     }
 )
-"""Name -> value of a valve on the card: its fields, and the events ``first_near_tdc`` ... ``second_near_bdc``."""
+"""Name -> value of a ValveCard: its fields, and the events ``first_near_tdc`` ... ``second_near_bdc``."""
+
+TRAIN_VALUES: Mapping[str, CardValue] = MappingProxyType(
+    {
+        "ratio": CardValue(
+            Info("Rocker ratio", "lift of the valve by that of the lobe", 0.0, 20.0, open_low=True, step=0.05),
+            NO_UNIT,
+            lambda card: card.rocker_ratio,
+            lambda card, value: replace(card, ratio=value),
+        ),
+        "separation": CardValue(
+            Info("Separation", "cam angle between both centres", 0.0, 360.0, open_low=True, step=1.0),
+            UNITS["deg"],
+            lambda card: card.centres[0],
+            lambda card, value: card.with_centres(value, card.centres[1]),
+        ),
+        "advance": CardValue(
+            Info(
+                "Advance",
+                "crank angle by which both lobes are earlier than with equal centres",
+                -360.0,
+                360.0,
+                step=1.0,
+            ),
+            UNITS["deg"],
+            lambda card: card.centres[1],
+            lambda card, value: card.with_centres(card.centres[0], value),
+        ),
+    }
+)
+"""Name -> value of a TrainCard that concerns both valves."""
 
 # -- kinds of valve trains --------------------------------------------------------------------------------------
 

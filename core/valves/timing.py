@@ -108,22 +108,6 @@ class ValveTiming:
         cam = np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
         return self.compiled.state(self.compiled.angles(cam)).displacement[0] * MM - self.base
 
-    def lobe_derivative(self, crank: np.ndarray, order: int) -> np.ndarray:
-        """Derivative of the lobe lift by cam angle at crank angles from TDC of overlap.
-
-        Parameters
-        ----------
-        crank : ndarray (n,) [deg]
-        order : int
-            1 for the velocity, 2 for the acceleration.
-
-        Returns
-        -------
-        ndarray (n,) [mm/deg^order]
-        """
-        cam = np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
-        return self.compiled.state(self.compiled.angles(cam)).displacement[order] * MM * radians(1.0) ** order
-
     def valve_lift(self, crank: np.ndarray) -> np.ndarray:
         """Lift of a direct valve at crank angles from TDC of overlap, the lash taken off.
 

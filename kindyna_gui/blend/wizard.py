@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 
-from PySide6.QtCore import QEvent, QObject, QRect, QSize, Qt, QTimer
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QRadioButton, QTabWidget, QVBoxLayout, QWidget
 
 from core.blend import BlendError, BlendResult, Request, best, blend, feasible_ranges, has_room
@@ -37,6 +37,7 @@ from kindyna_gui.blend.request import (
 from kindyna_gui.blend.settings import PrecisionPointRow, RangedRow, quiet
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import add_copy_of_line, command_text, session_options
+from kindyna_gui.forms.faded_cover import FadedCover
 from kindyna_gui.forms.number_box import LiveBox
 from kindyna_gui.forms.refusal import NO_REMEDIES, Remedies
 from kindyna_gui.forms.request_form import PutDialog
@@ -44,15 +45,12 @@ from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import law_label, reason
 from kindyna_gui.look import bold_label
 from kindyna_gui.motion.laws_plot import RankingPanel
-from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plots.curves import CurvePlot
-from kindyna_gui.pictures.style import SCREEN, TEXT, font
 from kindyna_gui.settings import symbol_of
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
 SAMPLES = 720
 """Cam angles of the plotted curves, few enough to draw them with every keystroke."""
-OPACITY = 0.72  # of the cover over a motion that no longer follows from the form
 PAUSE_MS = 250  # after a keystroke, before the optimum is searched for
 SLOW_MS = 150  # after which a range that is still being computed is no longer shown
 LAST = "The last feasible motion"
@@ -65,50 +63,6 @@ REPLACEMENTS: Mapping[str, Callable[[Design, BlendResult], Design]] = MappingPro
 """Part of the motion that the blend replaces -> function that replaces it."""
 
 # -- result ----------------------------------------------------------------------------------------------
-
-
-class FadedCover(QWidget):
-    """Translucent cover over a widget, with a text."""
-
-    def __init__(self, over: QWidget) -> None:
-        super().__init__(over)
-        self._text, self._covered = "", over
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        over.installEventFilter(self)
-        self.hide()
-
-    @property
-    def text(self) -> str:
-        """Text on the cover; empty while it is hidden."""
-        return self._text
-
-    def show_text(self, text: str) -> None:
-        """Cover the widget with this text; an empty text uncovers it."""
-        self._text = text
-        self.setGeometry(self._covered.rect())
-        self.setVisible(bool(text))
-        self.raise_()
-        self.update()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if event.type() == QEvent.Type.Resize:
-            self.setGeometry(self._covered.rect())
-        return super().eventFilter(watched, event)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        background = QColor(SCREEN.paper)
-        background.setAlphaF(OPACITY)
-        painter.fillRect(self.rect(), background)
-        painter.setFont(font(TEXT))
-        width, height = text_size(self._text, TEXT)
-        box = QRect(0, 0, round(width) + 24, round(height) + 12)
-        box.moveCenter(self.rect().center())
-        painter.fillRect(box, QColor(SCREEN.paper))
-        painter.setPen(QColor(SCREEN.quiet))
-        painter.drawRect(box)
-        painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._text)
-        painter.end()
 
 
 class BlendPanel(QFrame):

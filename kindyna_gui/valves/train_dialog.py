@@ -5,10 +5,9 @@ The card drives everything: what is typed changes one of its values, and all oth
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt
@@ -30,15 +29,17 @@ from core.design import Design, only
 from core.errors import DesignError, KindynaError
 from core.find.fitting import nearest_fitting
 from core.frozen import frozen
+from core.plot import Plot
 from core.requests import field_info
-from core.units import NO_UNIT, Unit, conversion_factor
-from core.valves import valve_pairs, valve_timings
+from core.units import Unit, conversion_factor
+from core.valves import ValvePair, valve_pairs, valve_timings
 from core.valves.crank_plots import crank_plots
-from core.valves.new_trains import CARD_VALUES, TRAINS, TrainCard, new_train, with_card
+from core.valves.new_trains import TRAIN_VALUES, TRAINS, VALVE_VALUES, CardValue, TrainCard, new_train, with_card
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import accept_buttons, give_help
+from kindyna_gui.forms.faded_cover import FadedCover
 from kindyna_gui.forms.fields import fill_choices, in_tab_order
-from kindyna_gui.forms.refusal import RefusalLine, judge_number
+from kindyna_gui.forms.refusal import RefusalLine
 from kindyna_gui.forms.request_form import AROUND, RequestBox
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import bold_label, described
@@ -56,7 +57,10 @@ PAUSE_MS = 150  # from a refused value to the search for the nearest one that fi
 LIFT_UNITS = ("mm", "in", "thou")
 
 Place = tuple[str, str]
-"""Valve of the card, and the name of its value in ``CARD_VALUES``."""
+"""Valve of the card, empty for both, and the name of its value."""
+RATIO: Place = ("", "ratio")
+CENTRES: tuple[Place, ...] = (("", "separation"), ("", "advance"))
+LAST = "The last valve train that was possible"
 
 # -- the grid of both valves ------------------------------------------------------------------------------------
 
@@ -68,7 +72,7 @@ class CardRow:
     Attributes
     ----------
     label : text at its left
-    inlet, exhaust : value in ``CARD_VALUES``
+    inlet, exhaust : value in ``VALVE_VALUES``
     words : texts after the boxes of both valves
     suffix : of its name for screen readers, where the label is not unique
     """
@@ -104,12 +108,6 @@ GRID = (
     *_timing("second"),
     CardRow("Centre", "centre_deg", "centre_deg", ("° ATDC", "° BTDC")),
 )
-CENTRES: Mapping[str, str] = MappingProxyType(
-    {
-        "Separation": "cam angle between both centres",
-        "Advance": "crank angle by which both lobes are earlier than with equal centres",
-    }
-)
 
 
 class CardBox(RequestBox):
@@ -140,6 +138,12 @@ class CardBox(RequestBox):
         """The number, as a value of the card."""
         return None if self.number is None else round(self.number * self._factor, 12)
 
+    @property
+    def nearest_card_value(self) -> float | None:
+        """The value of the card in the range of the box that is nearest to a number outside it."""
+        nearest = None if self.number is None else self.info.nearest(self.number)
+        return None if nearest in (None, self.number) else round(nearest * self._factor, 12)
+
     def card_text(self, value: float | None) -> str:
         """Value of the card with the unit of the box."""
         return "empty" if value is None else self.with_unit(round(value / self._factor, 10))
@@ -161,7 +165,8 @@ class ValveTrainDialog(QDialog):
         super().__init__(parent)
         self.card, self.design = card, before
         self._before, self._valid = before, card
-        self._typed: Place = VALVES[0], "lift_mm"
+        self._back = card  # the last possible card before the typing in the present box
+        self._typed: Place = VALVES[0], "lift_mm"  # what was typed last
         self.setWindowTitle("New valve train" if before is None else "Valve train")
         give_help(self, "camshaft#Valve trains on the crank")
         self._nearest = Background(self)
@@ -175,7 +180,6 @@ class ValveTrainDialog(QDialog):
         self._lay_out()
         connect_all((self._nearest.result, self._offer), (self.finished, self._stop))
         self.show_unit()
-        self.update_design()
         first = self.boxes[VALVES[0], "lift_mm"]
         first.setFocus()
         first.selectAll()
@@ -194,10 +198,12 @@ class ValveTrainDialog(QDialog):
             plot.show_numbers(False)
         curves = fill(QVBoxLayout(), *((plot, 1) for plot in self.plots), margins=0, spacing=2)
         beside = fill(QVBoxLayout(), (self.diagram, 1), self.facts, margins=0)
-        middle = fill(QHBoxLayout(), left, (curves, 5), (beside, 3), spacing=12)
+        shown = widget_with(fill(QHBoxLayout(), (curves, 5), (beside, 3), margins=0, spacing=12))
+        self.cover = FadedCover(shown)
+        middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
         fill(QVBoxLayout(self), (middle, 1), self.buttons, margins=(12, 10, 12, 10))
-        columns = [self.boxes[valve, getattr(row, valve)] for valve in VALVES for row in GRID]
-        in_tab_order(self.of, self.unit, self.ratio, *columns, *self.centres, self.same)
+        places = [(valve, getattr(row, valve)) for valve in VALVES for row in GRID]
+        in_tab_order(self.of, self.unit, *(self.boxes[place] for place in (RATIO, *places, *CENTRES)), self.same)
         self.setMinimumSize(LEAST_SIZE)
         self.resize(TYPICAL_SIZE.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
@@ -227,7 +233,7 @@ class ValveTrainDialog(QDialog):
 
     def _choices(self) -> QHBoxLayout:
         """What the lifts of the card are, their unit, and the rocker ratio."""
-        of, ratio = field_info(TrainCard, "of"), replace(field_info(TrainCard, "ratio"), optional=False)
+        of = field_info(TrainCard, "of")
         self.of = described(QComboBox(), name=of.label, tip=sentence(of.help))
         self.unit = described(
             QComboBox(), name="Lifts in", tip="Unit of the lifts; another one may follow a number: 1 mm"
@@ -236,16 +242,12 @@ class ValveTrainDialog(QDialog):
         fill_choices(self.unit, {symbol: symbol for symbol in LIFT_UNITS})
         self.of.setCurrentIndex(self.of.findData(self.card.of))
         self.unit.setCurrentIndex(max(0, self.unit.findData(symbol_of("mm"))))
-        self.ratio = described(CardBox("ratio", ratio, NO_UNIT), name=ratio.label, tip=sentence(ratio.help))
-        self.ratio_label = QLabel(ratio.label)
-        connect_all(
-            (self.of.currentIndexChanged, self._choose_of),
-            (self.unit.currentIndexChanged, self.show_unit),
-            (self.ratio.typed, self._ratio_typed),
-        )
+        ratio = self._box(RATIO, TRAIN_VALUES["ratio"].info.label)
+        self.ratio_label = QLabel(ratio.accessibleName())
+        connect_all((self.of.currentIndexChanged, self._choose_of), (self.unit.currentIndexChanged, self.show_unit))
         words = QLabel(of.label), QLabel("in")
         return fill(
-            QHBoxLayout(), words[0], self.of, words[1], self.unit, 8, self.ratio_label, self.ratio, STRETCH, margins=0
+            QHBoxLayout(), words[0], self.of, words[1], self.unit, 8, self.ratio_label, ratio, STRETCH, margins=0
         )
 
     def _grid(self) -> QGridLayout:
@@ -261,56 +263,42 @@ class ValveTrainDialog(QDialog):
         for number, row in enumerate(GRID, 1):
             grid.addWidget(QLabel(row.label), number, 0)
             for k, valve in enumerate(VALVES):
-                name, words = getattr(row, valve), QLabel(row.words[k])
-                self.boxes[valve, name] = box = self._box(valve, name, row)
+                box = self._box((valve, getattr(row, valve)), f"{valve.capitalize()}, {row.full_name}")
+                words = QLabel(row.words[k])
                 grid.addWidget(box, number, 1 + 2 * k)
                 grid.addWidget(words, number, 2 + 2 * k)
                 if box.is_length:
                     self.units.append(words)
-        self.centres: list[CardBox] = []
-        for k, (name, tip) in enumerate(CENTRES.items()):
-            number = 1 + len(GRID) + k
-            info = replace(CARD_VALUES["centre_deg"].info, label=name, low=-360.0, help=tip)
-            box = described(CardBox(name, info, CARD_VALUES["centre_deg"].unit), name=name, tip=sentence(tip))
-            box.typed.connect(self._centre_typed)
-            grid.addWidget(QLabel(name), number, 0)
-            grid.addWidget(box, number, 1)
+        for number, place in enumerate(CENTRES, 1 + len(GRID)):
+            label = _value_at(place).info.label
+            grid.addWidget(QLabel(label), number, 0)
+            grid.addWidget(self._box(place, label), number, 1)
             grid.addWidget(QLabel("°"), number, 2)
-            self.centres.append(box)
         grid.addWidget(self.same, 1 + len(GRID), 3, 1, 2)
         return grid
 
-    def _box(self, valve: str, name: str, row: CardRow) -> CardBox:
-        value = CARD_VALUES[name]
-        box = CardBox(name, value.info, value.unit)
-        described(box, name=f"{valve.capitalize()}, {row.full_name}", tip=sentence(value.info.help))
-        box.typed.connect(partial(self._value_typed, valve))
+    def _box(self, place: Place, name: str) -> CardBox:
+        value = _value_at(place)
+        box = described(CardBox(place[1], value.info, value.unit), name=name, tip=sentence(value.info.help))
+        box.typed.connect(lambda _: self._value_typed(place))
+        self.boxes[place] = box
         return box
 
     # -- what is typed ------------------------------------------------------------------------------------------
 
-    def _value_typed(self, valve: str, name: str) -> None:
-        self._typed = valve, name
-        box = self.boxes[valve, name]
-        if self._is_allowed(box):
-            self._take(self._with_value(self.card, box.card_value), box)
+    def _value_typed(self, place: Place) -> None:
+        if place != self._typed:
+            self._back = self._valid
+        self._typed, box = place, self.boxes[place]
+        if why := box.fault():
+            self._drop()
+            self._refuse(f"{box.accessibleName()}: {why}", box.nearest_card_value)
+        else:
+            self._take(self._with_typed(box.card_value), box)
 
-    def _with_value(self, card: TrainCard, number: float | None) -> TrainCard:
-        """Return the card with another number in place of the value typed last."""
-        valve, name = self._typed
-        card = card.with_valve(valve, CARD_VALUES[name].write(getattr(card, valve), number))
-        if self.same.isChecked() and valve == VALVES[0]:
-            card = _with_same_lobe(card)
-        return card
-
-    def _centre_typed(self, _: str) -> None:
-        if all(map(self._is_allowed, self.centres)):
-            separation, advance = (box.number or 0.0 for box in self.centres)
-            self._take(self.card.with_centres(separation, advance), *self.centres)
-
-    def _ratio_typed(self, _: str) -> None:
-        if self._is_allowed(self.ratio):
-            self._take(replace(self.card, ratio=self.ratio.number), self.ratio)
+    def _with_typed(self, number: float | None) -> TrainCard:
+        """Return the card with this number in place of the value typed last."""
+        return _with_value(self.card, self._typed, self.same.isChecked(), number)
 
     def _choose_train(self, word: str, *_: object) -> None:
         self._take(replace(self.card, train=word, ratio=None))
@@ -325,35 +313,25 @@ class ValveTrainDialog(QDialog):
     def _has_same_lobe(self) -> bool:
         return _with_same_lobe(self.card) == self.card
 
-    def _is_allowed(self, box: CardBox) -> bool:
-        """Whether the number of a box is in its range; else refuse it."""
-        is_allowed = judge_number(self.message, box, box.accessibleName())
-        if not is_allowed:
-            self._drop()
-        return is_allowed
-
     def _take(self, card: TrainCard, *typed: CardBox) -> None:
         """Show another card in all boxes but those that are typed into."""
         self.card = card
         self._show_values(*typed)
         self.update_design()
+        if not typed:
+            self._back = self._valid
 
     def _show_values(self, *typed: CardBox) -> None:
         if not self._has_same_lobe():
             self.same.setChecked(False)
-        for (valve, name), box in self.boxes.items():
-            part = getattr(self.card, valve)
-            if name == "ramp_mm":
-                box.lineEdit().setPlaceholderText(box.card_text(self.card.ramp_mm(part)))
+        for valve in VALVES:
+            ramp = self.boxes[valve, "ramp_mm"]
+            ramp.lineEdit().setPlaceholderText(ramp.card_text(self.card.ramp_mm(getattr(self.card, valve))))
+        for place, box in self.boxes.items():
             if box not in typed:
-                box.show_card_value(CARD_VALUES[name].read(part))
+                box.show_card_value(_read(self.card, place))
                 box.set_refused(False)
-        for box, number in zip(self.centres, self.card.centres, strict=True):
-            if box not in typed:
-                box.show_card_value(number)
-        if self.ratio not in typed:
-            self.ratio.show_card_value(self.card.rocker_ratio)
-        for part in (self.ratio, self.ratio_label):
+        for part in (self.boxes[RATIO], self.ratio_label):
             part.setVisible(bool(self.card.row.arm))
 
     def show_unit(self, *_: object) -> None:
@@ -364,89 +342,115 @@ class ValveTrainDialog(QDialog):
         for box in self.boxes.values():
             if box.is_length:
                 box.show_in(symbol)
-        self._show_values()
+        self._take(self.card)
 
     # -- the design ---------------------------------------------------------------------------------------------
-
-    def build(self, card: TrainCard) -> Design:
-        """Return the design with a card. Raises KindynaError."""
-        return new_train(card) if self._before is None else with_card(self._before, card)
 
     def _drop(self) -> None:
         """Have no design: a value is refused."""
         self.design = None
         self.accept_button.setEnabled(False)
+        self.cover.show_text(LAST)
         self._nearest.stop()
         self._pause.stop()
 
     def update_design(self) -> None:
         """Build the design of the card and show it, or refuse the value typed last."""
         self._drop()
-        box = self.boxes[self._typed]
         try:
-            self.design = self.build(self.card)
+            self.design, pair, plots = _shown(self._before, self.card)
         except KindynaError as error:
-            box.set_refused(True)
-            self._refuse(error)
+            self._refuse(self._reason(error))
             self._pause.start()
             return
         self._valid = self.card
-        box.set_refused(False)
+        self.boxes[self._typed].set_refused(False)
         self.message.show_refusal("")
         self.accept_button.setEnabled(True)
-        self._show_design(self.design)
-
-    def _show_design(self, design: Design) -> None:
-        pair = valve_pairs(valve_timings(design))[0]
-        for plot, shown in zip(self.plots, crank_plots(pair), strict=True):
+        self.cover.show_text("")
+        for plot, shown in zip(self.plots, plots, strict=True):
             plot.show_plot(shown)
         self.diagram.show_card(self.card)
-        lifts = {row: getattr(self.card.inlet, f"{row}_at_mm") for row in ("first", "second")}
-        box = self.boxes[VALVES[0], "lift_mm"]
-        overlaps = [f"{short(self.card.overlap_deg(row))}° at {box.card_text(at)}" for row, at in lifts.items()]
-        area = "" if pair.overlap_area is None else f"; {short(pair.overlap_area)} mm·° of lift"
-        self.facts.setText(f"Overlap {', '.join(overlaps)}{area}")
+        self.facts.setText(self._overlap_text(pair))
 
-    def _refuse(self, error: KindynaError, nearest: float | None = None) -> None:
-        """Say why the card makes no valve train; the value typed last can be the nearest that does, or what it was."""
-        valve, name = self._typed
-        box, valid = self.boxes[self._typed], CARD_VALUES[name].read(getattr(self._valid, valve))
+    def _overlap_text(self, pair: ValvePair) -> str:
+        lifts = {row: self.boxes[VALVES[0], f"{row}_at_mm"] for row in ("first", "second")}
+        overlaps = [
+            f"{short(self.card.overlap_deg(row))}° at {box.card_text(box.card_value)}" for row, box in lifts.items()
+        ]
+        area = "" if pair.overlap_area is None else f"; {short(pair.overlap_area)} mm·° of lift"
+        return f"Overlap {', '.join(overlaps)}{area}"
+
+    def _refuse(self, why: str, nearest: float | None = None) -> None:
+        """Refuse the value typed last; it can be the nearest possible one, or what it was."""
+        box, valid = self.boxes[self._typed], _read(self._back, self._typed)
+        box.set_refused(True)
         near = {} if nearest is None else {f"Use {box.card_text(nearest)}": partial(self._use, nearest)}
-        back = {} if valid == box.card_value else {f"Back to {box.card_text(valid)}": partial(self._go_back)}
+        back = {f"Back to {box.card_text(valid)}": partial(self._take, self._back)}
+        self.message.show_refusal(why, {**near, **back})
+
+    def _reason(self, error: KindynaError) -> str:
+        """First reason why the card makes no valve train."""
         first = DesignError(error.faults[:1]) if isinstance(error, DesignError) else error
-        self.message.show_refusal(reason(self._before or new_train(TrainCard()), first), {**near, **back})
+        return reason(self._before or new_train(TrainCard()), first)
 
     def _use(self, number: float) -> None:
-        self._take(self._with_value(self.card, number))
-
-    def _go_back(self) -> None:
-        self._take(self._valid)
+        self._take(self._with_typed(number))
 
     def _search(self) -> None:
-        """Search for the nearest value of the box typed last that makes a valve train."""
-        valve, name = self._typed
-        card, value = self.card, CARD_VALUES[name]
-        typed, valid = (value.read(getattr(each, valve)) for each in (card, self._valid))
+        """Search for the nearest number that makes a valve train, in place of the one typed last."""
+        typed, valid = (_read(card, self._typed) for card in (self.card, self._valid))
         if typed is not None:
-            self._nearest.start([(card, partial(nearest_fitting, typed, partial(self._fits, card), valid))])
-
-    def _fits(self, card: TrainCard, number: float) -> bool:
-        try:
-            self.build(self._with_value(card, number))
-        except KindynaError:
-            return False
-        return True
+            fits = partial(_fits, self._before, partial(_with_value, self.card, self._typed, self.same.isChecked()))
+            self._nearest.start([(self.card, partial(nearest_fitting, typed, fits, valid))])
 
     def _offer(self, card: TrainCard, nearest: Any) -> None:
+        """Offer the nearest number, unless another card has been typed since."""
         if card is self.card and self.design is None and isinstance(nearest, float):
             try:
-                self.build(card)
+                _shown(self._before, card)
             except KindynaError as error:
-                self._refuse(error, nearest)
+                self._refuse(self._reason(error), nearest)
 
     def _stop(self) -> None:
         self._pause.stop()
         self._nearest.close()
+
+
+def _value_at(place: Place) -> CardValue:
+    valve, name = place
+    return (VALVE_VALUES if valve else TRAIN_VALUES)[name]
+
+
+def _read(card: TrainCard, place: Place) -> float | None:
+    """Value of a card."""
+    return _value_at(place).read(getattr(card, place[0]) if place[0] else card)
+
+
+def _with_value(card: TrainCard, place: Place, is_same: bool, number: float | None) -> TrainCard:
+    """Return a card with another number; with ``is_same`` the exhaust has the lobe of the inlet."""
+    (valve, _), value = place, _value_at(place)
+    if not valve:
+        changed: TrainCard = value.write(card, number)
+        return changed
+    card = card.with_valve(valve, value.write(getattr(card, valve), number))
+    return _with_same_lobe(card) if is_same and valve == VALVES[0] else card
+
+
+def _shown(before: Design | None, card: TrainCard) -> tuple[Design, ValvePair, tuple[Plot, ...]]:
+    """Return the design with a card, new or in place of that before, its valves and their curves. Raises KindynaError."""
+    design = new_train(card) if before is None else with_card(before, card)
+    pair = valve_pairs(valve_timings(design))[0]
+    return design, pair, crank_plots(pair)
+
+
+def _fits(before: Design | None, with_number: Callable[[float], TrainCard], number: float) -> bool:
+    """Whether a card with a number makes a valve train."""
+    try:
+        _shown(before, with_number(number))
+    except KindynaError:
+        return False
+    return True
 
 
 def _with_same_lobe(card: TrainCard) -> TrainCard:

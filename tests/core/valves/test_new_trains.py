@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from core.design import edited, faults
@@ -12,9 +13,10 @@ from core.findings import ERROR
 from core.project import dumps, loads
 from core.study import Study, findings_of
 from core.valves import valve_data, valve_pairs, valve_timings
+from core.valves.crank_plots import crank_plots
 from core.valves.new_trains import (
-    CARD_VALUES,
     TRAINS,
+    VALVE_VALUES,
     TrainCard,
     ValveCard,
     card_centres,
@@ -57,11 +59,11 @@ def test_a_printed_separation_and_advance_are_centres() -> None:
 
 
 def test_an_event_changes_duration_and_centre_and_keeps_the_other_event() -> None:
-    valve = CARD_VALUES["second_near_tdc"].write(ValveCard(first_deg=290.0, second_deg=250.0, centre_deg=110.0), 23.0)
+    valve = VALVE_VALUES["second_near_tdc"].write(ValveCard(first_deg=290.0, second_deg=250.0, centre_deg=110.0), 23.0)
     assert valve.events("second") == (23.0, 55.0)
     assert (valve.second_deg, valve.centre_deg, valve.first_deg) == (258.0, 106.0, 290.0)
     assert valve.events("first") == (39.0, 71.0)
-    valve = CARD_VALUES["second_near_bdc"].write(valve, 67.0)
+    valve = VALVE_VALUES["second_near_bdc"].write(valve, 67.0)
     assert valve.events("second") == (23.0, 67.0)
 
 
@@ -167,3 +169,21 @@ def test_a_design_without_a_pair_of_valves_has_no_card() -> None:
     motion = replace(design.drives[0].motion, lobe=asymmetric)  # type: ignore[type-var]
     with pytest.raises(KindynaError, match="two durations"):
         card_of(replace(design, drives=(replace(design.drives[0], motion=motion), design.drives[1])))
+
+
+@pytest.mark.parametrize("train", TRAINS)
+def test_the_curves_are_the_motion_of_the_valve(train: str) -> None:
+    """Lift against the events of the card, velocity and acceleration against differences of the lift."""
+    made = card(train, of="valve", lash_mm=0.1, lift_mm=8.9, second_at_mm=1.0).with_centres(108.0, 2.0)
+    lift, velocity, acceleration = crank_plots(valve_pairs(valve_timings(new_train(made)))[0])
+    for k, centre in enumerate((106.0, -110.0)):
+        crank, y = lift.curves[k].x, lift.curves[k].y
+        assert crank[np.argmax(y)] == centre
+        if train != "pushrod":  # whose ratio is not constant
+            assert y.max() == pytest.approx(8.9, abs=1e-9)
+            assert np.interp(centre - 109.0, crank, y) == pytest.approx(1.0, abs=1e-4)
+        step = 0.5 * (crank[1] - crank[0])  # of the cam
+        assert np.gradient(y, step)[y > 0.1] == pytest.approx(velocity.curves[k].y[y > 0.1], abs=2e-4)
+        slope = np.gradient(velocity.curves[k].y, step)
+        assert slope[y > 0.1] == pytest.approx(acceleration.curves[k].y[y > 0.1], abs=2e-4)
+        assert not velocity.curves[k].y[y == 0.0].any()

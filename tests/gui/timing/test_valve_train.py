@@ -1,5 +1,7 @@
 """File > New by type > Valve train and Compo > Valve train: a cam card typed by keys, followed by both valves."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -7,7 +9,7 @@ from PySide6.QtTest import QTest
 from window_user import Open, User, answering, settle, wait_for
 
 from core.valves import valve_data, valve_timings
-from kindyna_gui.valves.train_dialog import GRID, ValveTrainDialog
+from kindyna_gui.valves.train_dialog import CENTRES, GRID, RATIO, ValveTrainDialog
 
 NEW = ("File", "New by type", "Valve train...")
 EDIT = ("Compo", "Valve train...")
@@ -85,7 +87,7 @@ def test_what_was_typed_last_drives_and_the_others_follow(user: User) -> None:
         enter(dialog, "inlet", "second_near_tdc", "23")
         enter(dialog, "inlet", "second_near_bdc", "67")
         assert (number(dialog, "inlet", "second_deg"), number(dialog, "inlet", "centre_deg")) == (270.0, 112.0)
-        assert [box.number for box in dialog.centres] == [110.0, -2.0]
+        assert [number(dialog, *place) for place in CENTRES] == [110.0, -2.0]
         enter(dialog, "inlet", "second_deg", "277")
         enter(dialog, "inlet", "centre_deg", "106.5")
         assert (number(dialog, "inlet", "second_near_tdc"), number(dialog, "inlet", "second_near_bdc")) == (32.0, 65.0)
@@ -119,6 +121,9 @@ def test_lifts_are_typed_in_inches_and_thousandths(user: User) -> None:
         dialog.unit.setFocus()
         QTest.keyClick(dialog.unit, Qt.Key.Key_Down)
         assert number(dialog, "inlet", "second_at_mm") == 50.0
+        enter(dialog, "inlet", "lift_mm", "0")
+        assert list(dialog.message.buttons) == ["Back to 360 thou"]
+        QTest.mouseClick(dialog.message.buttons["Back to 360 thou"], LEFT)
         assert number(dialog, "inlet", "lift_mm") == 360.0
         enter(dialog, "inlet", "first_at_mm", "8")
         assert dialog.accept_button.isEnabled()
@@ -178,10 +183,10 @@ def test_a_valve_train_is_edited_by_its_card_in_one_step(user: User) -> None:
     def act(dialog: ValveTrainDialog) -> None:
         assert not dialog.pictures
         assert dialog.same.isChecked()
-        dialog.centres[0].setFocus()
-        dialog.centres[0].selectAll()
-        QTest.keyClicks(dialog.centres[0], "110")
-        QTest.keyClick(dialog.centres[0], Qt.Key.Key_Return)
+        dialog.boxes[CENTRES[0]].setFocus()
+        dialog.boxes[CENTRES[0]].selectAll()
+        QTest.keyClicks(dialog.boxes[CENTRES[0]], "110")
+        QTest.keyClick(dialog.boxes[CENTRES[0]], Qt.Key.Key_Return)
 
     with answering(ValveTrainDialog, act):
         user.choose(*EDIT)
@@ -189,3 +194,33 @@ def test_a_valve_train_is_edited_by_its_card_in_one_step(user: User) -> None:
     assert len(user.steps) == steps + 1
     user.choose("Edit", "Undo Change the valve train")
     assert user.session.full_design == created
+
+
+def test_a_pushrod_train_is_chosen_by_its_picture_and_opens_by_its_ratio(user: User) -> None:
+    """A lobe of 7 mm and a ratio of 1.6 open the valve by about 11.2 mm; the arm of the pad is 1.6 times the push arm."""
+
+    def act(dialog: ValveTrainDialog) -> None:
+        assert [button.text() for button in dialog.pictures.values()] == ["Direct", "Finger", "Rocker", "Pushrod"]
+        assert not dialog.boxes[RATIO].isVisible(), "a direct train has none"
+        assert not any(button.icon().isNull() for button in dialog.pictures.values())
+        QTest.mouseClick(dialog.pictures["pushrod"], LEFT)
+        settle()
+        assert dialog.boxes[RATIO].number == 1.5
+        enter(dialog, "inlet", "lift_mm", "7")
+        enter(dialog, *RATIO, "1.6")
+        _, lift = dialog.plots[0].lines[0]
+        assert lift.max() == pytest.approx(11.2, rel=0.02)
+        enter(dialog, *RATIO, "0")
+        assert dialog.cover.text == "The last valve train that was possible"
+        assert list(dialog.message.buttons)[-1] == "Back to 1.5"
+        QTest.mouseClick(dialog.message.buttons["Back to 1.5"], LEFT)
+        settle()
+        assert dialog.cover.text == ""
+        enter(dialog, *RATIO, "1.6")
+        QTest.mouseClick(dialog.accept_button, LEFT)
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*NEW)
+    followers: list[Any] = [drive.follower for drive in user.session.full_design.drives]
+    assert [follower.pad_mm / follower.push_arm_mm for follower in followers] == pytest.approx([1.6, 1.6], rel=1e-9)
+    assert [drive.motion.lobe.lift_mm for drive in user.session.full_design.drives] == [7.0, 7.0]  # type: ignore[union-attr]
