@@ -136,9 +136,7 @@ class DraggedValve:
     @property
     def path(self) -> str:
         """Path of the field that the drag changes."""
-        if self.edge is None:
-            return phase_path(self.design, self.drive)
-        return path_in(self.design, self.drive, self.edge.path)
+        return path_in(self.design, self.drive, "valve.centre_deg" if self.edge is None else self.edge.path)
 
     @property
     def value(self) -> float:
