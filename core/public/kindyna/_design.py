@@ -124,6 +124,14 @@ class Design:
         ------
         KindynaError
             It cannot be written.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> d = kd.example("rocker_cam")
+        >>> d.save("rocker.toml")
+        >>> kd.open("rocker.toml") == d
+        True
         """
         save(self._design, path_to_write("path", path))
 

@@ -60,6 +60,11 @@ class Picture:
             The name has another ending.
         KindynaError
             The file cannot be written.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> kd.example("rocker_cam").study().picture(at_deg=120).save("rocker.svg")
         """
         target = path_to_write("path", path)
         if target.suffix.lower() != _ENDING:

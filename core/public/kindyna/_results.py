@@ -216,7 +216,20 @@ class ManyResult:
         return int(self.reason.size)
 
     def to_frame(self) -> Any:
-        """Return a pandas DataFrame: a row for each design, its columns the inputs, the figures and the reason."""
+        """Return a pandas DataFrame: a row for each design, its columns the inputs, the figures and the reason.
+
+        Raises
+        ------
+        ImportError
+            pandas is not installed; the extra ``frames`` installs it.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> d = kd.example("rocker_cam")
+        >>> d.many({"cam.base_radius_mm": [45.0, 50.0]}, ["pressure_angle_deg:max"]).to_frame().columns.tolist()
+        ['cam.base_radius_mm', 'pressure_angle_deg:max', 'reason']
+        """
         return frame({**self.inputs, **self.value, "reason": self.reason})
 
     def _repr_html_(self) -> str:

@@ -273,6 +273,13 @@ class StudyResults(Generic[D]):
         ------
         KeyError
             The design lacks a channel.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> s = kd.example("rocker_cam").study()
+        >>> s.plot("displacement_deg", "drive_torque_nm")
+        <kindyna.Picture ... characters of SVG>
         """
         from kindyna._pictures import plot  # no reader of numbers needs pictures
 
@@ -290,6 +297,11 @@ class StudyResults(Generic[D]):
         ------
         KindynaError
             The mechanism cannot be assembled at this angle.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> kd.example("four_bar").study().picture(at_deg=40).save("four_bar.svg")
         """
         from kindyna._pictures import machine
 

@@ -100,13 +100,14 @@ def test_commands_and_files_of_pages_are_read(page: Path) -> None:
 
 
 @pytest.mark.parametrize(("name", "item"), [*FUNCTIONS, *METHODS], ids=lambda row: row if isinstance(row, str) else "")
-def test_parameters_are_described(name: str, item: object) -> None:
+def test_parameters_are_described_and_an_example_follows(name: str, item: object) -> None:
     section = re.search(r"\nParameters\n-+\n(.*?)(?=\n\w[\w ]*\n---|\Z)", inspect.getdoc(item) or "", re.DOTALL)
     described = re.findall(
         r"^\*{0,2}(\w[\w, ]*?)(?: : .+)?\n    \S", f"\n{section[1] if section else ''}", re.MULTILINE
     )
     parameters = [row for row in inspect.signature(item).parameters if row != "self"]  # type: ignore[arg-type]
     assert [word for words in described for word in words.split(", ")] == parameters
+    assert re.search(r"^Examples\n-+\n>>> ", inspect.getdoc(item) or "", re.MULTILINE)
 
 
 @pytest.mark.parametrize(("name", "item"), PUBLIC, ids=lambda row: row if isinstance(row, str) else "")
