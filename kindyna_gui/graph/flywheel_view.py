@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -30,14 +31,23 @@ from core.output.subject_files import (
 )
 from core.shaft import Flywheel, has_flywheel
 from core.study import Camshaft, Study, extremes_of, quantities_of
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import reason, step_text
 from kindyna_gui.look import answer_label, row_with_text
-from kindyna_gui.pictures.plots.xy import ACROSS, ROWS, CursorPlot, Line, XYPlot, show_map
-from kindyna_gui.pictures.style import DASHED
+from kindyna_gui.pictures.plots.xy import (
+    ACROSS,
+    ROWS,
+    CursorPlot,
+    Line,
+    XYPlot,
+    reference_lines,
+    show_map,
+    zero_lines,
+)
 from kindyna_gui.pictures.units import brief, digits, measure, number, readable, short, typed, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
@@ -283,11 +293,14 @@ class PagedView(BackgroundView):
         self, session: Session, player: Player, name: str, pages: Mapping[str, str], width: int, plot: XYPlot
     ) -> None:
         super().__init__(session, player)
+        self.pins = Pins.of(session)
+        self.pins.changed.connect(self.invalidate)
         self.page, self.text, self.plot = WordBox(), QLabel(wordWrap=True), plot
         self.page.setAccessibleName(name)
         fill_choices(self.page, pages)
         self.page.setMinimumWidth(width)
-        self._work.result.connect(self._show_result)
+        self._reference: tuple[Design, Any, str] | None = None  # result of the pinned variant, and its name
+        self._work.result.connect(self._receive)
         self.page.activated.connect(self._choose)
 
     def _choose(self, _: int) -> None:
@@ -295,9 +308,25 @@ class PagedView(BackgroundView):
         self.pull()
 
     def _start(self, study: Study, compute: Callable[[Design, str], Any]) -> None:
-        """Compute the selected page, a function of the design and the page."""
-        page = str(self.page.currentData())
-        self._work.start([((page, study.design), partial(compute, study.design, page))])
+        """Compute the selected page, a function of the design and the page, for the pinned variant first."""
+        page, pinned, designs = str(self.page.currentData()), self.pins.study, []
+        if pinned is not None and pinned.design != study.design:
+            with suppress(KindynaError):
+                self._require(pinned)
+                designs.append(pinned.design)
+        self._reference = None
+        self._work.start([((page, design), partial(compute, design, page)) for design in (*designs, study.design)])
+
+    def _receive(self, key: tuple[str, Design], result: Any) -> None:
+        """Show a result together with that of the pinned variant; a variant without one has no curve."""
+        if key[1] == self.session.study.design:
+            self._show_result(key, result)
+        elif not isinstance(result, KindynaError) and self.pins.front is not None:
+            self._reference = (key[1], result, self.pins.front.name)
+
+    def _require(self, study: Study) -> None:
+        """Raise the reason why a design has nothing for the pages."""
+        raise NotImplementedError
 
     def _show_result(self, key: tuple[str, Design], result: Any) -> None:
         """Show the result for a page and a design, or the reason for a missing one."""
@@ -318,12 +347,15 @@ class ContactView(PagedView):
         super().__init__(session, player, "Plot", CONTACT_PAGES, CONTACT_PAGE_WIDTH, XYPlot(ACROSS, ""))
         self.set_column(row_with_text(self.page, self.text), self.plot, grows=self.plot)
 
-    def refresh(self, study: Study) -> None:
+    def _require(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise Unavailable(NO_FLIGHT)
         if study.is_form_closed:
             raise Unavailable(FORM_CLOSED)
         study.contact_force  # noqa: B018 - raises the reason if there is none
+
+    def refresh(self, study: Study) -> None:
+        self._require(study)
         self._start(study, lambda design, page: _COMPUTATIONS[page](design))
 
     def _choose(self, page: int) -> None:
@@ -339,31 +371,47 @@ class ContactView(PagedView):
         lines, data = result
         self.text.setText(" ".join(lines))
         if isinstance(data, ContactMap):
-            show_map(self.plot, data, design.speed_rpm)
+            show_map(self.plot, data, design.speed_rpm, self._pinned(lambda _, pinned: zero_lines(pinned)))
         elif isinstance(data, Flights):
             self._show_flights(design, data.flights)
+
+    def _pinned(self, draw: Callable[[Design, Any], Sequence[Line]]) -> list[Line]:
+        """Curves of the pinned variant, drawn from its design and the result of its page."""
+        if self._reference is None:
+            return []
+        design, (_, data), name = self._reference
+        return reference_lines(draw(design, data), name)
 
     def _show_flights(self, design: Design, flights: Sequence[Flight]) -> None:
         """Draw the displacement of the follower during its flights together with the motion."""
         if not flights:
             self.plot.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
             return
-        study, unit = Study(design), UNITS[require_motion(design).unit]
-        last = max(flight.theta[-1] for flight in flights)
-        turns = min(MOST_TURNS, max(1, math.ceil(last / (2.0 * math.pi))))
-        theta = np.linspace(0.0, 2.0 * math.pi * turns, POINTS * turns)
-        motion = study.at_theta(np.mod(theta, 2.0 * math.pi)).motion.displacement[0]
-        lines = [Line(np.rad2deg(theta), motion / unit.factor, BLUE, "motion", DASHED)]
-        for i, flight in enumerate(flight for flight in flights if flight.lift < theta[-1]):
-            inside = flight.theta <= theta[-1]
-            x, y = np.rad2deg(flight.theta[inside]), flight.y[inside] / unit.factor
-            lines.append(Line(x, y, VERMILION, "" if i else "flight"))
-        first = flights[0]
+        lines = _flight_lines(design, flights)
+        first, last = flights[0], lines[0].x[-1]
         marks = [(math.degrees(first.lift), "off")]
-        if first.land < theta[-1]:
+        if math.degrees(first.land) < last:
             marks.append((math.degrees(first.land), "on"))
-        self.plot.name_axes(ACROSS, f"Displacement, {unit.symbol}")
-        self.plot.show_lines(lines, tuple(marks))
+        self.plot.name_axes(ACROSS, f"Displacement, {UNITS[require_motion(design).unit].symbol}")
+        pinned = self._pinned(lambda other, data: _flight_lines(other, data.flights))
+        self.plot.show_lines([*lines, *pinned], tuple(marks))
+
+
+def _flight_lines(design: Design, flights: Sequence[Flight]) -> list[Line]:
+    """The motion, and the displacement of the follower during its flights, over the turns that they last."""
+    if not flights:
+        return []
+    study, unit = Study(design), UNITS[require_motion(design).unit]
+    last = max(flight.theta[-1] for flight in flights)
+    turns = min(MOST_TURNS, max(1, math.ceil(last / (2.0 * math.pi))))
+    theta = np.linspace(0.0, 2.0 * math.pi * turns, POINTS * turns)
+    motion = study.at_theta(np.mod(theta, 2.0 * math.pi)).motion.displacement[0]
+    lines = [Line(np.rad2deg(theta), motion / unit.factor, BLUE, "motion")]
+    for i, flight in enumerate(flight for flight in flights if flight.lift < theta[-1]):
+        inside = flight.theta <= theta[-1]
+        x, y = np.rad2deg(flight.theta[inside]), flight.y[inside] / unit.factor
+        lines.append(Line(x, y, VERMILION, "" if i else "flight"))
+    return lines
 
 
 def _force_map(design: Design) -> tuple[list[str], ContactMap]:
@@ -421,12 +469,15 @@ class VibrationView(PagedView):
         splitter.setSizes([3000, 1000])
         self.set_column(row_with_text(self.page, self.text), splitter, grows=splitter)
 
-    def refresh(self, study: Study) -> None:
+    def _require(self, study: Study) -> None:
         if study.design.drive.cam is None:
             raise Unavailable(NO_ELASTIC)
         if not study.is_elastic:
             raise Unavailable(RIGID_FOLLOWER)
         study.elasticity  # noqa: B018 - raises the reason if nothing vibrates
+
+    def refresh(self, study: Study) -> None:
+        self._require(study)
         self._start(study, _vibration)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -462,15 +513,15 @@ class VibrationView(PagedView):
         if page == ACCELERATION:
             names: tuple[str, ...] = ("from rest", "steady")
             title, symbol = "Acceleration", UNITS["mm_s2"].symbol
-            values, current = spectrum.acceleration * size, []
+            current = []
         elif residuals:
             names, title, symbol = tuple(_span(residual) for residual in residuals), "Residual", UNITS["mm"].symbol
-            values = spectrum.residual[(FROM_REST, STEADY).index(page)] * size
             current = [_in_mm(getattr(residual, page) * size) for residual in residuals]
         else:
             self._curves = None
             self.plot.show_message(NO_DWELL)
             return
+        values = _page_values(study, page, spectrum)
         finite = np.where(np.isfinite(values), values, np.nan)
         design_rpm = abs(study.omega) / RPM
         below = finite[:, rpm <= design_rpm]
@@ -484,14 +535,31 @@ class VibrationView(PagedView):
             Line(rpm, y / display_unit.size, colour, label)
             for y, colour, label in zip(finite, colours, labels, strict=True)
         ]
-        self.plot.show_lines(lines, ((design_rpm, "now"),))
+        self.plot.show_lines([*lines, *self._pinned(page, display_unit, colours)], ((design_rpm, "now"),))
         if highest > 0.0:
             self.plot.show_range(upwards=(0.0, 1.05 * (highest / display_unit.size)))
         self._curves = _SpeedCurves(rpm, values, names, display_unit)
 
+    def _pinned(self, page: str, unit: DisplayUnit, colours: Sequence[str]) -> list[Line]:
+        """Curves of the pinned variant, in the colours of those of the design."""
+        if self._reference is None:
+            return []
+        design, (_, spectrum), name = self._reference
+        values = _page_values(Study(design), page, spectrum)
+        rows = zip(np.where(np.isfinite(values), values, np.nan), colours, strict=False)
+        return reference_lines((Line(spectrum.omega / RPM, y / unit.size, colour) for y, colour in rows), name)
+
     def _show_values(self, rpm: float | None) -> None:
         """Show the values at the mouse, or the summary if the mouse is outside the plot."""
         self.text.setText(self._summary if rpm is None or self._curves is None else self._curves.text(rpm))
+
+
+def _page_values(study: Study, page: str, spectrum: Spectrum) -> np.ndarray:
+    """Values (k, n) of a page at n speeds, a row for each curve [mm or mm/s²]."""
+    (_, size), *_ = vibration_units(study)
+    return size * (
+        spectrum.acceleration if page == ACCELERATION else spectrum.residual[(FROM_REST, STEADY).index(page)]
+    )
 
 
 @frozen(eq=False)

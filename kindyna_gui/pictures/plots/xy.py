@@ -509,18 +509,22 @@ LIFTED = 0.3  # least opacity where the force is negative
 ACROSS, UPWARDS = "Cam angle, °", "Camshaft speed, rpm"
 
 
-def show_map(plot: XYPlot, contact: ContactMap, speed: float) -> None:
+def zero_lines(contact: ContactMap) -> list[Line]:
+    """Curves of the speeds [rpm] at which the contact force is zero, within the speeds of the map."""
+    rows = np.where(contact.zero <= contact.omega[-1], contact.zero, np.nan) / RPM
+    labels = zip(rows, ("0 N", ""), strict=True)
+    return [Line(np.rad2deg(contact.theta), row, VERMILION, text) for row, text in labels if np.isfinite(row).any()]
+
+
+def show_map(plot: XYPlot, contact: ContactMap, speed: float, pinned: Sequence[Line] = ()) -> None:
     """Draw the contact force over cam angle and speed: blue in contact, orange where the follower lifts off.
 
-    Lines show where the force is zero, and the design's speed [rpm].
+    Lines show where the force is zero, also that of a pinned variant, and the design's speed [rpm].
     """
-    degrees, rpm = np.rad2deg(contact.theta), contact.omega / RPM
+    rpm = contact.omega / RPM
     top, step = float(rpm[-1]), float(rpm[-1]) / rpm.size
     lines = [Line(np.array(WHOLE_TURN), np.array([speed, speed]), SCREEN.ink, f"{short(speed, 6)} rpm", DASHED)]
-    for row, label in zip(contact.zero / RPM, ("0 N", ""), strict=True):
-        shown = np.where(row <= top, row, np.nan)
-        if np.isfinite(shown).any():
-            lines.append(Line(degrees, shown, VERMILION, label))
+    lines += [*zero_lines(contact), *pinned]
     peak = float(contact.force.max())
     plot.name_axes(ACROSS, UPWARDS)
     plot.show_lines(lines, note=f"blue: up to {short(peak, 3)} N, orange: off the cam")

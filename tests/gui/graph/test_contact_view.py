@@ -65,3 +65,24 @@ def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
     wait_for(lambda: view.in_trouble)
     user.session.put(load(example("four_bar")), "Take the four-bar")
     wait_for(lambda: view.is_unavailable)
+
+
+def test_a_pinned_variant_is_in_the_map_and_in_the_flight(open_user: Open) -> None:
+    user = open_user(example("rocker_cam"))
+    user.session.edit("shaft.speed_rpm", 1500.0, "Speed")
+    user.choose("Edit", "Pin this variant")
+    found = Study(user.design).lift_off
+    assert found is not None
+    user.session.edit("loads.spring_rate_nm_per_rad", 90.0, "Spring")
+    user.session.end_gesture()
+    view = see(user)
+    QTest.keyClick(view.page, Qt.Key.Key_Home)
+    rested(view)
+    zero = [line for line in view.plot.shown if line.reference]
+    assert {line.reference for line in zero} == {"variant 1"}
+    assert min(np.nanmin(line.y) for line in zero) == pytest.approx(found.omega * 30.0 / math.pi, rel=1e-3)
+    assert "variant 1" in view.plot.legend.text
+    view.page.setFocus()
+    QTest.keyClick(view.page, Qt.Key.Key_Down)
+    rested(view)
+    assert {line.reference for line in view.plot.shown} == {"", "variant 1"}

@@ -128,3 +128,29 @@ def test_the_spectrum_follows_what_is_typed_and_is_read_under_the_mouse(open_use
     entry = user.action("Dyna", "Response spectrum")
     assert not entry.isEnabled()
     assert "cam" in entry.statusTip()
+
+
+def test_a_pinned_variant_is_in_the_spectrum(open_user: Open) -> None:
+    """Dashed, by its name; a variant with a rigid follower has no curve."""
+    user = open_user(example("rocker_cam"))
+    user.choose("Edit", "Pin this variant")
+    edit(user, STIFFNESS, 60.0)
+    edit(user, RATIO, 0.03)
+    view = see(user)
+    QTest.keyClick(view.page, Qt.Key.Key_Home)
+    rested(view)
+    assert len(view.plot.lines) == 2
+    user.choose("Edit", "Unpin")
+    user.choose("Edit", "Pin this variant")
+    before = user.design
+    edit(user, STIFFNESS, 90.0)
+    rested(view)
+    pinned = [line for line in view.plot.shown if line.reference]
+    assert {line.reference for line in pinned} == {"variant 2"}
+    assert "variant 2" in view.plot.legend.text
+    own = Study(before).follower_response.residuals
+    for line, residual in zip(pinned, own, strict=True):
+        assert np.interp(300.0, line.x, line.y) == pytest.approx(90.0 * residual.from_rest, rel=1e-2)
+    user.choose("Edit", "Unpin")
+    rested(view)
+    assert [line for line in view.plot.shown if line.reference] == []
