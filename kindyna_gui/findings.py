@@ -44,6 +44,10 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
             "returns to its start",
             "after one turn the follower returns to its start, relative to the stroke",
         ),
+        "optimum_gap": (
+            "no better law",
+            "peak or root mean square of the optimal law of this segment, over the least that any law with its intervals has, less 1",
+        ),
         "loop_closure": (
             "the bodies fit together",
             "the bodies fit together at every cam angle, relative to their lengths",
@@ -92,7 +96,8 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 def certificate_row(name: str, residual: Residual) -> TableRow:
     """Row of the table for a residual."""
-    short, proves = PROVES.get(name.rpartition(".")[2], ("", ""))  # the slug of a drive precedes the name
+    residual_name = name.rpartition(".")[2].rstrip("0123456789").rstrip("_")  # without drive and segment
+    short, proves = PROVES.get(residual_name, ("", ""))
     return TableRow(
         (
             sentence(name.replace("_", " ").replace(".", ": ")),

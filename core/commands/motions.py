@@ -318,13 +318,16 @@ def _rank_laws(path: Path, arguments: LawsArguments) -> None:
     figures, rows = ranked_rows(design, law_candidates(design, numbers), arguments.by)
     if arguments.json:
         print(
-            to_json(
-                [{"law": row.name, **_coefficients(peaks(LAWS[row.name])), **row_data(figures, row)} for row in rows]
-            ),
+            to_json([{"law": row.name, **_coefficients_of(row.name), **row_data(figures, row)} for row in rows]),
             end="",
         )
     else:
         print(ranking_text("law", figures, rows), end="")
+
+
+def _coefficients_of(slug: str) -> Mapping[str, float | None]:
+    """Peak coefficients of a law; None where the settings of a segment determine it."""
+    return _coefficients(peaks(LAWS[slug])) if slug in LAWS else dict.fromkeys(("cv", "ca", "cj", "cm"))
 
 
 def _coefficients(peak: Peaks) -> dict[str, float]:

@@ -5,33 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from math import comb
+from math import ceil, comb, floor, log10
 from operator import add
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from core.design.motions import (
     AT_REST,
     JOINED,
+    MINIMISED,
     ComputedCurve,
     Curve,
     Motion,
     NamedCurve,
+    OptimalCurve,
     PolynomialCurve,
     SccaCurve,
     Segment,
     SplineCurve,
     SplinePoint,
     TableCurve,
+    is_joined,
 )
-from core.errors import DesignError, Fault
+from core.errors import MISSING, DesignError, Fault
 from core.frozen import frozen
 from core.laws import NoSpline, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, trimmed
 from core.numerics.derivatives import QUARTER
 from core.numerics.lazy import part_mapper
 from core.numerics.roots import BracketEnds, bracketed_root
+
+if TYPE_CHECKING:
+    from core.laws.optimal import NoOptimalLaw, OptimalTask
 
 # -- curve of a segment as pieces -------------------------------------------------------------------------------
 
@@ -99,16 +105,17 @@ def _table(curve: TableCurve, segment: Segment, whole_turn: bool, path: str) -> 
 def with_joined_ends(motion: Motion, index: int) -> Segment:
     """A segment whose joined ends are resolved.
 
-    Where the start or end of a table is joined, its first or last row receives velocity and acceleration (per degree)
+    Where the start or end of a table or an optimal law is joined, its first or last point receives velocity and acceleration (per degree)
     of the neighbouring segment.
     """
     segment, count = motion.segments[index], len(motion.segments)
     curve = segment.curve
-    if not isinstance(curve, TableCurve) or JOINED not in (curve.start, curve.end) or count == 1:
+    ends = [end for end in ("start", "end") if is_joined(curve, end)]
+    if not isinstance(curve, SplineCurve) or not ends or count == 1:
         return segment
     points = list(curve.points)
-    for kind, at, level, side in ((curve.start, 0.0, 0.0, -1), (curve.end, segment.span_deg, segment.rise, 1)):
-        if kind == JOINED:
+    for end, at, level, side in (("start", 0.0, 0.0, -1), ("end", segment.span_deg, segment.rise, 1)):
+        if end in ends:
             neighbour = motion.segments[(index + side) % count]
             shape = segment_shape(neighbour, False, f"motion.segments[{(index + side) % count}]")
             derivatives = PieceTable(shape.pieces).at(np.array([0.0 if side > 0 else 1.0])).all[:, 0]
@@ -122,13 +129,7 @@ _SAME = 1e-9  # [deg] closer angles are equal
 
 
 def _interpolation(curve: SplineCurve, segment: Segment, whole_turn: bool, at_ends: tuple[str, str]) -> CurveShape:
-    span = segment.span_deg
-    conditions = [
-        (p.at_deg / span, order, value * span**order)
-        for p in curve.points
-        for order, value in enumerate((p.value, p.velocity, p.acceleration))
-        if value is not None
-    ]
+    conditions = _point_conditions(curve, segment, 1.0)
     stated = {(u, order) for u, order, _ in conditions}
     end_conditions = [(0.0, 0, 0.0), (1.0, 0, segment.rise)]
     if not whole_turn:
@@ -149,6 +150,80 @@ def _interpolation(curve: SplineCurve, segment: Segment, whole_turn: bool, at_en
     return _split_at_reversals(
         tuple(Piece(p.start, (*map(add, p.polynomial, values), *p.polynomial[2:])) for p, values in lines)
     )
+
+
+ORDERS_LIMITED = ("velocity", "acceleration", "jerk")
+
+
+def _optimal(curve: OptimalCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+    from core.laws.optimal import NoOptimalLaw, optimal_law  # imported here to save start-up time
+
+    task = optimal_task(curve, segment, whole_turn)
+    try:
+        pieces = optimal_law(task).pieces
+    except NoOptimalLaw as error:
+        raise DesignError([_no_optimal_law(error, curve, path)]) from None
+    shape = _split_at_reversals(pieces)
+    return CurveShape(shape.pieces, segment.rise, tuple(w * np.sign(segment.rise) for w in shape.velocity_signs))
+
+
+def optimal_task(curve: OptimalCurve, segment: Segment, whole_turn: bool) -> OptimalTask:
+    """What an optimal law must do, normalised to span 1 and rise 1.
+
+    Its ends have an acceleration of 0 only where the jerk is minimised or limited: else the acceleration may jump.
+    """
+    from core.laws.optimal import OptimalTask  # imported here to save start-up time
+
+    order, rms = MINIMISED[curve.minimise]
+    limits = tuple(
+        (k, limit) for k, name in enumerate(ORDERS_LIMITED, 1) if (limit := getattr(curve.limits, name)) is not None
+    )
+    conditions = _point_conditions(curve, segment, segment.rise)
+    stated = {(u, k) for u, k, _ in conditions}
+    periodic = whole_turn and JOINED in (curve.start, curve.end)
+    highest = max(order, *(k for k, _ in limits)) if limits else order
+    ends = [(0.0, 0, 0.0), (1.0, 0, 1.0)]
+    for u, kind in ((0.0, curve.start), (1.0, curve.end)):
+        ends += [(u, k, 0.0) for k in _END_ORDERS[kind] if k < max(highest, 2) and not periodic]
+    return OptimalTask(
+        order,
+        rms,
+        limits,
+        (*conditions, *(row for row in ends if row[:2] not in stated)),
+        periodic,
+        curve.vibration_free,
+        tuple(
+            (row.start, row.end, row.rise, sign)
+            for rows, sign in ((curve.below, 1.0), (curve.above, -1.0))
+            for row in rows
+        ),
+        curve.intervals,
+    )
+
+
+def _no_optimal_law(error: NoOptimalLaw, curve: OptimalCurve, path: str) -> Fault:
+    if error.order:
+        name = ORDERS_LIMITED[error.order - 1]
+        digit = 10.0 ** (floor(log10(error.least)) - 4)
+        least = float(f"{ceil(error.least / digit) * digit:.6g}")
+        limit = getattr(curve.limits, name)
+        return Fault(
+            f"{path}.limits.{name}", limit, "no law keeps this limit together with the others", f">= {least:g}"
+        )
+    names = [name for name in ("below", "above", "vibration_free", "points") if getattr(curve, name)]
+    problem = "no law passes these bounds, points and ends" if names else "the ends leave the law undetermined"
+    return Fault(f"{path}.{names[0] if names else 'start'}", MISSING, problem, "fewer of them, or a rest or stop")
+
+
+def _point_conditions(curve: SplineCurve, segment: Segment, unit: float) -> list[tuple[float, int, float]]:
+    """Derivatives (u, order, value) at the points of a curve; values are fractions of a unit."""
+    span = segment.span_deg
+    return [
+        (p.at_deg / span, order, value * span**order / unit)
+        for p in curve.points
+        for order, value in enumerate((p.value, p.velocity, p.acceleration))
+        if value is not None
+    ]
 
 
 def _computed(curve: ComputedCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
@@ -221,6 +296,7 @@ SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], CurveShape]] = Mapping
         PolynomialCurve: _polynomial,
         SplineCurve: _spline,
         TableCurve: _table,
+        OptimalCurve: _optimal,
         ComputedCurve: _computed,
     }
 )

@@ -17,8 +17,10 @@ from core.design.edits import back_at_start, balance, is_dwell, stretched, times
 from core.design.linkage import CRANK, MOTION
 from core.design.motions import (
     Curve,
+    CurveBound,
     Motion,
     NamedCurve,
+    OptimalCurve,
     PolynomialCurve,
     PolynomialEnd,
     Segment,
@@ -203,8 +205,18 @@ def _mirrored_curve(segment: Segment) -> Curve:
         ]
         if isinstance(curve, TableCurve):
             return TableCurve(tuple(points), start=curve.end, end=curve.start)
+        if isinstance(curve, OptimalCurve):
+            below, above = _reversed_bounds(curve.above), _reversed_bounds(curve.below)
+            flipped = replace(curve, points=tuple(points), below=below, above=above)
+            return replace(flipped, start=curve.end, end=curve.start)
         return replace(curve, points=tuple(points))
     return curve  # sine, constant and cosine acceleration are symmetric
+
+
+def _reversed_bounds(bounds: tuple[CurveBound, ...]) -> tuple[CurveBound, ...]:
+    """Obstacles in the image 1 - s(1 - u): what was above is below."""
+    rows = reversed(bounds)
+    return tuple(CurveBound(*(balance(1.0, (x,)) for x in (row.end, row.start, row.rise))) for row in rows)
 
 
 def _reversed_end(end: PolynomialEnd) -> PolynomialEnd:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from core.design.engine import Lobe
-from core.design.fields import LAW, FileLayout, choice, number, placed
+from core.design.fields import LAW, FileLayout, choice, number, placed, whole
 from core.errors import DesignError
 from core.frozen import frozen
 from core.laws import LAWS, Piece, PieceTable, split
@@ -121,6 +121,67 @@ class TableCurve(SplineCurve):
     points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True, rows=True), ())
 
 
+ACCELERATION = "acceleration"
+MINIMISED: Mapping[str, tuple[int, bool]] = MappingProxyType(
+    {
+        ACCELERATION: (2, False),
+        "jerk": (3, False),
+        "velocity": (1, False),
+        "rms_acceleration": (2, True),
+        "rms_jerk": (3, True),
+    }
+)
+"""What an optimal law minimises -> order of the derivative, and whether its root mean square and not its peak."""
+
+
+@frozen
+class CurveLimits:
+    """Largest absolute derivatives of an optimal law, normalised to span 1 and rise 1, in the order of the derivatives."""
+
+    velocity: float | None = number("Velocity limit", 0.0, open_low=True, default=None, help="span 1, rise 1")
+    acceleration: float | None = number("Acceleration limit", 0.0, open_low=True, default=None, help="span 1, rise 1")
+    jerk: float | None = number("Jerk limit", 0.0, open_low=True, default=None, help="span 1, rise 1")
+
+
+@frozen
+class CurveBound:
+    """Bound of an optimal law over a part of its span: an obstacle that it passes below or above."""
+
+    start: float = number("From", 0.0, 1.0, step=0.05, help="fraction of the span")
+    end: float = number("To", 0.0, 1.0, step=0.05, help="fraction of the span")
+    rise: float = number("Rise", step=0.05, help="fraction of the rise")
+
+
+@frozen
+class OptimalCurve(SplineCurve):
+    """The curve of the least peak or root mean square of a derivative, within limits on other derivatives.
+
+    Attributes
+    ----------
+    minimise : derivative whose peak or root mean square is least
+    start, end : velocity and acceleration at the ends, as of a table; 0 acceleration only where the jerk is controlled
+    limits : largest other derivatives
+    below, above : obstacles
+    vibration_free : cycles a span of undamped followers that are at rest after it
+    intervals : number of equal intervals of the law
+    points : as of a spline
+    """
+
+    FILE_ORDER: ClassVar[tuple[str, ...]] = (
+        "minimise", "start", "end", "limits", "vibration_free", "below", "above", "intervals", "points",
+    )  # fmt: skip
+    law: ClassVar[str] = "optimal"
+    minimise: str = choice("Minimise", tuple(MINIMISED), default=ACCELERATION, help="its peak or root mean square")
+    start: str = choice("Start", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it begins")
+    end: str = choice("End", TABLE_ENDS, default=AT_REST, help="velocity and acceleration where it ends")
+    limits: CurveLimits = placed(FileLayout(CurveLimits, single=True, whole=True), CurveLimits())
+    vibration_free: tuple[float, ...] = placed(FileLayout(each=float), ())
+    below: tuple[CurveBound, ...] = placed(FileLayout(CurveBound, whole=True, rows=True), ())
+    above: tuple[CurveBound, ...] = placed(FileLayout(CurveBound, whole=True, rows=True), ())
+    intervals: int = whole("Intervals", 1, 400, default=60, help="more of them approach the true optimum")
+    points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True), ())
+
+
 @frozen
 class ComputedCurve:
     """A curve computed from other parts: pieces over the span 0 ... 1, in the unit of the motion, from the segment's start."""
@@ -129,11 +190,16 @@ class ComputedCurve:
     pieces: tuple[Piece, ...] = placed(FileLayout(in_file=False))
 
 
-Curve = NamedCurve | SccaCurve | PolynomialCurve | SplineCurve | TableCurve | ComputedCurve
+Curve = NamedCurve | SccaCurve | PolynomialCurve | SplineCurve | TableCurve | OptimalCurve | ComputedCurve
 CURVES: Mapping[str, type[SccaCurve | PolynomialCurve | SplineCurve]] = MappingProxyType(
-    {c.law: c for c in (SccaCurve, PolynomialCurve, SplineCurve, TableCurve)}
+    {c.law: c for c in (SccaCurve, PolynomialCurve, SplineCurve, TableCurve, OptimalCurve)}
 )
 """Law with further keys -> class of its curve; the curves of other laws are ``NamedCurve``."""
+
+
+def is_joined(curve: Curve, end: str) -> bool:
+    """Whether velocity and acceleration at the ``start`` or ``end`` of a curve are those of the neighbour."""
+    return isinstance(curve, TableCurve | OptimalCurve) and getattr(curve, end) == JOINED
 
 
 def curve_of(law: str) -> Curve:

@@ -24,10 +24,12 @@ from core.design.motions import (
     LobeSegments,
     Motion,
     NamedCurve,
+    OptimalCurve,
     SccaCurve,
     Segment,
     SplineCurve,
     TableCurve,
+    is_joined,
 )
 from core.design.parts import LINEAR, ROTARY, CamSlider, DiskCam, RollerCam, Servo
 from core.design.paths import entries_of
@@ -130,6 +132,9 @@ def _law_is_known(segment: Segment, path: str) -> Iterator[Fault]:
 
 
 def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
+    if isinstance(segment.curve, OptimalCurve) and segment.rise == 0.0:
+        problem = "an optimal law rises or returns"
+        yield Fault(f"{path}.rise_{unit}", segment.rise, problem, "any number but 0, or another law")
     law = find_law(segment.curve.law) if isinstance(segment.curve, NamedCurve) else None
     if law is None:
         return
@@ -185,12 +190,27 @@ def _rows_are_complete(curve: TableCurve, segment: Segment, path: str) -> Iterat
             yield Fault(f"{at}.velocity", MISSING, "a row with an acceleration has a velocity too", "any number")
 
 
+def _optimal_law_is_stated(curve: OptimalCurve, segment: Segment, path: str) -> Iterator[Fault]:
+    """The bounds of an optimal law have a length, its followers oscillate."""
+    yield from _points_are_in_the_span(curve, segment, path)
+    for i, cycles in enumerate(curve.vibration_free):
+        if not 0.0 < cycles <= MOST_CYCLES:
+            yield Fault(f"{path}.vibration_free[{i}]", cycles, "cycles a span", f"above 0 ... {MOST_CYCLES:g}")
+    for key in ("below", "above"):
+        for i, bound in enumerate(getattr(curve, key)):
+            if bound.end <= bound.start:
+                yield Fault(f"{path}.{key}[{i}]", [bound.start, bound.end], "ends before it starts", "from < to")
+
+
+MOST_CYCLES = 1000.0  # a span: more are vibrations that no law excites
+
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
     {
         NamedCurve: _named_curve_options,
         SccaCurve: _ramps_fit,
         SplineCurve: _points_are_in_the_span,
         TableCurve: _rows_are_complete,
+        OptimalCurve: _optimal_law_is_stated,
     }
 )
 
@@ -200,8 +220,8 @@ def _joined_neighbour(motion: Motion, index: int, path: str) -> Iterator[Fault]:
     segments = motion.segments
     for end, side in (("start", -1), ("end", 1)) if len(segments) > 1 else ():
         neighbour = segments[(index + side) % len(segments)].curve
-        is_undetermined = isinstance(neighbour, TableCurve) and JOINED in (neighbour.start, neighbour.end)
-        if is_undetermined and getattr(segments[index].curve, end, None) == JOINED:
+        is_undetermined = is_joined(neighbour, "start") or is_joined(neighbour, "end")
+        if is_undetermined and is_joined(segments[index].curve, end):
             yield Fault(f"{path}.{end}", JOINED, "the adjacent segment is joined itself", " | ".join(TABLE_ENDS[:-1]))
 
 

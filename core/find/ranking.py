@@ -15,7 +15,7 @@ from math import isnan
 
 from core.blend import BlendResult, best, blend, sequences
 from core.cam import form_row
-from core.design import Design, NamedCurve, Segment, edited, faults, split_unit
+from core.design import Design, OptimalCurve, Segment, curve_of, edited, faults, split_unit
 from core.errors import DesignError, KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
@@ -217,8 +217,9 @@ def moving_segments(design: Design) -> tuple[int, ...]:
 
 
 def law_candidates(design: Design, numbers: Sequence[int]) -> dict[str, Candidate]:
-    """Designs with each moving law in place of the law of these segments."""
-    return {slug: partial(_with_law, design, numbers, slug) for slug, law in LAWS.items() if not law.is_dwell}
+    """Designs with each moving law in place of the law of these segments; an optimal law keeps its settings."""
+    slugs = (*(slug for slug, law in LAWS.items() if not law.is_dwell), OptimalCurve.law)
+    return {slug: partial(_with_law, design, numbers, slug) for slug in slugs}
 
 
 def _with_law(design: Design, numbers: Sequence[int], slug: str) -> Design:
@@ -263,10 +264,11 @@ def blend_candidates(
     strokes = _strokes(blended.segments)
 
     def of_law(slug: str) -> Design:
-        parts = tuple(replace(stroke, curve=NamedCurve(slug)) for stroke in strokes)
+        parts = tuple(replace(stroke, curve=curve_of(slug)) for stroke in strokes)
         return put(replace(blended, segments=parts))
 
-    return rows | {slug: partial(of_law, slug) for slug, law in LAWS.items() if not (law.is_dwell or law.rises)}
+    slugs = (*(slug for slug, law in LAWS.items() if not (law.is_dwell or law.rises)), OptimalCurve.law)
+    return rows | {slug: partial(of_law, slug) for slug in slugs}
 
 
 def _strokes(segments: Sequence[Segment]) -> list[Segment]:

@@ -28,8 +28,9 @@ CONSTANT_VELOCITY = "With constant velocity in the middle"
 SERIES = "Harmonic series"
 BLENDING_RISE, BLENDING_RETURN = "Elementary curves for blending: rise", "Elementary curves for blending: return"
 THROUGH_POINTS = "Through points"
+MADE_TO_MEASURE = "Made to measure"
 GROUPS = (
-    STANDSTILL, STANDARD, POLYNOMIALS, CONSTANT_VELOCITY, SERIES, BLENDING_RISE, BLENDING_RETURN, THROUGH_POINTS,
+    STANDSTILL, STANDARD, POLYNOMIALS, CONSTANT_VELOCITY, SERIES, BLENDING_RISE, BLENDING_RETURN, THROUGH_POINTS, MADE_TO_MEASURE,
 )  # fmt: skip
 """Groups in the order of the menus; further groups follow them."""
 
@@ -303,6 +304,9 @@ _ROWS = (
         help="least jerk through points to choose; periodic where it takes the whole turn"),
     Law("table", "Table", THROUGH_POINTS, (), _POINTS, "least jerk", "TAB", where=_POINTS_WHERE, own="rows of a table",
         help="least jerk through rows of a table: measured, or rolled off a drawing"),
+    Law("optimal", "Optimal", MADE_TO_MEASURE, (), ("min max |s⁽ᵏ⁾|",), "least peak or mean square", "OPT",
+        where="s⁽ᵏ⁾ the derivative whose peak, or whose root mean square, is least within the limits on the others",
+        own="aim and limits to set", help="least peak or root mean square of a derivative, within limits on the others"),
 )  # fmt: skip
 
 EVERY_LAW: Mapping[str, Law] = MappingProxyType({row.slug: row for row in _ROWS})

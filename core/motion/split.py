@@ -14,8 +14,10 @@ import numpy as np
 from core.design import (
     AT_REST,
     Curve,
+    CurveBound,
     Design,
     Motion,
+    OptimalCurve,
     PolynomialCurve,
     PolynomialEnd,
     Segment,
@@ -60,7 +62,7 @@ def with_segment_split(motion: Motion, index: int, angle: float | None = None) -
     first_span = balance(cut_at(motion, index, angle), (begin,))
     state = _state(motion, index, first_span)
     first_rise = state[0] if _has_exact_parts(segment) else balance(state[0], ())
-    if whole_turn and isinstance(segment.curve, SplineCurve):
+    if whole_turn and _is_least_jerk(segment.curve):
         segment = _with_stated_ends(segment, _state(motion, index, 0.0))
     curves = _cut_curves(segment, first_span, first_rise, state)
     return _replaced_by_two(motion, index, (first_span, first_rise), curves)
@@ -73,7 +75,7 @@ def with_segment_copied(motion: Motion, index: int) -> Motion:
     contradict each other.
     """
     segment = motion.segments[index]
-    if len(motion.segments) == 1 and isinstance(segment.curve, SplineCurve):
+    if len(motion.segments) == 1 and _is_least_jerk(segment.curve):
         segment = _with_stated_ends(segment, _state(motion, index, 0.0))
     height = 0.5 if segment.rise else 1.0
     curve = stretched(segment.curve, 0.5, height)
@@ -202,7 +204,12 @@ def _has_exact_parts(segment: Segment) -> bool:
     """Whether parts of the curve are curves of the same kind."""
     law = find_law(segment.curve.law)
     straight = law is not None and law.pieces == LAWS["constant-velocity"].pieces
-    return straight or isinstance(segment.curve, PolynomialCurve | SplineCurve)
+    return straight or isinstance(segment.curve, PolynomialCurve) or _is_least_jerk(segment.curve)
+
+
+def _is_least_jerk(curve: Curve) -> bool:
+    """Whether a curve is the one of least jerk through its points: a spline or a table."""
+    return isinstance(curve, SplineCurve) and not isinstance(curve, OptimalCurve)
 
 
 def _cut_curves(segment: Segment, at: float, rise: float, state: tuple[float, ...]) -> tuple[Curve, Curve]:
@@ -230,9 +237,39 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: tuple[float, ..
                 replace(curve, points=(*before, SplinePoint(at, rise, v, a)), end=AT_REST),
                 replace(curve, points=(SplinePoint(0.0, 0.0, v, a), *shifted), start=AT_REST),
             )
+        if isinstance(curve, OptimalCurve):
+            return _cut_optimal(
+                curve, at / segment.span_deg, rise / (segment.rise or 1.0), tuple(before), tuple(shifted)
+            )
         ends = SplinePoint(at, None, v, a), SplinePoint(0.0, None, v, a)
         return replace(curve, points=(*before, ends[0])), replace(curve, points=(ends[1], *shifted))
     return curve, curve
+
+
+def _cut_optimal(
+    curve: OptimalCurve, u: float, s: float, before: tuple[SplinePoint, ...], after: tuple[SplinePoint, ...]
+) -> tuple[OptimalCurve, OptimalCurve]:
+    """Optimal laws of both parts, from rest to rest, of a law split at u and s, with its obstacles."""
+
+    def part(
+        from_u: float, to_u: float, from_s: float, to_s: float, bounds: tuple[CurveBound, ...]
+    ) -> tuple[CurveBound, ...]:
+        width, height = to_u - from_u, (to_s - from_s) or 1.0
+        return tuple(
+            CurveBound(
+                (max(row.start, from_u) - from_u) / width,
+                (min(row.end, to_u) - from_u) / width,
+                (row.rise - from_s) / height,
+            )
+            for row in bounds
+            if row.end > from_u + _SAME and row.start < to_u - _SAME
+        )
+
+    first, second = (0.0, u, 0.0, s), (u, 1.0, s, 1.0)
+    return (
+        replace(curve, points=before, end=AT_REST, below=part(*first, curve.below), above=part(*first, curve.above)),
+        replace(curve, points=after, start=AT_REST, below=part(*second, curve.below), above=part(*second, curve.above)),
+    )
 
 
 def _with_stated_ends(segment: Segment, state: tuple[float, ...]) -> Segment:

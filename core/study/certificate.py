@@ -10,16 +10,23 @@ from functools import partial
 import numpy as np
 
 from core import cam, dynamics, shaft
+from core.design import Motion, OptimalCurve
+from core.design.curves import optimal_task, segment_shape, with_joined_ends
 from core.errors import NoStability
 from core.findings import LEAST_BOUND, Residual
 from core.instant_centres import moving_collinearity
+from core.laws import PieceTable
 from core.mechanism import unit_speed_kinematics
 from core.mechanism.groups import CONSISTENT
 from core.motion import EPS
+from core.motion.extremes import find_extremes
+from core.numerics.roots import gauss
 from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on
 from core.study.study import Study
 
+OPTIMUM_GAP = 1e-3  # bound of the gap between a law and the best one
+NO_OPTIMUM = 1e-9  # a least peak below it is 0: the law is straight
 _POSITIONS = 120  # of the mechanism, at which Kennedy's theorem is checked
 _MAX_BOUND = 1e-6  # of unit vectors: a greater bound would accept lines that clearly miss each other
 
@@ -50,6 +57,7 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
         last = study.program.joins[-1]
         stroke = float(np.ptp(study.motion.displacement[0])) or 1.0
         proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
+        proof.update(_optimum_gaps(study.program.motion))
     if "linkage" in stages:
         agrees = CONSISTENT if study.mechanism.plan.redundant else 0.0  # by which redundant pairs may be open
         proof["loop_closure"] = _worst(study.linkage.residual, np.maximum(agrees, EPS * study.linkage.condition))
@@ -65,6 +73,46 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
         if study.vibrates:
             proof["elastic_follower_energy"] = study.follower_response.energy_residual
     return proof
+
+
+class _SpanPieces:
+    """Pieces of a law over its span 0 ... 1, whose extremes are searched in place of those of a turn."""
+
+    def __init__(self, table: PieceTable) -> None:
+        self.starts, self.ends = table.starts, np.append(table.starts[1:], 1.0)
+
+
+def _optimum_gaps(motion: Motion) -> Iterator[tuple[str, Residual]]:
+    """True peak or root mean square of every optimal law over the least one for its knots, less 1."""
+    whole_turn = len(motion.segments) == 1
+    for i in range(len(motion.segments)):
+        segment = with_joined_ends(motion, i)
+        if isinstance(segment.curve, OptimalCurve):
+            from core.laws.optimal import optimal_law  # imported here to save start-up time
+
+            task = optimal_task(segment.curve, segment, whole_turn)
+            table = PieceTable(segment_shape(segment, whole_turn, f"motion.segments[{i}]").pieces)
+            reached = (_root_mean_square if task.rms else _peak)(table, task.order)
+            least = optimal_law(task).least
+            gap = reached / least - 1.0 if least > NO_OPTIMUM else reached
+            yield f"optimum_gap_{i + 1}", Residual(max(gap, 0.0), OPTIMUM_GAP)
+
+
+def _peak(table: PieceTable, order: int) -> float:
+    """Largest absolute derivative of a law."""
+    extremes = find_extremes(
+        lambda angles: {"": table.rows(angles.piece, angles.theta - table.starts[angles.piece])(order)},
+        _SpanPieces(table),
+    )[""]
+    return max(-extremes.low.value, extremes.high.value)
+
+
+def _root_mean_square(table: PieceTable, order: int) -> float:
+    """Root mean square of a derivative of a law."""
+    pieces = _SpanPieces(table)
+    width, (nodes, weight) = pieces.ends - pieces.starts, gauss(table.derivatives[0].shape[0])
+    rows = table.rows(np.repeat(np.arange(width.size), nodes.size), np.outer(width, nodes).ravel())
+    return float(np.sqrt(np.outer(width, weight).ravel() @ rows(order) ** 2))
 
 
 def _flank_residuals(study: Study) -> Iterator[tuple[str, Residual]]:

@@ -15,7 +15,18 @@ from PySide6.QtGui import QPainter, QPolygonF
 
 from core.cam import PRESSURE_LIMITS
 from core.design import Curve as DesignCurve
-from core.design import Design, PolynomialCurve, PolynomialEnd, Segment, SplineCurve, SplinePoint, TableCurve, curve_of
+from core.design import (
+    CurveLimits,
+    Design,
+    OptimalCurve,
+    PolynomialCurve,
+    PolynomialEnd,
+    Segment,
+    SplineCurve,
+    SplinePoint,
+    TableCurve,
+    curve_of,
+)
 from core.design.curves import segment_shape
 from core.design.fields import in_sentence
 from core.errors import KindynaError
@@ -275,6 +286,7 @@ _EXAMPLES: Mapping[str, DesignCurve] = MappingProxyType(
         "table": TableCurve(
             tuple(SplinePoint(SPAN * u, u * u * (3.0 - 2.0 * u)) for u in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))
         ),
+        "optimal": OptimalCurve(limits=CurveLimits(jerk=48.0), intervals=24),
         "spline": SplineCurve((SplinePoint(22.0, 0.55), SplinePoint(48.0, 0.3), SplinePoint(70.0, 0.8))),
     }
 )

@@ -203,7 +203,7 @@ def test_what_is_not_found_is_told(user: User) -> None:
 
 def test_the_list_shows_the_law_that_is_chosen(user: User) -> None:
     shown = picker(user)
-    for _ in range(12):
+    for _ in range(11):
         user.press(Qt.Key.Key_Down)
     assert shown.grid.current == "spline"
     assert (
@@ -416,4 +416,4 @@ def test_every_parameter_has_a_name(user: User) -> None:
         ("spline", "motion.segments[1].points[0]", "Segment 2, point 1"),
     ):
         assert name_of(edited(LIFT, "motion.segments[1].law", slug), path) == name
-    assert [law_label(slug) for slug in CURVES] == ["SCCA", "Polynomial", "Spline", "Table"]
+    assert [law_label(slug) for slug in CURVES] == ["SCCA", "Polynomial", "Spline", "Table", "Optimal"]
