@@ -258,6 +258,11 @@ class TrainRow:
     arm: str = ""
 
     @property
+    def of(self) -> str:
+        """What the lifts of its cards usually are: of the lobe, or of the valve where a rocker's motion is the valve's."""
+        return VALVE if self.arm and self.moves_valve else LOBE
+
+    @property
     def ratio(self) -> float:
         """Rocker ratio of a new design."""
         return float(self.follower["pad_mm"] / self.follower[self.arm]) if self.arm else 1.0
@@ -432,7 +437,7 @@ def card_of(design: Design) -> TrainCard:
     row = TRAINS[trains[0]]
     card = TrainCard(
         train=trains[0],
-        of=VALVE if row.arm and row.moves_valve else LOBE,
+        of=row.of,
         ratio=_rounded(_ratio(drives[0], row.arm)) if row.arm else None,
     )
     inlet, exhaust = (_valve_of(drive, card, sense) for drive, sense in zip(drives, (1.0, -1.0), strict=True))

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import (
     QButtonGroup,
@@ -301,7 +301,9 @@ class ValveTrainDialog(QDialog):
         return _with_value(self.card, self._typed, self.same.isChecked(), number)
 
     def _choose_train(self, word: str, *_: object) -> None:
-        self._take(replace(self.card, train=word, ratio=None))
+        with QSignalBlocker(self.of):
+            self.of.setCurrentIndex(self.of.findData(TRAINS[word].of))
+        self._take(replace(self.card, train=word, ratio=None, of=TRAINS[word].of))
 
     def _choose_of(self, *_: object) -> None:
         self._take(replace(self.card, of=self.of.currentData()))

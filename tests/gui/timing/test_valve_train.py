@@ -203,8 +203,13 @@ def test_a_pushrod_train_is_chosen_by_its_picture_and_opens_by_its_ratio(user: U
         assert [button.text() for button in dialog.pictures.values()] == ["Direct", "Finger", "Rocker", "Pushrod"]
         assert not dialog.boxes[RATIO].isVisible(), "a direct train has none"
         assert not any(button.icon().isNull() for button in dialog.pictures.values())
+        QTest.mouseClick(dialog.pictures["finger"], LEFT)
+        settle()
+        assert dialog.of.currentText() == "valve"
+        assert max(dialog.plots[0].lines[0][1]) == pytest.approx(9.0, abs=1e-9), "of the valve, whatever the ratio"
         QTest.mouseClick(dialog.pictures["pushrod"], LEFT)
         settle()
+        assert dialog.of.currentText() == "lobe"
         assert dialog.boxes[RATIO].number == 1.5
         enter(dialog, "inlet", "lift_mm", "7")
         enter(dialog, *RATIO, "1.6")
