@@ -338,6 +338,10 @@ class Finder(QFrame):
         self.shown = [match for _, _, match in ranked[:MOST]]
         rows = [TableRow((match.kind, match.title, match.detail), tip=match.tip) for match in self.shown]
         self.rows.show(rows or [TableRow(("", f"{NOTHING} {text.strip()}", ""))])
+        self.list.clearSpans()
+        for number, row in enumerate(rows):
+            if not row.cells[-1]:  # a sentence, such as that of a refused value, has the room of keys and values too
+                self.list.setSpan(number, 1, 1, 2)
         if self.shown:
             self.list.selectRow(0)
 

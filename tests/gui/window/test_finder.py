@@ -131,6 +131,8 @@ def test_enter_on_a_refused_value_does_not_redo_what_was_undone(user: User) -> N
     user.choose("Edit", f"Undo {user.steps[0]}")
     finder = find(user, "base radius 420 N")
     assert [match.kind for match in finder.shown][:1] == ["Refused"]
+    sentence = finder.rows.index(0, 1)
+    assert finder.list.visualRect(sentence).width() >= finder.list.sizeHintForIndex(sentence).width(), "read in full"
     user.press(Qt.Key.Key_Return)
     assert user.session.stack.index() == 0
     user.press(Qt.Key.Key_Escape)
