@@ -139,7 +139,7 @@ def crank_text(degrees: float) -> str:
     return f"{fixed_text(abs(past), 2)} {'BBDC' if past < 0.0 else 'ABDC'}"
 
 
-_LINES = (
+FIGURES = (
     ("lift_at_tdc_mm", "valve lift at TDC", "mm"),
     ("velocity_mm_per_deg", "velocity", "mm/deg"),
     ("acceleration_mm_per_deg2", "acceleration", "mm/deg²"),
@@ -169,7 +169,7 @@ def valve_text(data: dict[str, Any]) -> str:
             lines.append(f"  {event['of']} at {event['at_mm']:g} mm: opens {opens}, closes {closes}, {duration} deg")
         for lift_mm, value in valve.get("intensity_deg", {}).items():
             lines.append(f"  intensity {lift_mm} to {REFERENCE:g} mm: {fixed_text(value, 2)} deg")
-        for key, words, unit in _LINES:
+        for key, words, unit in FIGURES:
             if key in valve:
                 values = valve[key] if isinstance(valve[key], list) else [valve[key]]
                 lines.append(f"  {words}: {' ... '.join(result_text(v, 6) for v in values)} {unit}")

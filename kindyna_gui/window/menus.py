@@ -525,6 +525,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keyboard; measured tables"),
             Item("&Blended motions", "show_help", "blending", None, "Which curve may follow which; the card picker as an example"),
             Item("T&iming of several drives", "show_help", "timing", None, "The timing chart by mouse; sequence conditions"),
+            Item("Valve trains of &4-stroke engines", "show_help", "valves", None, "From a cam card to both valves over the crank"),
             Item("&Followers", "show_help", "followers", None, "Cam slider, translating and swinging followers"),
             Item("Fi&nding dimensions", "show_help", "finding", None, "The smallest dimension within your limits, or the best one"),
             Item("Studies of man&y designs", "show_help", "studies", None, "Tables of many designs, tolerances, the best design"),

@@ -253,6 +253,16 @@ def _timing(subject: Subject) -> list[Section]:
     return _with(content.timing(subject.study.design), subject.pictures({"timing": caption}))
 
 
+def _valve_train(subject: Subject) -> list[Section]:
+    if subject.study.design.engine is None:
+        return []
+    from core.output.report.valve_train import valve_train  # only reports of valve trains need it
+
+    caption = "Lifts of the valves over the crank from TDC of overlap; points are the typed rows of the lobes."
+    sections = valve_train(subject.study.design)
+    return _with(sections, subject.pictures({"valves": caption})) if sections else []
+
+
 def _motion(subject: Subject) -> list[Section]:
     if "motion" not in subject.study.stages:
         return []
@@ -345,6 +355,7 @@ CHAPTERS: tuple[Chapter, ...] = (
     Chapter("Inputs", SINGLE, _inputs, "inputs"),
     Chapter("Inputs of the shaft", (SHAFT,), _inputs, "inputs"),
     Chapter("Timing", (SHAFT,), _timing),
+    Chapter("Valve train", DESIGN, _valve_train),
     Chapter("Motion", SINGLE, _motion),
     Chapter("Mechanism and cam", SINGLE, _cam, within="Mechanism"),
     Chapter("Mechanism", SINGLE, _links),
@@ -380,6 +391,7 @@ TEXT: tuple[Chapter, ...] = (
     Chapter("", SINGLE, lambda subject: content.linkage_inputs(subject.study)),
     Chapter("", EVERY, _marked_inputs),
     Chapter("", (SHAFT,), lambda subject: content.timing(subject.study.design)),
+    Chapter("", DESIGN, lambda subject: [replace(part, title=part.title or "Valve train") for part in _valve_train(subject)]),
     Chapter("", (SHAFT,), lambda subject: content.torque(subject.study.camshaft)),
     Chapter("", SINGLE, lambda subject: content.motion(subject.study)),
     Chapter("", SINGLE, lambda subject: content.cycle(subject.study)),

@@ -33,14 +33,19 @@ from kindyna_gui.pictures.painter import (
     report_scene,
     svg_bytes,
 )
-from kindyna_gui.pictures.paper.timing_chart import DEGREES, ChartHighlights, TimingChart
+from kindyna_gui.pictures.paper.crank_chart import CrankChart
+from kindyna_gui.pictures.paper.timing_chart import CRANK, DEGREES, ChartHighlights, TimingChart
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BALANCE, LIGHT, Theme
 
 WIDTH = 680  # width of all pictures, pixels
 PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of the margins of a stack, and least height of a stack, pixels
 MECHANISM, CHART = 390, 380  # heights of a mechanism and of a stability chart, pixels
-BAND, AXIS = 78, 48  # heights of a drive's band and of the axis in a timing chart, pixels
+BAND, PANEL, AXIS = (
+    78,
+    240,
+    48,
+)  # heights of a drive's band, of a cylinder's valves, and of the axis in a timing chart, pixels
 GLANCE = 300  # height of the picture on the first page, pixels
 ENLARGED = 16.0  # magnification up to which the curves of a mechanism are smooth
 SPEED = "Speed, rpm"
@@ -147,6 +152,12 @@ def _timing(study: Study, theme: Theme, part: float) -> Vector:
     return Vector(WIDTH, height, lambda painter: chart.paint(painter, ChartHighlights()))
 
 
+def _valves(study: Study, theme: Theme, part: float) -> Vector:
+    height = int(part * (PANEL * CrankChart.panel_count(study.design) + AXIS))
+    chart = CrankChart(study.design, WIDTH, height, CRANK, replace(theme, ratio=1.0))
+    return Vector(WIDTH, height, lambda painter: chart.paint(painter, ChartHighlights()))
+
+
 def _torque(study: Study, theme: Theme, part: float) -> Vector:
     """Torques of the drives and of the shaft, and the speed of a shaft with a flywheel."""
     shaft = study.camshaft
@@ -188,6 +199,7 @@ VECTORS: Mapping[str, Callable[[Any, Theme, float], Vector]] = MappingProxyType(
         "stability": _chart,
         "timing": _timing,
         "torque": _torque,
+        "valves": _valves,
     }
 )
 """Functions that draw the pictures of a report, by name."""

@@ -1,0 +1,86 @@
+"""The chapter of a valve train: the cam card as it came out, events, and each pair of inlet and exhaust valve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from core.design import Design
+from core.number_text import input_text
+from core.output.lines import printable
+from core.output.report.parts import Cell, Number, Section, section, table
+from core.valves import LIFTS, crank_text, valve_data, valve_timings
+from core.valves.card import FIGURES, REFERENCE
+
+TYPED = (("centre_deg", "lobe centre", "crank °"), ("lash_mm", "lash", "mm"))
+LIFT_ROWS = (("lobe_lift_mm", "lobe lift", "mm"), ("valve_lift_mm", "valve lift", "mm"))
+"""Key of the data -> words and unit of the first rows of the card; those that are typed, and the greatest lifts."""
+EVENT_HEADER = ("Valve", "lift of", "at mm", "opens °", "closes °", "duration crank °")
+
+
+def valve_train(design: Design) -> list[Section]:
+    """Card of every valve, events at the default lifts, and pairs; an empty list without valves."""
+    if design.engine is None or all(drive.valve is None for drive in design.drives):
+        return []
+    data = valve_data(valve_timings(design), LIFTS)
+    valves: Sequence[Mapping[str, Any]] = data["valves"]
+    names = [printable(valve["drive"]) for valve in valves]
+    return [
+        *section("", table(("", *names, ""), _card(valves), slug="valves")),
+        *section("Valve events, crank degrees", table(EVENT_HEADER, _events(valves), left=2, slug="valve_events")),
+        *section("Inlet and exhaust", table((), _pairs(data["pairs"]), left=2, slug="valve_pairs")),
+    ]
+
+
+def _card(valves: Sequence[Mapping[str, Any]]) -> list[Sequence[Cell]]:
+    """A row for every figure, a column for every valve; a range is a row for each end."""
+    rows: list[Sequence[Cell]] = [
+        (words, *(input_text(valve[key]) for valve in valves), unit) for key, words, unit in TYPED
+    ]
+    for key, words, unit in (*LIFT_ROWS, *FIGURES):
+        cells = [valve.get(key) for valve in valves]
+        if any(isinstance(cell, list) for cell in cells):
+            for end, name in enumerate(("least", "greatest")):
+                ends = [None if cell is None else cell[end] for cell in cells]
+                rows.append(_row(f"{name} {words}", ends, unit))
+        elif any(cell is not None for cell in cells):
+            rows.append(_row(words, cells, unit))
+    for lift in dict.fromkeys(lift for valve in valves for lift in valve.get("intensity_deg", {})):
+        cells = [valve.get("intensity_deg", {}).get(lift) for valve in valves]
+        rows.append(_row(f"intensity from {lift} to {REFERENCE:g} mm", cells, "crank °"))
+    return rows
+
+
+def _row(words: str, values: Iterable[float | None], unit: str) -> Sequence[Cell]:
+    return (words, *("" if value is None else Number(value) for value in values), unit)
+
+
+def _events(valves: Sequence[Mapping[str, Any]]) -> list[Sequence[Cell]]:
+    """Opening, closing and duration; a valve without lash has those of its lobe where both lift alike."""
+    rows: list[Sequence[Cell]] = []
+    for valve in valves:
+        known: dict[tuple[float, ...], str] = {}
+        for event in valve["events"]:
+            angles = event["at_mm"], event["opens_deg"], event["closes_deg"]
+            known[angles] = f"{known[angles]}, {event['of']}" if angles in known else event["of"]
+        rows += [
+            (printable(valve["drive"]), of, f"{at:g}", crank_text(opens), crank_text(closes), Number(closes - opens))
+            for (at, opens, closes), of in known.items()
+        ]
+    return rows
+
+
+def _pairs(pairs: Sequence[Mapping[str, Any]]) -> list[Sequence[Cell]]:
+    rows: list[Sequence[Cell]] = []
+    for pair in pairs:
+        names = f"{printable(pair['intake'])}, {printable(pair['exhaust'])}"
+        rows.append((names, "separation, cam °", Number(pair["separation_deg"])))
+        rows.append((names, "advance, cam °", Number(pair["advance_deg"])))
+        known: dict[tuple[float, float], str] = {}
+        for overlap in pair["overlap"]:
+            key = overlap["at_mm"], overlap["deg"]
+            known[key] = f"{known[key]}, {overlap['of']}" if key in known else overlap["of"]
+        rows += [(names, f"overlap at {at:g} mm of the {of}, crank °", Number(deg)) for (at, deg), of in known.items()]
+        if "overlap_area_mm_deg" in pair:
+            rows.append((names, "overlap area, mm·crank °", Number(pair["overlap_area_mm_deg"])))
+    return rows
