@@ -16,12 +16,14 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from benchmarks import designs, forces, laws, plain, processes
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
 from linkages import chain
 
-from core.design import Design, put
+from core.design import Design, OptimalCurve, Segment, put
+from core.design.curves import segment_shape
 from core.design.engine import Lobe, LobeRow
 from core.design.lobe import lobe_sides
 from core.mechanism.drivers import with_drawn_pose
@@ -41,7 +43,8 @@ START = "start with the lift, settled, by an empty window"
 RANK = "rank of a drawing: twelve links"
 FINDINGS = "findings: a new lift"
 LOBE = "lobe: a new duration, by a law"
-DURATIONS = count(1)  # solved lobes are remembered
+OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
+DURATIONS = count(1)  # solved lobes and laws are remembered
 EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
 
 Limits = Mapping[str, Mapping[str, Any]]
@@ -63,6 +66,7 @@ def keys() -> dict[str, Callable[[], float]]:
         RANK: look_at_rank,
         FINDINGS: look_at_findings,
         LOBE: look_at_lobe,
+        OPTIMUM: look_at_optimum,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
         **{
@@ -130,6 +134,18 @@ def look_at_lobe(seconds: float = SECONDS) -> float:
 
     ours = Fresh(lambda: partial(lobe_sides, another()))
     told = measure({"ours": ours, "rival": partial(laws.ours, laws.KERNEL.grid(3600), None)}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_optimum(seconds: float = SECONDS) -> float:
+    """The law of least jerk with 60 intervals, with other cycles of a follower at rest each time, by numpy's sines of 3,600 angles."""
+    angles = np.deg2rad(np.arange(3600) / 10.0)
+
+    def another() -> Segment:
+        return Segment(90.0, 1.0, OptimalCurve(minimise="jerk", vibration_free=(3.3 + 1e-6 * next(DURATIONS),)))
+
+    ours = Fresh(lambda: partial(segment_shape, another(), False, "segment"))
+    told = measure({"ours": ours, "rival": partial(np.sin, angles)}, seconds).seconds
     return told["ours"] / told["rival"]
 
 
