@@ -55,6 +55,8 @@ Reasons = tuple[tuple[str, str, str], ...]
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
     {
+        "rms_acceleration": "rms of acceleration",
+        "rms_jerk": "rms of jerk",
         "ccw": "counter-clockwise",
         "cw": "clockwise",
         "roller": "roller",

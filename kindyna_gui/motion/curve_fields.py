@@ -31,6 +31,7 @@ from core.design import (
     Info,
     Motion,
     NamedCurve,
+    OptimalCurve,
     PolynomialCurve,
     PolynomialEnd,
     SccaCurve,
@@ -61,6 +62,7 @@ from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
 
 if TYPE_CHECKING:
     from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
+    from kindyna_gui.motion.optimal_form import ListLine
 from kindyna_gui.settings import symbol_of
 
 PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
@@ -159,10 +161,12 @@ class CurveField(Field):
 class EndField(CurveField):
     """Field of an end of a polynomial; a jerk may be left open."""
 
+    hint = "free"
+
     def _number_box(self) -> NumberBox:
         if not self.spec.info.optional:
             return super()._number_box()
-        box = OptionalBox(self.spec.info, self.spec.unit)
+        box = OptionalBox(self.spec.info, self.spec.unit, hint=self.hint)
         connect_all(
             (box.entered, self._enter),
             (box.emptied, self._leave_open),
@@ -181,6 +185,12 @@ class EndField(CurveField):
 
     def _leave_open(self) -> None:
         self.edit(None, f"Leave {name_in_sentence(self.session.typed, self.spec.path)} open")
+
+
+class LimitField(EndField):
+    """Field of a limit, which may be left out."""
+
+    hint = "none"
 
 
 def name_in_sentence(design: Design, path: str) -> str:
@@ -413,6 +423,7 @@ class SegmentCurveForm(QWidget):
         self._shown: tuple[int, type | str, tuple[str, ...]] = (-1, "", ())
         self.fields: dict[str, Field] = {}
         self.points: PointsTable | None = None
+        self.lists: list[ListLine] = []
         self._form_area = ContentArea(session, player)
         self._column = fill(QVBoxLayout(self), self._form_area, margins=(10, 3, 6, 0), spacing=2)
         self.update_style()
@@ -431,12 +442,14 @@ class SegmentCurveForm(QWidget):
             self._build(design, index, kind)
         for field in self.fields.values():
             field.refresh(design)
+        for line in self.lists:
+            line.show_design(design)
         if self.points is not None:
             self.points.show_segment(design, index)
 
     def _build(self, design: Design, index: int, kind: type | None) -> None:
         self._paper = QWidget()
-        self.fields, self.points = {}, None
+        self.fields, self.points, self.lists = {}, None, []
         if kind is None:
             self._add_sentence(f"{law_label(require_motion(design).segments[index].curve.law)}: no further settings")
         else:
@@ -487,6 +500,16 @@ class SegmentCurveForm(QWidget):
         """Add the conditions at the ends of a table, and its rows."""
         self._add_points(self._rows(design, index, END_KEYS))
 
+    def _optimal(self, design: Design, index: int) -> None:
+        """Add aim, ends, limits and obstacles of an optimal law, and its points."""
+        from kindyna_gui.motion.optimal_form import add_rows, scrolled_grid  # imported here to save start-up time
+
+        grid = scrolled_grid(self._paper)
+        self.lists = add_rows(
+            self._session, design, index, grid, lambda spec: self._register(LimitField(self._session, spec))
+        )
+        self._add_points(grid)
+
     def _add_points(self, grid: QGridLayout) -> None:
         self.points = PointsTable(self._session, self._player)
         grid.addWidget(self.points, grid.rowCount(), 0, 1, -1)
@@ -519,6 +542,10 @@ class SegmentCurveForm(QWidget):
         if field is not None:
             field.focus()
             return True
+        line = next((line for line in self.lists if path.startswith(line.path)), None)
+        if line is not None:
+            line.setFocus(Qt.FocusReason.OtherFocusReason)
+            return True
         if self.points is not None and ".points" in path:
             self.points.table.setFocus(Qt.FocusReason.OtherFocusReason)
             return True
@@ -532,6 +559,7 @@ FORMS: Mapping[type, Callable[[SegmentCurveForm, Design, int], object]] = Mappin
         PolynomialCurve: SegmentCurveForm._ends,
         SplineCurve: SegmentCurveForm._points,
         TableCurve: SegmentCurveForm._table,
+        OptimalCurve: SegmentCurveForm._optimal,
         ComputedCurve: SegmentCurveForm._computed,
     }
 )
