@@ -41,11 +41,7 @@ from kindyna_gui.pictures.style import BALANCE, LIGHT, Theme
 WIDTH = 680  # width of all pictures, pixels
 PLOT, EDGES, LEAST = 121, 66, 230  # heights of a plot, of the margins of a stack, and least height of a stack, pixels
 MECHANISM, CHART = 390, 380  # heights of a mechanism and of a stability chart, pixels
-BAND, PANEL, AXIS = (
-    78,
-    240,
-    48,
-)  # heights of a drive's band, of a cylinder's valves, and of the axis in a timing chart, pixels
+BAND, PANEL, AXIS = 78, 240, 48  # heights of a drive, a cylinder's valves, and the axis in a timing chart, pixels
 GLANCE = 300  # height of the picture on the first page, pixels
 ENLARGED = 16.0  # magnification up to which the curves of a mechanism are smooth
 SPEED = "Speed, rpm"
