@@ -312,10 +312,11 @@ class CrankChart(TimingChart):
             self._paint_pair_texts(painter, pair, self.box(inlet.drive).top() + sized(TEXT_HEIGHT) + 2.0)
 
     def _paint_pair_texts(self, painter: QPainter, pair: ValvePair, top: float) -> None:
-        """Write separation, advance and overlap below each other at TDC of overlap."""
+        """Write overlap, separation and advance below each other at TDC of overlap, where the lobes leave room at the top."""
         painter.setPen(QColor(self.theme.limit))
         x = self.x(within_cycle(pair.inlet.valve.cylinder_deg))
-        for row, text in enumerate(pair_text(pair).split(", ")):
+        *others, longest = pair_text(pair).split(", ")
+        for row, text in enumerate((longest, *others)):
             width = self._metrics.horizontalAdvance(text) + 6.0
             left = min(max(x - width / 2.0, self.left), self.right - width)
             box = QRectF(left, top + row * sized(TEXT_HEIGHT), width, sized(TEXT_HEIGHT))
