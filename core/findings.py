@@ -270,6 +270,10 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the {face} leaves the cam: contact force {force_n} N; it lifts off at {speed_rpm} rpm and above: add closing force or "
             "lower the speed", remedy=_SPRING, severities=(ERROR,),
         ),
+        "lash-beyond-ramp": FindingRow(
+            "the valve {verb} on the flank of the lobe: the lash is taken up at {lash_mm} mm of lobe lift, the ramp ends at {ramp_mm} mm: "
+            "enlarge the ramp, or reduce the lash", _compared("lash_mm", "ramp_mm"),
+        ),
         "elastic-separation": FindingRow(
             "the {face} of the elastic follower leaves the cam{at}: contact force {force_n} N in steady running, though a rigid one "
             "would stay on it: add closing force, stiffness or damping, lower the speed, or use a gentler motion", remedy=_SPRING,

@@ -88,8 +88,8 @@ class Drive:
 
     @property
     def has_valve(self) -> bool:
-        """Whether the motion of a valve is known: the train contains it, or the drive of a valve follows it."""
-        return isinstance(self.mechanism, Rocker | Pushrod) or (self.valve is not None and self.is_valve_motion)
+        """Whether the drive moves a valve: the train contains it, or the drive has a table ``[valve]``."""
+        return isinstance(self.mechanism, Rocker | Pushrod) or self.valve is not None
 
     @property
     def carried_per_motion(self) -> float | None:

@@ -83,10 +83,13 @@ def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> lis
     -------
     list of ndarray (n,) [W]
     """
-    omega = forces.omega
-    terms = [0.5 * omega**3 * loading.inertia(kinematics, 2)[1], forces.friction_power]
+    omega, acting = forces.omega, loading.acting(kinematics)
+    terms = [0.5 * omega**3 * acting * loading.inertia(kinematics, 2)[1], forces.friction_power]
     for element in loading.elements:
-        terms += [omega * element.potential(kinematics)[0], element.dissipation(kinematics, abs(omega))]
+        terms += [
+            acting * omega * element.potential(kinematics)[0],
+            acting * element.dissipation(kinematics, abs(omega)),
+        ]
     return terms
 
 
@@ -207,7 +210,7 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
     ----------
     Balance of momentum; for the cam-driven slider Shin, Kim and Ha 1995, eqs. (21), (22), (23), (24) to (26), corrected.
     """
-    outer: list[Load] = [load for element in loading.elements for load in element.loads(kinematics, Rate(forces.omega))]
+    outer = loading.loads(kinematics, Rate(forces.omega))
     for name, pair in kinematics.pairs.items():
         if FRAME in (pair.on, pair.body):
             sign = 1.0 if pair.on == FRAME else -1.0

@@ -136,8 +136,10 @@ class ForceTerms:
 
 
 def _contact_force(position: Position, loading: Loading, omega: float) -> np.ndarray:
+    """Contact force (n,); NaN, which searches ignore, where a valve train is loose."""
     kinematics, shape, units = position
-    return newton_euler(kinematics, shape, loading, omega, units=units).contact
+    force = newton_euler(kinematics, shape, loading, omega, units=units).contact
+    return force if loading.contact_window is None else np.where(loading.acting(kinematics), force, np.nan)
 
 
 class ContactForce:
@@ -166,7 +168,7 @@ class ContactForce:
         return bool(self.loading.frictions)
 
     def at_speed(self, angles: Angles, omega: float) -> np.ndarray:
-        """Contact force F_c at a speed.
+        """Contact force F_c at a speed; NaN where a valve train is loose.
 
         Parameters
         ----------
@@ -205,7 +207,7 @@ class ContactForce:
     def _least_with_friction(self, high: float) -> LeastForce:
         speeds = self._speeds(high)
         angles = piecewise_angles(self.program)
-        sampled = [float(self.at_speed(angles, speed).min()) for speed in speeds]
+        sampled = [float(np.nanmin(self.at_speed(angles, speed))) for speed in speeds]
         i = int(np.argmin(sampled))
         speed = speeds[i]
         if 0 < i < SPEEDS - 1:
@@ -224,7 +226,7 @@ class ContactForce:
         if not self.has_friction:
             return find_highest(lambda angles: {"": self.terms(angles).greatest(high)}, self.program)[""].value
         angles = piecewise_angles(self.program)
-        worst_speed = max(self._speeds(high), key=lambda speed: float(self.at_speed(angles, speed).max()))
+        worst_speed = max(self._speeds(high), key=lambda speed: float(np.nanmax(self.at_speed(angles, speed))))
         return find_extremes(lambda angles: {"": self.at_speed(angles, worst_speed)}, self.program)[""].high.value
 
     def _speeds(self, high: float) -> list[float]:
@@ -240,10 +242,10 @@ class ContactForce:
         """
         if not self.has_friction:
             terms = self.terms(angles)
-            return float(terms.least(high)[0].min()), float(terms.greatest(high).max())
+            return float(np.nanmin(terms.least(high)[0])), float(np.nanmax(terms.greatest(high)))
         speeds = self._speeds(high)
         force = np.array([self.at_speed(angles, speeds[0]), self.at_speed(angles, speeds[-1])])
-        return float(force.min()), float(force.max())
+        return float(np.nanmin(force)), float(np.nanmax(force))
 
     def least_at_speed(self, omega: float) -> Extreme:
         """Least force [N] over the turn at one speed [rad/s], refined."""
@@ -258,7 +260,7 @@ class ContactForce:
         """
         static = self.least_at_speed(SLOW * self.omega if self.has_friction else 0.0)
         tolerance = ROUNDING * (
-            abs(level) + float(np.abs(self.at_speed(piecewise_angles(self.program), self.omega)).max(initial=0.0))
+            abs(level) + float(np.nanmax(np.abs(self.at_speed(piecewise_angles(self.program), self.omega))))
         )
         if static.value <= level + tolerance:
             return LiftOff(0.0, static.theta)
@@ -276,7 +278,7 @@ class ContactForce:
         angles = piecewise_angles(self.program)
 
         def sampled(omega: float) -> float:
-            return float(self.at_speed(angles, omega).min()) - level
+            return float(np.nanmin(self.at_speed(angles, omega))) - level
 
         def margin(omega: float) -> float:
             return self.least_at_speed(omega).value - level
@@ -334,8 +336,8 @@ def contact_map(contact: ContactForce, theta: np.ndarray, omega: np.ndarray) -> 
     angles = contact.program.angles(theta)
     if not contact.has_friction:
         terms = contact.terms(angles)
-        return ContactMap(theta, omega, terms.force(omega[:, None]), terms.roots())
-    force = np.array([contact.at_speed(angles, float(speed)) for speed in omega])
+        return ContactMap(theta, omega, np.nan_to_num(terms.force(omega[:, None])), terms.roots())
+    force = np.nan_to_num([contact.at_speed(angles, float(speed)) for speed in omega])
     zero = np.full((2, theta.size), np.nan)
     square = omega * omega
     for j in range(theta.size):

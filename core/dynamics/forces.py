@@ -200,7 +200,7 @@ def newton_euler(
     flanks = () if shape is None else shape.flanks
     if units is None:
         units = unit_loads(kinematics, shape, cam_friction, tuple(f.pair for f in loading.frictions))
-    loads = [load for element in loading.elements for load in element.loads(kinematics, rate)]
+    loads = loading.loads(kinematics, rate)
     loads_walk = Walk(kinematics, loads, units.points)
     signs = {f.pair: units.slip_signs[f.pair] * np.sign(omega) for f in loading.frictions}
 

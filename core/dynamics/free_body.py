@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -66,7 +67,11 @@ def free_bodies(
     rows_of: dict[str, list[ForceOnBody]] = {body: [] for body in kinematics.bodies if body != FRAME}
     if shape is not None:
         rows_of[CAM] = []
-    for row in (*_applied(kinematics, loading, forces.omega), *_reactions(kinematics, shape, forces)):
+    applied = list(_applied(kinematics, loading, forces.omega))
+    if loading.contact_window is not None:
+        acting = loading.acting(kinematics)
+        applied = [replace(row, force=acting * row.force, couple=acting * row.couple) for row in applied]
+    for row in (*applied, *_reactions(kinematics, shape, forces)):
         if row.body in rows_of:
             rows_of[row.body].append(row)
     return MappingProxyType({body: tuple(rows) for body, rows in rows_of.items() if rows})

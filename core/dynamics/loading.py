@@ -43,10 +43,12 @@ from core.dynamics.elements import (
     BodyPoint,
     Element,
     Inertia,
+    Load,
     Mass,
     OutputForce,
     OutputFriction,
     PointForce,
+    Rate,
     ScheduledForce,
     Spring,
     Torsion,
@@ -189,12 +191,14 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
 _element_lists = attrgetter(*ELEMENT_LISTS)
 
 
-def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Loading:
+def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None, lash: Lash | None = None) -> Loading:
     """Loading of a drive; ``built`` is its linkage, whose links the springs, pairs and process forces name.
 
     Raises NoSolution where the linkage does not have a pair that has friction.
     """
     follower: Loading = LOADINGS[type(loads)](mechanism, loads)
+    if lash is not None:
+        follower = _with_lash(follower, lash)
     if built is None or not any(_element_lists(loads)):
         return follower
     elements: tuple[Element, ...] = (
@@ -205,6 +209,17 @@ def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Lo
     return replace(
         follower, others=(*follower.others, *elements), frictions=(*follower.frictions, *_frictions(loads, built))
     )
+
+
+def _with_lash(loading: Loading, lash: Lash) -> Loading:
+    """The loading of a valve train with lash; its spring begins to yield where the lash is taken up."""
+    others = tuple(
+        replace(element, force=element.force + element.rate * lash.at_valve)
+        if isinstance(element, OutputForce) and element.name == LOAD
+        else element
+        for element in loading.others
+    )
+    return replace(loading, others=others, contact_window=MotionWindow(lash.at_motion, math.inf))
 
 
 # -- elements of any design --------------------------------------------------------------------------------
@@ -346,6 +361,14 @@ class Friction:
         return self.field == "loads.friction"
 
 
+@frozen
+class Lash:
+    """Lash of a valve train: its size at the valve's tip [m], and the motion [m or rad] at which it is taken up."""
+
+    at_valve: float
+    at_motion: float
+
+
 @self_locking
 @frozen
 class Loading:
@@ -355,6 +378,7 @@ class Loading:
     ----------
     guide : name of the pair whose friction is the design's guide friction; empty without a guide
     contact_friction : coefficient of a face that slides on the cam
+    contact_window : motion in which the follower touches the cam; elsewhere a valve train is loose, and nothing loads it
     """
 
     masses: tuple[Mass, ...] = ()
@@ -362,6 +386,7 @@ class Loading:
     frictions: tuple[Friction, ...] = ()
     guide: str = ""
     contact_friction: float = 0.0
+    contact_window: MotionWindow | None = None
 
     @property
     def named(self) -> Mapping[str, Element]:
@@ -370,8 +395,9 @@ class Loading:
 
     @property
     def switches(self) -> tuple[Schedule, ...]:
-        """Schedules of its process forces."""
-        return tuple(element.schedule for element in self.others if isinstance(element, ScheduledForce))
+        """Schedules of its process forces, and the motion in which the follower touches the cam."""
+        schedules = tuple(element.schedule for element in self.others if isinstance(element, ScheduledForce))
+        return schedules if self.contact_window is None else (*schedules, self.contact_window)
 
     def cuts(self, program: Any) -> np.ndarray:
         """Cam angles at which a force switches.
@@ -386,6 +412,39 @@ class Loading:
         """
         angles = [schedule.cuts(program) for schedule in self.switches]
         return np.concatenate(angles) if angles else np.zeros(0)
+
+    def acting(self, kinematics: Kinematics) -> np.ndarray | float:
+        """Factor of all loads: 1, and 0 where a valve train is loose.
+
+        Parameters
+        ----------
+        kinematics : Kinematics
+            At n cam angles.
+
+        Returns
+        -------
+        ndarray (n,) or 1.0, dimensionless
+        """
+        return 1.0 if self.contact_window is None else self.contact_window.value(kinematics.motion)[0]
+
+    def loads(self, kinematics: Kinematics, rate: Rate) -> list[Load]:
+        """Loads of all active elements on the bodies, inertia forces included.
+
+        Parameters
+        ----------
+        kinematics : Kinematics
+            At n cam angles.
+        rate : Rate
+
+        Returns
+        -------
+        list of Load
+        """
+        loads = [load for element in self.elements for load in element.loads(kinematics, rate)]
+        if self.contact_window is None:
+            return loads
+        factor = self.acting(kinematics)
+        return [load._replace(force=load.force * factor, couple=load.couple * factor) for load in loads]
 
     @property
     def has_friction(self) -> bool:
@@ -410,12 +469,13 @@ class Loading:
     @property
     def frictionless(self) -> Loading:
         """The same loading without friction."""
-        return Loading(self.masses, self.others, (), self.guide)
+        return Loading(self.masses, self.others, (), self.guide, contact_window=self.contact_window)
 
     @property
     def inertial(self) -> Loading:
         """The masses alone, without their weight."""
-        return Loading(tuple(Mass(m.body, m.inertia) for m in self.masses), (), (), self.guide)
+        masses = tuple(Mass(m.body, m.inertia) for m in self.masses)
+        return Loading(masses, (), (), self.guide, contact_window=self.contact_window)
 
     @property
     def inertial_with_contact(self) -> Loading:
@@ -452,4 +512,4 @@ class Loading:
         ndarray (2, n) [N m]
         """
         zero = np.zeros((2, kinematics.theta.shape[-1]))
-        return sum((element.potential(kinematics) for element in self.elements), zero)
+        return self.acting(kinematics) * sum((element.potential(kinematics) for element in self.elements), zero)

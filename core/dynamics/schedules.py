@@ -89,7 +89,7 @@ class MotionWindow:
         """
         angles = piecewise_angles(program)
         y = program.state(angles).displacement[0]
-        levels = np.array([[self.low], [self.high]])
+        levels = np.array([[level] for level in (self.low, self.high) if np.isfinite(level)])
         return crossings(lambda at: program.state(at).displacement[0] - levels, angles, y - levels).theta
 
 

@@ -185,7 +185,7 @@ def _lift_off(design: Design, path: str, request: ContactRequest, checked: Findi
 def _sampled_force(contact: ContactForce, angles: Angles) -> Callable[[float], float]:
     """Speed [rad/s] -> least of the contact forces [N] sampled over the turn."""
     if contact.has_friction:
-        return lambda omega: float(contact.at_speed(angles, omega).min())
+        return lambda omega: float(np.nanmin(contact.at_speed(angles, omega)))
     parts = contact.terms(angles)
     return lambda omega: float(parts.force(omega).min())
 
@@ -212,9 +212,8 @@ class _Springs:
 
     def contact(self, values: Mapping[str, float]) -> ContactForce:
         drive = self.with_values(values).drive
-        return ContactForce(
-            self.at, loading_of(drive.mechanism, drive.loads, self.study.mechanism), self.program, self.study.omega
-        )
+        loading = loading_of(drive.mechanism, drive.loads, self.study.mechanism, self.study.lash)
+        return ContactForce(self.at, loading, self.program, self.study.omega)
 
     def limit(self, values: Mapping[str, float]) -> tuple[float, str]:
         """Least force [N] that is required with these values, and the reason."""

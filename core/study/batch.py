@@ -85,6 +85,11 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
         return False
+    valve = design.drive.valve
+    if valve is not None and (
+        valve.lash_mm or valve.link is not None
+    ):  # cuts the turn; closed where the motion is lowest
+        return False
     if request.name in OF_STEADY_SPEED:
         return design.drive.loads_shaft
     if not request.name:

@@ -184,8 +184,13 @@ class DriveForces(DriveStudy):
             lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
             away = -float(np.sign(lever * self.mechanism.driver_sign))
             restitution = getattr(loads, "restitution", None) or 0.0
+
+            def force(angles: Angles) -> np.ndarray:
+                """Contact force; positive where a valve train is loose, which is no separation."""
+                return np.nan_to_num(contact.at_speed(angles, self.omega), nan=1.0)
+
             return dynamics.flights(
-                lambda angles: contact.at_speed(angles, self.omega),
+                force,
                 self.mechanism,
                 self.loading,
                 self.program,
@@ -294,7 +299,8 @@ class DriveForces(DriveStudy):
             + own_damping * self.omega * self.motion.displacement[1]
             + model.closing * e
         )
-        return np.asarray(forces.contact - self.mechanism.driver_sign * difference / forces.lever)
+        change = self.loading.acting(self.linkage) * self.mechanism.driver_sign * difference / forces.lever
+        return np.asarray(forces.contact - change)
 
     @property
     def jamming_pair(self) -> Friction | None:

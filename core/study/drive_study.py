@@ -13,7 +13,7 @@ import numpy as np
 from core import cam, dynamics, followers, mechanism
 from core.cam import CamShape
 from core.design import NO_LIMITS, Design, Linkage, Motion
-from core.dynamics import Loading
+from core.dynamics import Lash, Loading
 from core.errors import KindynaError, NoPosition, NoSolution, NoSuchStage, angle_list, at_angles
 from core.instant_centres import CentreTable, all_centres, cam_centres
 from core.mechanism import (
@@ -42,6 +42,7 @@ from core.study.stages import (
     memory,
     torque_breaks,
 )
+from core.study.valve_travel import ValveTravel
 
 SAMPLES = 3600
 _ATTRIBUTES = {"motion": "drive", "cam centres": "cam_centres"}
@@ -210,7 +211,7 @@ class DriveStudy:
     def _torque_breaks(self) -> tuple[float, ...]:
         """Angles [rad] at which the torque jumps or breaks, except the joins of the motion."""
         drive = self.design.drive
-        if not (drive.loads.process or drive.loads.pair_friction):
+        if not (drive.loads.process or drive.loads.pair_friction or (drive.valve and drive.valve.lash_mm)):
             return ()
         try:
             driver = self.driver_ranges if self.by_crank else drive.motion
@@ -522,9 +523,25 @@ class DriveStudy:
         return self.cam if "cam" in self.stages else None
 
     @lazy
+    def valve(self) -> ValveTravel:
+        """Travel of the valve of the drive."""
+        return ValveTravel(self.design.drive, self.mechanism, self.uncut, lambda: self.driver_ranges)
+
+    @lazy
+    def lash(self) -> Lash | None:
+        """Lash of the valve train; None without lash, and where the linkage has no solution, which its stage reports."""
+        valve = self.design.drive.valve
+        if valve is None or not valve.lash_mm:
+            return None
+        with suppress(KindynaError):
+            result: Lash = memory.get("lash", self.depends_on("linkage"), lambda: self.valve.lash)
+            return result
+        return None
+
+    @lazy
     def loading(self) -> Loading:
         """Loads of the drive as force elements."""
-        parts = (self.design.drive.mechanism, self.design.drive.loads, self.mechanism)
+        parts = (self.design.drive.mechanism, self.design.drive.loads, self.mechanism, self.lash)
         loads: Loading = memory.get("loading", parts, lambda: dynamics.loading_of(*parts))
         return loads
 
@@ -541,7 +558,7 @@ class DriveStudy:
         speed = (design.sense, design.speed_rpm, self._followed)
         return {
             "motion": (drive.motion, speed),
-            "linkage": (drive.motion, speed, drive.mechanism, drive.cam),
+            "linkage": (drive.motion, speed, drive.mechanism, drive.cam, drive.valve),
             "cam": (drive.motion, drive.mechanism, drive.cam, design.sense, self._followed),
             "dynamics": (drive, speed),
             "stability": (drive, speed, design.shaft),

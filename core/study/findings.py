@@ -24,6 +24,7 @@ from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
+from core.study.valve_findings import extremes_beyond_lash, lash_findings
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -83,7 +84,6 @@ def servo_findings(study: Study) -> Iterator[Finding]:
 
 
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
-_CONTACT, _ELASTIC_CONTACT = ("contact_force",), ("elastic_contact_force",)
 
 
 def findings_of(study: Study, stages: Sequence[str] = ()) -> tuple[Finding, ...]:
@@ -139,7 +139,7 @@ def _requested(study: Study, stages: Sequence[str]) -> Mapping[str, tuple[str, .
     if "cam" in stages:
         names["cam"] = cam.limits_of(drive.face, drive.cam)
     if {"cam", "dynamics"} <= set(stages) and not study.is_form_closed:
-        names["dynamics"] = _CONTACT
+        names["dynamics"] = ("contact_force",)
     return names
 
 
@@ -153,7 +153,8 @@ def _linkage_findings(study: Study) -> list[Finding]:
     extremes = extremes_of(study, "linkage", names) if names else {}
     singular = {name: e for name, e in extremes.items() if name in mechanism.SINGULAR}
     transmission = {member_of(name): e for name, e in extremes.items() if name not in singular}
-    return mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
+    findings = mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
+    return [*findings, *lash_findings(study)]
 
 
 def _cam_findings(study: Study) -> list[Finding]:
@@ -194,7 +195,7 @@ def _dynamics_findings(study: Study) -> list[Finding]:
     if "cam" not in study.stages:
         findings = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
-        contact = None if study.is_form_closed else extremes_of(study, "dynamics", _CONTACT)["contact_force"]
+        contact = None if study.is_form_closed else extremes_beyond_lash(study, "contact_force")
         limit = getattr(drive.loads, "least_contact_force_n", None)
         noun = "" if cam.row_of(drive.face).rolls else drive.face.noun
         findings = [*dynamics.findings(contact, study.loading, noun, lambda: _lift_off_rpm(study), limit), *jams]
@@ -226,9 +227,9 @@ def _elastic_follower_findings(study: Study) -> list[Finding]:
         return [Finding("no-elastic-follower", WARNING, error.field, None, {"why": error.problem, "hint": error.hint})]
     if study.is_form_closed or study.jam is not None or study.loading.is_empty:
         return []
-    if extremes_of(study, "dynamics", _CONTACT)["contact_force"].low.value <= 0.0:  # reported as separation
+    if extremes_beyond_lash(study, "contact_force").low.value <= 0.0:  # reported as separation
         return []
-    least = extremes_of(study, "dynamics", _ELASTIC_CONTACT)["elastic_contact_force"].low
+    least = extremes_beyond_lash(study, "elastic_contact_force").low
     if least.value > 0.0:
         return []
     values: dict[str, float | str] = {"force_n": least.value, "face": study.design.drive.face.noun}

@@ -213,7 +213,7 @@ def lash(design: Design) -> float:
 def valve_motion(study: Study) -> Derivatives:
     """Motion of the valve by cam angle, with the lash not taken off; 0 where the train holds the valve closed.
 
-    It is a coordinate of a pushrod train, and of any other train the motion of the drive.
+    It is a coordinate of a pushrod train, a slide of a linkage, and of any other train the motion of the drive.
 
     Parameters
     ----------
@@ -224,7 +224,10 @@ def valve_motion(study: Study) -> Derivatives:
     Derivatives
         (n,) [m] and its derivatives by cam angle.
     """
-    return study.linkage.coordinates.get("valve_guide", study.motion.displacement)
+    position, valve = study.valve.position(study.linkage), study.design.drive.valve
+    if valve is None or valve.link is None:
+        return position
+    return Derivatives.of((position[0] - study.valve.closed, *(position[order] for order in (1, 2, 3))))
 
 
 def valve_lift(study: Study, order: int = 0) -> np.ndarray:

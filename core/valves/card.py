@@ -70,7 +70,7 @@ def _valve(timing: ValveTiming, lifts: Sequence[float]) -> dict[str, Any]:
         centre_deg=timing.centre,
         lash_mm=timing.valve.lash_mm,
         lobe_lift_mm=timing.greatest_lobe_lift,
-        valve_lift_mm=timing.greatest_valve_lift if timing.is_direct else None,
+        valve_lift_mm=timing.greatest_valve_lift if timing.has_valve_lift else None,
         events=[
             {
                 "of": event.of,
@@ -81,7 +81,7 @@ def _valve(timing: ValveTiming, lifts: Sequence[float]) -> dict[str, Any]:
             }
             for event in events
         ],
-        lift_at_tdc_mm=float(timing.valve_lift(np.zeros(1))[0]) if timing.is_direct else None,
+        lift_at_tdc_mm=float(timing.valve_lift(np.zeros(1))[0]) if timing.has_valve_lift else None,
         intensity_deg=intensity or None,
         **_study_figures(timing),
         opening_velocity_mm_s=speeds and speeds[0],

@@ -43,7 +43,7 @@ class ValvePair:
         return self.separation - self.inlet.centre
 
     def overlaps(self, lifts: Sequence[float]) -> list[Overlap]:
-        """Overlap of the lobes, and of direct valves, at lifts [mm]."""
+        """Overlap of the lobes, and of the valves, at lifts [mm]."""
         result = []
         for lift in lifts:
             for of in (LOBE, VALVE):
@@ -55,7 +55,7 @@ class ValvePair:
     @lazy
     def overlap_area(self) -> float | None:
         """Integral of the smaller valve lift from the opening of the inlet to the closing of the exhaust [mm deg of the crank]."""
-        if not (self.inlet.is_direct and self.exhaust.is_direct):
+        if not (self.inlet.has_valve_lift and self.exhaust.has_valve_lift):
             return None
         opens, closes = (_seat(timing) for timing in (self.inlet, self.exhaust))
         if opens is None or closes is None:
@@ -92,7 +92,7 @@ class ValvePair:
 def _seat(timing: ValveTiming) -> tuple[float, float] | None:
     """Crank angles between which the valve is open [deg]: at the lash, or where the lobe leaves its base."""
     if timing.valve.lash_mm > 0.0:
-        return timing.passes(timing.valve.lash_mm)
+        return timing.passes(timing.lobe_lift_at(timing.valve.lash_mm))
     compiled = timing.compiled
     moving = np.flatnonzero(compiled.velocity_signs != 0.0)
     if not moving.size:

@@ -5,7 +5,8 @@ Lobe lift is the motion of the drive above its lowest position; valve lift is th
 
 from __future__ import annotations
 
-from math import degrees, radians
+from contextlib import suppress
+from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +16,11 @@ from core.design.engine import CRANK_PER_CAM
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import Angles, CompiledMotion, program
+from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import lazy
 from core.numerics.roots import BracketEnds, bracketed_root
+from core.study import Study
+from core.study.valve_travel import ValveTravel
 
 if TYPE_CHECKING:
     from core.design import Motion
@@ -89,10 +93,26 @@ class ValveTiming:
         ends = Angles(compiled.starts, np.arange(compiled.starts.size))
         return float(compiled.state(ends).displacement[0].min()) * MM
 
-    @property
-    def is_direct(self) -> bool:
-        """Whether the motion is that of the valve, less the lash: no linkage whose driver is another link, and no pushrod."""
-        return self.design.drive.is_valve_motion
+    @lazy
+    def travel(self) -> ValveTravel:
+        """Travel of the valve."""
+        return Study(self.design).valve
+
+    @lazy
+    def has_valve_lift(self) -> bool:
+        """Whether the motion is that of the valve, or the linkage between them has a solution."""
+        if self.design.drive.is_valve_motion:
+            return True
+        with suppress(KindynaError):
+            self.travel.motion_at(0.0)
+            return True
+        return False
+
+    def lobe_lift_at(self, travel: float) -> float:
+        """Lobe lift [mm] at which the valve has moved by a travel [mm], the lash included; infinite where it never does."""
+        if self.design.drive.is_valve_motion:
+            return travel
+        return self.travel.motion_at(travel / MM) * MM - self.base
 
     def lobe_lift(self, crank: np.ndarray) -> np.ndarray:
         """Lobe lift at crank angles from TDC of overlap.
@@ -109,7 +129,7 @@ class ValveTiming:
         return self.compiled.state(self.compiled.angles(cam)).displacement[0] * MM - self.base
 
     def valve_lift(self, crank: np.ndarray) -> np.ndarray:
-        """Lift of a direct valve at crank angles from TDC of overlap, the lash taken off.
+        """Lift of the valve at crank angles from TDC of overlap, the lash taken off.
 
         Parameters
         ----------
@@ -119,7 +139,17 @@ class ValveTiming:
         -------
         ndarray (n,) [mm]
         """
-        return np.maximum(self.lobe_lift(crank) - self.valve.lash_mm, 0.0)
+        return np.maximum(self._valve_travel(crank)[0] * MM - self.valve.lash_mm, 0.0)
+
+    def _valve_travel(self, crank: np.ndarray) -> Derivatives:
+        """Travel of the valve (n,) [m] from where it is closed, and its derivatives by cam angle."""
+        cam = np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
+        if self.design.drive.is_valve_motion:
+            motion, closed = self.compiled.state(self.compiled.angles(cam)).displacement, self.base / MM
+        else:
+            study = Study(self.design).at_theta(cam)
+            motion, closed = study.valve.position(study.linkage), self.travel.closed
+        return Derivatives.of((motion[0] - closed, *(motion[order] for order in (1, 2, 3))))
 
     @lazy
     def greatest_lobe_lift(self) -> float:
@@ -128,8 +158,8 @@ class ValveTiming:
 
     @property
     def greatest_valve_lift(self) -> float:
-        """Greatest lift of a direct valve [mm]."""
-        return max(self.greatest_lobe_lift - self.valve.lash_mm, 0.0)
+        """Greatest lift of the valve [mm]."""
+        return float(self.valve_lift(np.array([self.centre]))[0])
 
     def passes(self, lift: float) -> tuple[float, float] | None:
         """Crank angles at which the lobe passes a lift [mm], next to the nose on both sides [deg]; None where it does not."""
@@ -162,9 +192,11 @@ class ValveTiming:
 
     def event(self, of: str, lift: float) -> Event | None:
         """Opening and closing at a lift [mm] of the lobe or the valve; None where it does not pass this lift."""
-        if of == VALVE and not self.is_direct:
-            return None
-        ends = self.passes(lift + (self.valve.lash_mm if of == VALVE else 0.0))
+        if of == VALVE:
+            if not self.has_valve_lift:
+                return None
+            lift_of_lobe = self.lobe_lift_at(lift + self.valve.lash_mm)
+        ends = self.passes(lift_of_lobe if of == VALVE else lift)
         return None if ends is None else Event(of, lift, *ends)
 
     def duration(self, lift: float) -> float | None:
@@ -174,15 +206,15 @@ class ValveTiming:
 
     @lazy
     def velocities_at_lash(self) -> tuple[float, float] | None:
-        """Velocities of a direct valve [mm/s], positive, at which it opens and seats; None where it never closes."""
-        ends = self.passes(self.valve.lash_mm) if self.valve.lash_mm > 0.0 else (0.0, 0.0)
-        if ends is None or not self.is_direct:
+        """Velocities of the valve [mm/s], positive, at which it opens and seats; None where it never closes."""
+        if not self.has_valve_lift:
             return None
         if self.valve.lash_mm == 0.0:
             return 0.0, 0.0
-        cam = np.array([radians(self.nose + (end - self.centre) / CRANK_PER_CAM) for end in ends])
-        omega = self.design.speed_rpm * np.pi / 30.0
-        velocity = self.compiled.state(self.compiled.angles(cam)).displacement[1] * MM * omega
+        ends = self.passes(self.lobe_lift_at(self.valve.lash_mm))
+        if ends is None:
+            return None
+        velocity = self._valve_travel(np.array(ends))[1] * MM * self.design.speed_rpm * np.pi / 30.0
         return abs(float(velocity[0])), abs(float(velocity[1]))
 
 

@@ -1,0 +1,245 @@
+"""Lash of valve trains: where the train is loose, what it loads, and where the valve opens, against closed forms and typed linkages."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.design import Design, Engine, Valve, put, with_drive
+from core.project import load, loads, save
+from core.study import Study, extremes_of, findings_of, many
+from core.study.quantities import quantities_of
+
+MM = 1e3
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+ENGINE = Engine(stroke_mm=84.0, rod_mm=138.0)
+DIRECT = """format = 1
+name = "Direct"
+[motion]
+start_mm = 0.0
+[motion.lobe]
+lift_mm = 9.0
+duration = [[0.15, 270.0], [1.27, 210.0]]
+ramp_mm = 0.2
+ramp_runup_deg = 8.0
+{closing}[follower]
+kind = "translating"
+face = "flat"
+[cam]
+base_radius_mm = 18.0
+[shaft]
+rotation = "ccw"
+speed_rpm = {rpm}
+[engine]
+stroke_mm = 84.0
+rod_mm = 138.0
+[valve]
+centre_deg = 108.0
+lash_mm = {lash}
+[loads]
+follower_mass_kg = 0.14
+spring_rate_n_per_mm = 30.0
+preload_n = 300.0
+gravity_m_s2 = 0.0
+"""
+
+
+def direct(lash: float = 0.15, rpm: float = 2000.0, closing: str = "") -> Design:
+    return loads(DIRECT.format(lash=lash, rpm=rpm, closing=closing))
+
+
+def trained(name: str, lash: float, **how: Any) -> Design:
+    """Train of an example with an engine and a valve."""
+    design = load(EXAMPLES / name)
+    valve = Valve(centre_deg=108.0, lash_mm=lash, **how)
+    return with_drive(replace(design, engine=ENGINE), valve=valve)
+
+
+def value(study: Study, name: str) -> np.ndarray:
+    return quantities_of(study)[name].value(study)
+
+
+def codes(design: Design) -> list[tuple[str, str]]:
+    return [(finding.code, finding.field) for finding in findings_of(Study(design))]
+
+
+# -- forces -----------------------------------------------------------------------------------------------------
+
+
+def test_a_loose_train_has_no_contact_force_and_no_torque() -> None:
+    study = Study(direct())
+    y, slope, second = (study.motion.displacement[order] for order in range(3))
+    omega, is_open = 2000.0 * math.pi / 30.0, y > 0.15e-3
+    at_seat = np.abs(y - 0.15e-3) < 1e-9  # where rounding decides
+    assert at_seat.sum() <= 2
+    force = np.where(is_open, 300.0 + 3e4 * (y - 0.15e-3) + 0.14 * omega**2 * second, 0.0)
+    assert 0.3 < is_open.mean() < 0.45
+    assert value(study, "contact_force")[~at_seat] == pytest.approx(force[~at_seat], rel=1e-9, abs=1e-7)
+    assert value(study, "drive_torque")[~at_seat] == pytest.approx((force * slope)[~at_seat], rel=1e-9, abs=1e-9)
+    assert value(study, "valve_lift") == pytest.approx(np.maximum(y - 0.15e-3, 0.0), abs=1e-14)
+    assert value(study, "valve_velocity")[~at_seat] == pytest.approx(np.where(is_open, omega * slope, 0.0)[~at_seat])
+    assert value(study, "valve_acceleration")[~at_seat] == pytest.approx(
+        np.where(is_open, omega**2 * second, 0.0)[~at_seat]
+    )
+    assert not [code for code, _ in codes(direct()) if code in ("separation", "lash-beyond-ramp")]
+
+
+def test_the_speed_of_lift_off_is_that_of_the_open_valve() -> None:
+    study = Study(direct(), samples=36_000)
+    y, second = study.motion.displacement[0], study.motion.displacement[2]
+    falls = (y > 0.15e-3) & (second < 0.0)
+    reference = np.sqrt((300.0 + 3e4 * (y[falls] - 0.15e-3)) / (-0.14 * second[falls])).min()
+    assert study.lift_off.omega == pytest.approx(reference, rel=1e-9)
+
+
+def test_a_follower_that_flies_leaves_the_open_lobe_and_lands_on_it() -> None:
+    study = Study(direct(rpm=4200.0))
+    separation = next(finding for finding in findings_of(study) if finding.code == "separation")
+    assert separation.values["speed_rpm"] == pytest.approx(study.lift_off.omega * 30.0 / math.pi, rel=1e-9)
+    flight = study.flights(2.0).flights[0]
+    ends = study.at_theta(np.array([flight.lift, flight.land]) % (2.0 * math.pi)).motion.displacement[0]
+    assert (ends > 0.15e-3).all()
+    assert flight.height > 0.0
+
+
+def test_a_pushrod_train_is_loose_below_the_lash_at_its_valve() -> None:
+    design = trained("pushrod_train.toml", 0.25)
+    loose, tight = Study(design), Study(with_drive(design, valve=Valve(centre_deg=108.0)))
+    travel = value(tight, "valve_lift")
+    is_open = travel > 0.25e-3
+    assert value(loose, "valve_lift") == pytest.approx(np.maximum(travel - 0.25e-3, 0.0), abs=1e-13)
+    assert not np.any(value(loose, "contact_force")[~is_open])
+    assert not np.any(value(loose, "drive_torque")[~is_open])
+    # the spring of the open valve is shorter by the travel less the lash: virtual work at the tappet
+    ratio = value(tight, "rocker_ratio")
+    expected = value(tight, "contact_force") - 3e4 * 0.25e-3 * ratio
+    assert value(loose, "contact_force")[is_open] == pytest.approx(expected[is_open], rel=1e-9)
+    assert loose.lash.at_motion == pytest.approx(
+        float(np.interp(0.25e-3, travel[:1800], tight.motion.displacement[0][:1800])), rel=1e-3
+    )
+
+
+def test_balances_hold_where_the_train_is_loose() -> None:
+    for design in (direct(), trained("pushrod_train.toml", 0.25), trained("finger_follower.toml", 0.1)):
+        study = Study(design)
+        bodies = study.free_bodies
+        for body, rows in bodies.items():
+            total = np.abs(np.sum([row.force for row in rows], axis=0)).max()
+            assert total < 1e-6, body
+        assert study.load_curve is not None
+
+
+def test_many_designs_with_lash_are_those_one_by_one() -> None:
+    design, rates = direct(), np.array([20.0, 30.0, 40.0])
+    result = many(design, {"loads.spring_rate_n_per_mm": rates}, ["contact_force_n:max"])
+    designs = [put(design, "loads.spring_rate_n_per_mm", rate) for rate in rates]
+    single = [extremes_of(Study(each), "dynamics", ("contact_force",))["contact_force"].high.value for each in designs]
+    assert result.value["contact_force_n:max"] == pytest.approx(single, rel=1e-9)
+
+
+# -- opening and seating ----------------------------------------------------------------------------------------
+
+
+def figures(design: Design, folder: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    save(design, folder / "train.toml")
+    assert main(["valve", str(folder / "train.toml"), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)["valves"][0]
+
+
+def test_opening_velocity_is_that_of_the_ramp_through_the_train(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    omega = 2000.0 * 360.0 / 60.0  # cam degrees per second
+    assert figures(direct(), tmp_path, capsys)["opening_velocity_mm_s"] == pytest.approx(0.01 * omega, rel=1e-9)
+    design = trained("pushrod_train.toml", 0.25)
+    train = figures(design, tmp_path, capsys)
+    study = Study(design)
+    tappet = study.lash.at_motion
+    near = int(np.argmin(np.abs(study.motion.displacement[0][:1800] - tappet)))
+    ratio = float(value(study, "rocker_ratio")[near])
+    assert train["opening_velocity_mm_s"] == pytest.approx(0.01 * omega * ratio, rel=1e-3)
+    assert train["seating_velocity_mm_s"] == pytest.approx(train["opening_velocity_mm_s"], rel=1e-9)
+    assert train["valve_lift_mm"] == pytest.approx(
+        MM * value(Study(design, samples=36_000), "valve_lift").max(), rel=1e-6
+    )
+    event = next(event for event in train["events"] if event["of"] == "valve" and event["at_mm"] == 1.0)
+    cam = study.design.drive.motion.lobe.nose_at_deg + (event["opens_deg"] - 108.0) / 2.0
+    assert MM * value(study.at_theta(np.deg2rad([cam])), "valve_lift")[0] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_valve_by_the_slider_of_a_linkage_opens_with_its_slide() -> None:
+    design = trained_linkage(0.2)
+    study = Study(design)
+    slide = study.linkage.coordinates["slide6"][0]
+    travel = slide - slide.min()
+    assert value(study, "valve_lift") == pytest.approx(np.maximum(travel - 0.2e-3, 0.0), abs=1e-12)
+    loose = travel < 0.2e-3 - 1e-9
+    assert not np.any(value(study, "contact_force")[loose])
+    assert np.abs(value(study, "contact_force")[~loose]).max() > 1.0
+
+
+def trained_linkage(lash: float) -> Design:
+    """Pushrod train that was typed as a linkage."""
+    text = (
+        LINKAGE
+        + f"[engine]\nstroke_mm = 84.0\nrod_mm = 138.0\n[valve]\ncentre_deg = 108.0\nlash_mm = {lash}\nlink = 6\n"
+    )
+    return loads(text)
+
+
+LINKAGE = """format = 1
+name = "Pushrod"
+[motion]
+start_mm = 0.0
+[motion.lobe]
+lift_mm = 7.0
+duration = [[0.15, 276.0], [1.27, 214.0]]
+ramp_mm = 0.2
+ramp_runup_deg = 8.0
+[linkage]
+driver = { link = 2, kind = "motion" }
+drawn = { S = [0.0, 238.0], B = [50.0, 238.0], driver_mm = 0.0 }
+links = [
+  { number = 1, points = { P = [25.0, 240.0] } },
+  { number = 2, points = { F = [0.0, 0.0], Q = [8.0, 0.0] } },
+  { number = 3, points = { Q = [0.0, 0.0], S = [208.0, 0.0] } },
+  { number = 4, points = { P = [0.0, 0.0], S = [-25.0, 0.0], B = [38.0, 0.0] } },
+  { number = 5, points = { B = [0.0, 0.0] } },
+  { number = 6, points = { T = [0.0, 0.0] } },
+]
+sliders = [
+  { link = 2, on = 1, through = [0.0, 22.0], angle_deg = 90.0 },
+  { link = 6, on = 1, through = [62.0, 240.0], angle_deg = -90.0 },
+  { link = 5, on = 6, through = [0.0, 0.0], angle_deg = 90.0 },
+]
+[cam]
+link = 2
+point = "F"
+roller_radius_mm = 8.0
+form = "open"
+[shaft]
+rotation = "ccw"
+speed_rpm = 1000.0
+[[loads.masses]]
+link = 6
+mass_kg = 0.1
+inertia_kg_m2 = 0.0
+centre = [0.0, 0.0]
+"""
+
+
+# -- the ramp ---------------------------------------------------------------------------------------------------
+
+
+def test_a_lash_above_the_ramp_is_a_warning() -> None:
+    assert ("lash-beyond-ramp", "motion.lobe.ramp_mm") in codes(direct(lash=0.25))
+    assert "lash-beyond-ramp" not in dict(codes(direct(lash=0.2)))
+    closing = "[motion.lobe.closing]\nramp_mm = 0.25\nramp_mm_per_deg = 0.007\nto_nose = [[1.27, 108.0]]\n"
+    assert "lash-beyond-ramp" in dict(codes(direct(lash=0.22, closing=closing)))
+    low = "[motion.lobe.closing]\nramp_mm = 0.12\n"
+    assert ("lash-beyond-ramp", "motion.lobe.closing.ramp_mm") in codes(direct(lash=0.15, closing=low))
