@@ -49,11 +49,14 @@ class Finding:
 
     @property
     def _row(self) -> FindingRow:
-        """Row of the code or of its variant, for a face, a flank, play or an infinite factor; limits of the user share one row."""
+        """Row of the code or of its variant, for a face, a flank, play, fatigue or an infinite factor; limits of the user share one row."""
         factor = self.values.get("factor")
-        variant = (
-            "play" if "play_mm" in self.values else "endless" if factor == math.inf else self.values.get("face", "")
-        )
+        if "play_mm" in self.values:
+            variant: float | str = "play"
+        elif "safety" in self.values:
+            variant = "fatigue"
+        else:
+            variant = "endless" if factor == math.inf else self.values.get("face", "")
         keys = (f"{self.code}.{suffix}" for suffix in (variant, self.values.get("flank", "")))
         return ROWS.get(next((key for key in keys if key in ROWS), self.code), USER_LIMIT)
 
@@ -273,6 +276,18 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "lash-beyond-ramp": FindingRow(
             "the valve {verb} on the flank of the lobe: the lash is taken up at {lash_mm} mm of lobe lift, the ramp ends at {ramp_mm} mm: "
             "enlarge the ramp, or reduce the lash", _compared("lash_mm", "ramp_mm"),
+        ),
+        "coil-bind": FindingRow(
+            "the {spring} binds: at the greatest lift of {lift_mm} mm {bind_mm} mm are left between its coils: enlarge the installed "
+            "length, or reduce wire or coils"
+        ),
+        "spring-stress.fatigue": FindingRow(
+            "fatigue of the {spring}: safety {safety}, limit 1 (Goodman, shear stress {seat_mpa} to {value} MPa): enlarge the wire, or "
+            "reduce the lift or the force"
+        ),
+        "spring-surge": FindingRow(
+            "surge of the valve spring takes the {face} off the cam: contact force {force_n} N{at}; raise its natural frequency of "
+            "{natural_hz} Hz by fewer active coils, or its force, or lower the speed"
         ),
         "elastic-separation": FindingRow(
             "the {face} of the elastic follower leaves the cam{at}: contact force {force_n} N in steady running, though a rigid one "

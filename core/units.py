@@ -123,6 +123,7 @@ _ROWS = (
              "psi": _POUND_FORCE / _INCH / _INCH},
              {"mpa": "MPa", "gpa": "GPa"}),
     UnitKind("mass", {"kg": _ONE, "g (mass)": _MILLI, "t": _KILO}, {"kg": "kg"}, {"lb": _POUND}, {"g": "g (mass)"}),
+    UnitKind("density", {"kg/m³": _ONE, "g/cm³": _KILO}, {"kg_m3": "kg/m³"}),
     UnitKind("inertia", {"kg·m²": _ONE, "lb·in²": _POUND * _INCH * _INCH}, {"kg_m2": "kg·m²"},
              {"kg·cm²": _ONE / 10**4, "kg·mm²": _MICRO, "g·cm²": _ONE / 10**7}),
     UnitKind("stiffness", {"N/mm": _KILO, "N/m": _ONE, "kN/mm": _MEGA, "lbf/in": _POUND_FORCE / _INCH},

@@ -179,7 +179,7 @@ def step_text(name: str, value: Any, unit: Unit) -> str:
 _POINT_PATH = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
 _ROW_PATH = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
 _ELEMENT_PATH = re.compile(
-    r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(?:(from|to|points)(?:\[(\d+)\])?\.)?"
+    r"loads\.(springs|torsion_springs|pair_friction|process|valve_springs)\[(\d+)\]\.(?:(from|to|points)(?:\[(\d+)\])?\.)?"
 )
 _LOAD_PATH = re.compile(r"loads\.(\w+)\[(\d+)\]")
 _LOAD_PARTS = {
@@ -196,6 +196,7 @@ _NEW_LOADS = {
     "torsion_springs": "torsion spring",
     "pair_friction": "friction",
     "process": "process force",
+    "valve_springs": "valve spring",
     "masses": "mass",
     "forces": "force",
 }

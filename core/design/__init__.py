@@ -118,6 +118,7 @@ from core.design.loads import (
     PointSpring,
     Process,
     TorsionSpring,
+    ValveSpring,
 )
 from core.design.motions import (
     AT_REST,

@@ -68,6 +68,11 @@ class Limits:
         "greatest allowed between follower and cam",
         Bounds(("contact_pressure", "second_contact_pressure")),
     )
+    spring_stress_mpa: float | None = _most(
+        "Spring stress",
+        "greatest corrected shear stress of the valve springs",
+        Bounds(("valve_spring_stress",), "enlarge the wire, or reduce the lift or the force"),
+    )
 
 
 NO_LIMITS = Limits()

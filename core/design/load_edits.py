@@ -11,14 +11,21 @@ from core.design.camshaft import only
 from core.design.design import Design, Drive
 from core.design.linkage import FRAME_LINK, LinkForce, LinkMass
 from core.design.load_rules import link_names, link_points, pairs_of, turning_links
-from core.design.loads import Attachment, LoadPoint, PairFriction, PointSpring, Process, TorsionSpring
+from core.design.loads import Attachment, LoadPoint, PairFriction, PointSpring, Process, TorsionSpring, ValveSpring
 from core.design.paths import all_paths, followed, get, put, row_at
 from core.frozen import frozen
 
+VALVE_SPRINGS = "valve_springs"
+
 
 def load_lists(drive: Drive) -> tuple[str, ...]:
-    """Keys of the lists in the table ``loads`` that a drive can have; torsion springs where a link turns, or where there are some."""
+    """Keys of the lists in the table ``loads`` that a drive can have.
+
+    Torsion springs need a link that turns, and valve springs a valve, where there are none yet.
+    """
     names = tuple(name for name in NEW_ROWS if hasattr(drive.loads, name))
+    if VALVE_SPRINGS in names and not (drive.has_valve or drive.loads.valve_springs):
+        names = tuple(name for name in names if name != VALVE_SPRINGS)
     if "torsion_springs" not in names or drive.loads.torsion_springs or turning_links(drive):
         return names
     return tuple(name for name in names if name != "torsion_springs")
@@ -35,7 +42,11 @@ def with_new_row(design: Design, path: str, targets: Sequence[Target | None] = (
     row = NEW_ROWS[name](drive, rows)
     for end, target in zip(HOLDS[name], targets, strict=False):
         row = end.put(row, target, drive)
-    return put(design, path, (*rows, row))
+    design = put(design, path, (*rows, row))
+    if name == VALVE_SPRINGS and not rows:  # in place of rate and preload
+        for key in ("spring_rate_n_per_mm", "preload_n"):
+            design = put(design, f"{path.rpartition('.')[0]}.{key}", 0.0)
+    return design
 
 
 def with_rows_in_order(design: Design, path: str, order: Sequence[int]) -> Design:
@@ -110,6 +121,9 @@ NEW_ROWS: Mapping[str, Callable[[Drive, Any], Any]] = MappingProxyType(
         ),
         "pair_friction": _friction,
         "process": _process,
+        VALVE_SPRINGS: lambda drive, rows: ValveSpring(
+            wire_mm=3.8, coil_mm=24.0, active_coils=5.0, total_coils=7.0, free_mm=51.5, installed_mm=41.0
+        ),
     }
 )
 """List of loads -> its default row, from the drive and the present rows."""
@@ -196,6 +210,7 @@ HOLDS: Mapping[str, tuple[AttachedEnd, ...]] = MappingProxyType(
                             AttachedEnd("on", "On link", LINK, frame=True, fields=(("link", "on"),))),
         "pair_friction": (AttachedEnd("pair", "Pair", PAIR),),
         "process": (AttachedEnd("point", "Acts on", POINT, output=True, fields=_AT_POINT),),
+        VALVE_SPRINGS: (),
     }
 )  # fmt: skip
 """List of loads -> the attached ends of its rows."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from core.design.design import Drive
 from core.design.linkage import CRANK, FRAME_LINK
-from core.design.loads import Attachment, ForceElements, PairFriction, PointSpring, Process, TorsionSpring
+from core.design.loads import Attachment, ForceElements, PairFriction, PointSpring, Process, TorsionSpring, ValveSpring
 from core.design.parts import CamSlider, Oscillating, OscillatingFlat, Output, Pushrod, Rocker, Translating
 from core.design.topology import pins
 from core.errors import MISSING, Fault
@@ -102,7 +102,7 @@ def element_faults(drive: Drive) -> Iterator[Fault]:
     if not isinstance(loads, ForceElements) or drive.mechanism is None:
         return
     for name, rule in _RULES.items():
-        for i, row in enumerate(getattr(loads, name)):
+        for i, row in enumerate(getattr(loads, name, ())):
             yield from rule(row, drive, f"loads.{name}[{i}]")
     yield from _friction_given_once(loads, drive)
     if loads.follower_stiffness_n_per_mm and drive.cam is None:
@@ -156,6 +156,20 @@ def _torsion(row: TorsionSpring, drive: Drive, path: str) -> Iterator[Fault]:
     yield from _no_link(drive, row.on, f"{path}.on")
     if row.link == row.on:
         yield Fault(f"{path}.on", row.on, "a link cannot turn relative to itself", "another link")
+
+
+def _valve_spring(row: ValveSpring, drive: Drive, path: str) -> Iterator[Fault]:
+    """A valve spring fits its wire and its installed length, and is the only closing spring."""
+    if row.coil_mm <= row.wire_mm:
+        yield Fault(f"{path}.coil_mm", row.coil_mm, "is not larger than the wire", f"> {row.wire_mm:g} mm")
+    if row.total_coils < row.active_coils:
+        yield Fault(f"{path}.total_coils", row.total_coils, "fewer than the active ones", f">= {row.active_coils:g}")
+    if row.free_mm < row.installed_mm:
+        yield Fault(f"{path}.free_mm", row.free_mm, "below the installed length", f">= {row.installed_mm:g} mm")
+    if path.endswith("[0]"):
+        for key in ("spring_rate_n_per_mm", "preload_n"):
+            if value := getattr(drive.loads, key):
+                yield Fault(f"loads.{key}", value, "cannot be combined with valve_springs", "0, or no valve_springs")
 
 
 def _friction(row: PairFriction, drive: Drive, path: str) -> Iterator[Fault]:
@@ -313,5 +327,11 @@ def _table(row: Process, path: str) -> Iterator[Fault]:
 
 
 _RULES: Mapping[str, Callable[[Any, Drive, str], Iterator[Fault]]] = MappingProxyType(
-    {"springs": _spring, "torsion_springs": _torsion, "pair_friction": _friction, "process": _process}
+    {
+        "springs": _spring,
+        "torsion_springs": _torsion,
+        "pair_friction": _friction,
+        "process": _process,
+        "valve_springs": _valve_spring,
+    }
 )

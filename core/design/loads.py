@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from core.design.fields import FileLayout, coordinate, length, number, placed, whole
+from typing import Any
+
+from core.design.fields import FileLayout, coordinate, flag, length, number, placed, whole
 from core.frozen import frozen
 
 # -- balance cam ------------------------------------------------------------------------------------------------
@@ -122,6 +124,35 @@ class Process:
         "Direction", -360.0, 360.0, default=None, help="of the force, in the global frame"
     )
     points: tuple[LoadPoint, ...] = placed(FileLayout(LoadPoint, rows=True, whole=True), ())
+
+
+# -- valve springs ----------------------------------------------------------------------------------------------
+
+
+@frozen(kw_only=True)
+class ValveSpring:
+    """Helical compression spring that closes a valve; nested springs are several."""
+
+    wire_mm: float = length("Wire", help="diameter")
+    coil_mm: float = length("Coil", help="mean diameter, of the wire's centre")
+    active_coils: float = number("Active coils", 0.0, 1000.0, open_low=True, step=0.5)
+    total_coils: float = number("Total coils", 0.0, 1000.0, open_low=True, step=0.5, help="solid length over wire")
+    free_mm: float = length("Free length")
+    installed_mm: float = length("Installed length", help="valve closed")
+    shear_modulus_gpa: float = number("Shear modulus", 0.0, open_low=True, default=79.3)
+    density_kg_m3: float = number("Density", 0.0, open_low=True, default=7850.0, help="of the wire")
+    damping_ratio: float = number(
+        "Damping ratio", 0.0, 0.99, default=0.02, step=0.01, help="of the first mode of surge"
+    )
+    tensile_mpa: float | None = number(
+        "Tensile strength", 0.0, open_low=True, default=None, help="of the wire; empty = no check of its fatigue"
+    )
+    peened: bool = flag("Shot-peened", default=True)
+
+
+def valve_springs() -> Any:
+    """Dataclass field for the springs that close a valve."""
+    return placed(FileLayout(ValveSpring), ())
 
 
 @frozen(kw_only=True)

@@ -40,7 +40,7 @@ from core.design.followers import (
     form_of,
     rubs,
 )
-from core.design.loads import ForceElements
+from core.design.loads import ForceElements, ValveSpring, valve_springs
 from core.frozen import frozen
 
 # -- followers: lengths only ------------------------------------------------------------------------------
@@ -429,6 +429,7 @@ class TranslatingLoads(Loads):
     friction: float = _friction()
     spring_rate_n_per_mm: float = leading(number("Spring rate", 0.0, default=0.0))
     preload_n: float = leading(number("Spring preload", default=0.0, help="towards the cam, where the motion is 0"))
+    valve_springs: tuple[ValveSpring, ...] = valve_springs()
 
 
 @frozen(kw_only=True)
@@ -469,6 +470,7 @@ class ValveTrainLoads(Loads):
     rocker_inertia_kg_m2: float = _mass("Rocker inertia", "about its pivot")
     spring_rate_n_per_mm: float = leading(number("Spring rate", 0.0, default=0.0, help="of the valve spring"))
     preload_n: float = leading(number("Spring preload", default=0.0, help="of the closed valve"))
+    valve_springs: tuple[ValveSpring, ...] = valve_springs()
 
 
 @frozen(kw_only=True)

@@ -49,6 +49,7 @@ MOST: Mapping[str, int] = MappingProxyType(
         "loads.pair_friction": 100,
         "loads.process": 100,
         "loads.process.points": 720,
+        "loads.valve_springs": 10,
         "drives": 24,
         "timing": 200,
         "tolerances": 200,

@@ -38,7 +38,7 @@ from core.design import (
     row_at,
     si,
 )
-from core.design.parts import SIDES
+from core.design.parts import SIDES, ValveTrainLoads
 from core.dynamics.elements import (
     BodyPoint,
     Element,
@@ -55,6 +55,7 @@ from core.dynamics.elements import (
     combined_inertia,
 )
 from core.dynamics.schedules import AngleWindow, MotionWindow, Schedule, ScheduleTable
+from core.dynamics.valve_springs import helical_springs
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, Kinematics
@@ -94,14 +95,23 @@ def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
     return Loading(masses, (force,), _guide_friction(s.friction), "guide", _contact(loads))
 
 
+def _closing_spring(loads: TranslatingLoads | ValveTrainLoads, pair: str = "") -> tuple[OutputForce, float]:
+    """Spring that closes a valve: its force on the valve, and the mass [kg] of it that moves with the valve."""
+    s, springs = si(loads), helical_springs(loads)
+    if not springs:
+        return OutputForce(-s.preload, s.spring_rate, name=LOAD, pair=pair), 0.0
+    preload, rate, mass = (sum(getattr(row, name) for row in springs) for name in ("preload", "rate", "active_mass"))
+    return OutputForce(-preload, rate, name=LOAD, pair=pair), mass / 3.0
+
+
 def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loading:
     """Loading of a translating follower; the closing spring presses it towards the cam, against the rise."""
-    s = si(loads)
-    mass = s.follower_mass if loads.valve_mass_kg is None else s.follower_mass + s.valve_mass
+    s, (spring, of_spring) = si(loads), _closing_spring(loads)
+    mass = s.follower_mass + of_spring + (0.0 if loads.valve_mass_kg is None else s.valve_mass)
     masses = (Mass("follower", Inertia(mass), _gravity(loads)),)
     return Loading(
         masses,
-        (OutputForce(-s.preload, s.spring_rate, name=LOAD),),
+        (spring,),
         _guide_friction(s.friction),
         "guide",
         _contact(loads),
@@ -134,28 +144,28 @@ def oscillating_flat_loading(follower: OscillatingFlat, loads: OscillatingFlatLo
 def rocker_loading(follower: Rocker, loads: RockerLoads) -> Loading:
     """Loading of a rocker and its valve; the roller is fixed to the rocker, and the spring closes the valve."""
     g, s, gravity = si(follower), si(loads), _gravity(loads)
+    spring, of_spring = _closing_spring(loads)
     rocker = Inertia(0.0, 0j, s.rocker_inertia)
     roller = Inertia(s.roller_mass, g.arm + 0j, s.roller_inertia)
     masses = (
-        Mass("valve", Inertia(s.valve_mass), gravity),
+        Mass("valve", Inertia(s.valve_mass + of_spring), gravity),
         Mass("rocker", combined_inertia([rocker, roller]), gravity),
     )
-    spring = OutputForce(-s.preload, s.spring_rate, name=LOAD)
     return Loading(masses, (spring,), contact_friction=_contact(loads))
 
 
 def pushrod_loading(follower: Pushrod, loads: PushrodLoads) -> Loading:
     """Loading of a pushrod train; half of the pushrod's mass is at each of its balls, and the spring closes the valve."""
     g, s, gravity = si(follower), si(loads), _gravity(loads)
+    spring, of_spring = _closing_spring(loads, "valve_guide")
     half = 0.5 * s.pushrod_mass
     tappet = (Inertia(s.tappet_mass), Inertia(half, vector(g.seat_x, g.seat_y)))
     rocker = (Inertia(0.0, 0j, s.rocker_inertia), Inertia(half, g.push_arm + 0j))
     masses = (
         Mass("tappet", combined_inertia(tappet), gravity),
         Mass("rocker", combined_inertia(rocker), gravity),
-        Mass("valve", Inertia(s.valve_mass), gravity),
+        Mass("valve", Inertia(s.valve_mass + of_spring), gravity),
     )
-    spring = OutputForce(-s.preload, s.spring_rate, name=LOAD, pair="valve_guide")
     return Loading(masses, (spring,), contact_friction=_contact(loads))
 
 

@@ -12,7 +12,12 @@ from core.number_text import shortest
 ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
 """Path of a row: the list and the index."""
 _NAMES: Mapping[str, str] = MappingProxyType(
-    {"springs": "Spring", "torsion_springs": "Torsion spring", "process": "Process force"}
+    {
+        "springs": "Spring",
+        "torsion_springs": "Torsion spring",
+        "process": "Process force",
+        "valve_springs": "Valve spring",
+    }
 )
 
 

@@ -54,8 +54,8 @@ BLOCK_POINTS = 240_000  # nodes of a block, which needs far less than 256 MiB
 
 _MOTION = "motion."
 _VARIABLE = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)
-_SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
-"""When a process force acts: it cuts the turn into pieces."""
+_SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)|loads\.valve_springs")
+"""When a process force acts, which cuts the turn into pieces; and the dimensions of valve springs."""
 _NEEDS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
 
 
@@ -98,7 +98,7 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
     row = quantity(request.name)
     return (
         row.stage in ("motion", "linkage", "cam", "dynamics")
-        and request.name not in OF_MOTOR | _NEEDS_CENTRES
+        and request.name not in OF_MOTOR | _NEEDS_CENTRES | {"valve_spring_force", "valve_spring_stress"}
         and not row.needs.startswith("elastic")
     )
 

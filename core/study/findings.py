@@ -24,7 +24,7 @@ from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
-from core.study.valve_findings import extremes_beyond_lash, lash_findings
+from core.study.valve_findings import extremes_beyond_lash, lash_findings, spring_findings
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -207,6 +207,7 @@ def _dynamics_findings(study: Study) -> list[Finding]:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         findings.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
     findings += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
+    findings += spring_findings(study)
     return [*findings, *(shaft.findings(study.flywheel) if study.levels_torque and jam is None else [])]
 
 

@@ -58,6 +58,7 @@ from core.study.symbols import (
     symbol_of,
     vector_symbols,
 )
+from core.study.valve_springs import springs_of, static_spring_force, stressed_spring, valve_spring_force
 
 # -- values -----------------------------------------------------------------------------------------------------
 
@@ -289,6 +290,24 @@ _TRAIN: Mapping[str, SymbolSource] = {
     "y′_v": SymbolSource("derivative of the valve's lift by cam angle", "mm", lambda s, _: first(valve_lift(s, 1)) / s.omega, LINKAGE),
     "y″_v": SymbolSource("second derivative of the valve's lift by cam angle", "mm",
                          lambda s, _: first(valve_lift(s, 2)) / s.omega**2, LINKAGE),
+    "F_s": SymbolSource("force of the valve springs"),
+    "F_0.valve": SymbolSource("force of the closed valve", "n", _real(lambda s: sum(each.preload for each in springs_of(s.design))),
+                              "loads.valve_springs"),
+    "k.valve": SymbolSource("rate of the valve springs", "n_per_mm", _real(lambda s: sum(each.rate for each in springs_of(s.design))),
+                            "loads.valve_springs"),
+    "y_v.spring": SymbolSource("lift of the valve", "mm", lambda s, _: first(valve_lift(s)), LINKAGE, "valve_lift_mm"),
+    "F_w": SymbolSource("force of the wave in the springs", "n",
+                        lambda s, _: first(valve_spring_force(s)) - first(static_spring_force(s)), DYNAMICS),
+    "τ_s": SymbolSource("shear stress of the most stressed valve spring"),
+    "K.coil": SymbolSource("factor of the coil's curvature", "", _real(lambda s: stressed_spring(s).curvature_factor),
+                           "loads.valve_springs"),
+    "F.spring": SymbolSource("static force of this spring", "n", lambda s, _: stressed_spring(s).force(first(valve_lift(s))), DYNAMICS),
+    "D.coil": SymbolSource("mean diameter of the coil", "mm", _real(lambda s: stressed_spring(s).coil), "loads.valve_springs"),
+    "d.wire": SymbolSource("diameter of the wire", "mm", _real(lambda s: stressed_spring(s).wire), "loads.valve_springs"),
+    "C.coil": SymbolSource("coil over wire"),
+    "c_n": SymbolSource("harmonic of the lift"), "z_n": SymbolSource("phase of the wave over the spring"),
+    "ω_1": SymbolSource("first natural frequency of the spring"), "ζ.surge": SymbolSource("damping ratio of the first mode"),
+    "n.harmonic": SymbolSource("number of the harmonic"),
     "i.ratio": SymbolSource("rocker ratio"),
     "h.pad": SymbolSource("lever of the pad across the valve", "mm", lambda s, _: first(levers(s)[0]), LINKAGE),
     "l.arm": SymbolSource("arm of the rocker; under a pushrod, motion of the tappet by the rocker's angle", "mm",

@@ -59,6 +59,9 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
         "rotary servo": Need("a rotary motor in [servo]", lambda design: has_servo(design, ROTARY)),
         "linear servo": Need("a linear motor in [servo]", lambda design: has_servo(design, LINEAR)),
         "valve": Need("a rocker, a pushrod train, or a table [valve]", lambda design: design.drive.has_valve),
+        "valve springs": Need(
+            "[[loads.valve_springs]]", lambda design: bool(getattr(design.drive.loads, "valve_springs", ()))
+        ),
         "cam": Need("a cam", lambda design: design.drive.cam is not None),
         "pitch": Need(
             "a cam with a roller, a knife edge or a shoe",

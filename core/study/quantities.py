@@ -60,6 +60,7 @@ from core.study.member_quantities import (
 )
 from core.study.needs import NEEDS
 from core.study.study import Study
+from core.study.valve_springs import valve_spring_force, valve_spring_stress
 
 if TYPE_CHECKING:
     from core.study.symbols import Formula
@@ -286,6 +287,10 @@ _ROWS: tuple[Quantity, ...] = (
              "cam", lambda s: s.cam.only(SECOND).flank.profile_curvature, needs=SECOND),
     Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force",
              "dynamics", lambda s: s.dynamics.contact, needs="cam"),
+    Quantity("valve_spring_force", "valve_spring_force_n", "Valve spring force", "F_s", "force",
+             "dynamics", valve_spring_force, needs="valve springs"),
+    Quantity("valve_spring_stress", "valve_spring_stress_mpa", "Valve spring stress", "τ_s", "stress",
+             "dynamics", valve_spring_stress, needs="valve springs"),
     Quantity("second_contact_force", "second_contact_force_n", "Second contact force", "F_c2", "force",
              "dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
     Quantity("force", "force_n", "Force", "F", "force", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),

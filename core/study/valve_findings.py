@@ -1,19 +1,20 @@
-"""Findings of a valve train: its lash against the ramps of the lobe; and extremes of forces while it is not loose."""
+"""Findings of a valve train: its lash against the ramps of the lobe, and its springs; extremes of forces while it is not loose."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
+from math import degrees, isfinite, pi
 
 import numpy as np
 
-from core.findings import WARNING, Finding
+from core.findings import ERROR, WARNING, Finding
 from core.motion import Angles
-from core.motion.extremes import Extremes, find_extremes
+from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.study.extremes import extremes_of
 from core.study.quantities import quantity
 from core.study.stages import memory
 from core.study.study import Study
+from core.study.valve_springs import springs_of, surging_contact_force
 
 MM = 1e3
 ROUNDING = 1e-9  # of a ramp: a smaller excess of the lash is rounding
@@ -50,3 +51,50 @@ def lash_findings(study: Study) -> Iterator[Finding]:
         verb = "opens and seats" if closing is None or len(too_low) == 2 else verb
         values: dict[str, float | str] = {"verb": verb, "lash_mm": lift, "ramp_mm": ramp}
         yield Finding("lash-beyond-ramp", WARNING, f"motion.lobe.{key}", None, values)
+
+
+def _greatest_lift(study: Study) -> float:
+    """Greatest lift of the valve [m]."""
+    return (
+        extremes_of(study, "linkage", ("valve_lift",))["valve_lift"].high.value
+        if study.design.drive.has_valve
+        else (extremes_of(study, "motion", ("displacement",))["displacement"].high.value)
+    )
+
+
+def spring_findings(study: Study) -> Iterator[Finding]:
+    """Valve springs that bind, that fatigue, or whose surge takes the follower off the cam."""
+    springs = springs_of(study.design)
+    if not springs:
+        return
+    lift = _greatest_lift(study)
+    for i, spring in enumerate(springs):
+        path, stress = f"loads.valve_springs[{i}]", spring.stress(lift)
+        values: dict[str, float | str] = {"spring": f"valve spring {i + 1}" if len(springs) > 1 else "valve spring"}
+        if (bind := spring.room - lift) <= 0.0:
+            yield Finding(
+                "coil-bind", ERROR, f"{path}.installed_mm", None, values | {"bind_mm": MM * bind, "lift_mm": MM * lift}
+            )
+        if (safety := spring.safety(lift)) is not None and safety < 1.0 - ROUNDING:
+            fatigue = values | {"safety": safety, "value": 1e-6 * stress, "seat_mpa": 1e-6 * spring.stress(0.0)}
+            yield Finding("spring-stress", WARNING, f"{path}.wire_mm", None, fatigue)
+    yield from _surge_findings(study)
+
+
+def _surge_findings(study: Study) -> Iterator[Finding]:
+    """The true force of the springs leaves the follower where the static one holds it on the cam."""
+    if "cam" not in study.stages or study.is_form_closed or study.jam is not None:
+        return
+    if extremes_beyond_lash(study, "contact_force").low.value <= 0.0:  # reported as separation
+        return
+
+    def compute() -> Extreme:
+        return find_extremes(lambda angles: {"": surging_contact_force(study.at(angles))}, study.program)[""].low
+
+    least: Extreme = memory.get("surge", study.depends_on("dynamics"), compute)
+    if least.value <= 0.0:
+        slowest = min(range(len(springs_of(study.design))), key=lambda i: springs_of(study.design)[i].natural)
+        values = {"force_n": least.value, "natural_hz": springs_of(study.design)[slowest].natural / (2.0 * pi)}
+        yield Finding(
+            "spring-surge", WARNING, f"loads.valve_springs[{slowest}].active_coils", degrees(least.theta), values
+        )

@@ -9,16 +9,20 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, nose_deg
+from core.design.lobe import CRANK_PER_CAM
+from core.dynamics import HelicalSpring
 from core.errors import KindynaError, NoSolution
 from core.motion import program
 from core.number_text import fixed_text, result_text
-from core.study import Study, extremes_of
+from core.study import Study, extremes_of, quantities_of
+from core.study.valve_springs import lift_harmonics, springs_of
 from core.valves.pairs import valve_pairs
 from core.valves.timing import LOBE, MM, VALVE, ValveTiming
 
 INTENSITY = (0.1016, 0.1524, 0.508)
 """Lifts whose durations less that at 1.27 mm are the intensity of a lobe [mm]: 0.004, 0.006 and 0.020 inch."""
 REFERENCE = 1.27
+SHOWN_HARMONICS = 20
 INCH = 25.4
 
 
@@ -103,7 +107,7 @@ def _study_figures(timing: ValveTiming) -> dict[str, Any]:
     if "cam" not in study.stages:
         return figures
     try:
-        return figures | _profile_figures(timing, study) | _float_figures(study)
+        return figures | _profile_figures(timing, study) | _train_figures(study)
     except NoSolution:
         return figures
 
@@ -121,11 +125,37 @@ def _profile_figures(timing: ValveTiming, study: Study) -> dict[str, Any]:
     )
 
 
-def _float_figures(study: Study) -> dict[str, Any]:
-    """Engine speed at which the follower leaves the cam."""
-    if study.design.drive.cam.form.holds or study.lift_off is None:
-        return {}
-    return {"float_rpm": 2.0 * study.lift_off.omega * 30.0 / pi}
+def _train_figures(study: Study) -> dict[str, Any]:
+    """Range of the rocker's ratio, engine speed at which the follower leaves the cam, and the valve springs."""
+    figures: dict[str, Any] = {}
+    if "rocker_ratio" in quantities_of(study, "linkage"):
+        ratio = extremes_of(study, "linkage", ("rocker_ratio",))["rocker_ratio"]
+        figures["rocker_ratio"] = [ratio.low.value, ratio.high.value]
+    if not study.design.drive.cam.form.holds and not study.loading.is_empty and study.lift_off is not None:
+        figures["float_rpm"] = CRANK_PER_CAM * study.lift_off.omega * 30.0 / pi
+    if springs := springs_of(study.design):
+        lift = extremes_of(study, "linkage", ("valve_lift",))["valve_lift"].high.value
+        harmonics = 2.0 * MM * np.abs(lift_harmonics(study)[1 : SHOWN_HARMONICS + 1])
+        figures["springs"] = [_spring(spring, lift, harmonics) for spring in springs]
+    return figures
+
+
+def _spring(spring: HelicalSpring, lift: float, harmonics: np.ndarray) -> dict[str, Any]:
+    """Figures of a spring up to the greatest lift [m] of the valve, with the harmonics of the lift (n,) [mm]."""
+    natural = spring.natural / (2.0 * pi)
+    return _present(
+        rate_n_per_mm=1e-3 * spring.rate,
+        seat_n=spring.force(0.0),
+        open_n=spring.force(lift),
+        bind_mm=MM * (spring.room - lift),
+        stress_mpa=[1e-6 * spring.stress(0.0), 1e-6 * spring.stress(lift)],
+        natural_hz=natural,
+        goodman=spring.safety(lift),
+        harmonics=[
+            {"n": n, "lift_mm": float(size), "resonance_rpm": CRANK_PER_CAM * 60.0 * natural / n}
+            for n, size in enumerate(harmonics, 1)
+        ],
+    )
 
 
 # -- text -------------------------------------------------------------------------------------------------------
@@ -148,9 +178,30 @@ FIGURES = (
     ("concave_radius_mm", "least concave radius", "mm"),
     ("opening_velocity_mm_s", "opening velocity", "mm/s"),
     ("seating_velocity_mm_s", "seating velocity", "mm/s"),
+    ("rocker_ratio", "rocker ratio", ""),
     ("float_rpm", "float speed of the engine", "rpm"),
 )
 """Key of the data -> its words and unit."""
+
+
+_SPRING_LINES = (
+    ("rate_n_per_mm", "rate", "N/mm"),
+    ("seat_n", "force of the closed valve", "N"),
+    ("open_n", "force at the greatest lift", "N"),
+    ("bind_mm", "travel left to coil bind", "mm"),
+    ("stress_mpa", "corrected stress", "MPa"),
+    ("goodman", "safety against fatigue (Goodman)", ""),
+    ("natural_hz", "natural frequency", "Hz"),
+)
+
+
+def _lines(figures: dict[str, Any], rows: Sequence[tuple[str, str, str]], indent: str) -> list[str]:
+    lines = []
+    for key, words, unit in rows:
+        if key in figures:
+            values = figures[key] if isinstance(figures[key], list) else [figures[key]]
+            lines.append(f"{indent}{words}: {' ... '.join(result_text(v, 6) for v in values)} {unit}".rstrip())
+    return lines
 
 
 def valve_text(data: dict[str, Any]) -> str:
@@ -169,10 +220,13 @@ def valve_text(data: dict[str, Any]) -> str:
             lines.append(f"  {event['of']} at {event['at_mm']:g} mm: opens {opens}, closes {closes}, {duration} deg")
         for lift_mm, value in valve.get("intensity_deg", {}).items():
             lines.append(f"  intensity {lift_mm} to {REFERENCE:g} mm: {fixed_text(value, 2)} deg")
-        for key, words, unit in FIGURES:
-            if key in valve:
-                values = valve[key] if isinstance(valve[key], list) else [valve[key]]
-                lines.append(f"  {words}: {' ... '.join(result_text(v, 6) for v in values)} {unit}")
+        lines += _lines(valve, FIGURES, "  ")
+        for spring in valve.get("springs", ()):
+            lines += ["  valve spring", *_lines(spring, _SPRING_LINES, "    ")]
+            lines += [
+                f"    harmonic {row['n']}: {result_text(row['lift_mm'], 6)} mm, resonance at {result_text(row['resonance_rpm'], 6)} rpm"
+                for row in spring["harmonics"]
+            ]
     for pair in data["pairs"]:
         separation, advance = (result_text(pair[key], 6) for key in ("separation_deg", "advance_deg"))
         lines.append(f"{pair['intake']}, {pair['exhaust']}: separation {separation} deg, advance {advance} deg")

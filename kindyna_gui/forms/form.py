@@ -32,7 +32,7 @@ _STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
 """Keys of a linkage's structure, which its file, a preset or the Linkage menu sets: no dimensions."""
 _NOT_WITH_TABLE = ("force_n", "torque_nm")
 _POINT = re.compile(r"\.points\[(\d+)\]")
-_OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
+_OF_ELEMENT = re.compile(rf"loads\.({'|'.join((*ELEMENT_LISTS, 'valve_springs'))})\[")
 
 # -- the bar about values that do not fit ----------------------------------------------------------------
 

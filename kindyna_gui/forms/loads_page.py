@@ -36,6 +36,7 @@ WHAT = {
     "torsion_springs": ("&Torsion spring and damper", "Add a torsion spring and damper between two links"),
     "pair_friction": ("F&riction", "Add friction in a pin or along a slide"),
     "process": ("&Process force", "Add a force over a part of the turn or of the motion, or as a table"),
+    "valve_springs": ("&Valve spring", "Add a helical spring that closes the valve, in place of rate and preload"),
 }
 """List of loads -> its entry in the Add menu, and the tip."""
 GENERAL = "General values"

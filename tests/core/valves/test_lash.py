@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
-from core.design import Design, Engine, Valve, put, with_drive
+from core.design import Design, Engine, Valve, get, put, with_drive
 from core.project import load, loads, save
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantities_of
@@ -117,7 +117,9 @@ def test_a_pushrod_train_is_loose_below_the_lash_at_its_valve() -> None:
     assert not np.any(value(loose, "drive_torque")[~is_open])
     # the spring of the open valve is shorter by the travel less the lash: virtual work at the tappet
     ratio = value(tight, "rocker_ratio")
-    expected = value(tight, "contact_force") - 3e4 * 0.25e-3 * ratio
+    expected = value(tight, "contact_force") - 1e3 * get(
+        design, "loads.spring_rate_n_per_mm"
+    ) * 0.25e-3 * ratio / np.abs(tight.dynamics.lever)
     assert value(loose, "contact_force")[is_open] == pytest.approx(expected[is_open], rel=1e-9)
     assert loose.lash.at_motion == pytest.approx(
         float(np.interp(0.25e-3, travel[:1800], tight.motion.displacement[0][:1800])), rel=1e-3
