@@ -277,6 +277,10 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "the valve {verb} on the flank of the lobe: the lash is taken up at {lash_mm} mm of lobe lift, the ramp ends at {ramp_mm} mm: "
             "enlarge the ramp, or reduce the lash", _compared("lash_mm", "ramp_mm"),
         ),
+        "piston-valve": FindingRow(
+            "the valve hits the piston: clearance {clearance_mm} mm at {crank_deg} deg of the crank from TDC of overlap: enlarge the "
+            "clearance at TDC by a pocket, or reduce lift, duration or overlap"
+        ),
         "coil-bind": FindingRow(
             "the {spring} binds: at the greatest lift of {lift_mm} mm {bind_mm} mm are left between its coils: enlarge the installed "
             "length, or reduce wire or coils"

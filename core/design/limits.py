@@ -68,6 +68,19 @@ class Limits:
         "greatest allowed between follower and cam",
         Bounds(("contact_pressure", "second_contact_pressure")),
     )
+    piston_clearance_mm: float | None = leading(
+        number(
+            "Piston clearance",
+            0.0,
+            LONGEST_MM,
+            open_low=True,
+            default=None,
+            help="least between valve and piston; empty = none",
+            bounds=Bounds(
+                ("piston_clearance",), "enlarge valve.clearance_mm, or reduce lift, duration or overlap", most=False
+            ),
+        )
+    )
     spring_stress_mpa: float | None = _most(
         "Spring stress",
         "greatest corrected shear stress of the valve springs",

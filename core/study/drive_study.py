@@ -558,7 +558,7 @@ class DriveStudy:
         speed = (design.sense, design.speed_rpm, self._followed)
         return {
             "motion": (drive.motion, speed),
-            "linkage": (drive.motion, speed, drive.mechanism, drive.cam, drive.valve),
+            "linkage": (drive.motion, speed, drive.mechanism, drive.cam, drive.valve, design.engine),
             "cam": (drive.motion, drive.mechanism, drive.cam, design.sense, self._followed),
             "dynamics": (drive, speed),
             "stability": (drive, speed, design.shaft),

@@ -24,7 +24,7 @@ from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
-from core.study.valve_findings import extremes_beyond_lash, lash_findings, spring_findings
+from core.study.valve_findings import extremes_beyond_lash, lash_findings, piston_findings, spring_findings
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -154,7 +154,7 @@ def _linkage_findings(study: Study) -> list[Finding]:
     singular = {name: e for name, e in extremes.items() if name in mechanism.SINGULAR}
     transmission = {member_of(name): e for name, e in extremes.items() if name not in singular}
     findings = mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
-    return [*findings, *lash_findings(study)]
+    return [*findings, *lash_findings(study), *piston_findings(study)]
 
 
 def _cam_findings(study: Study) -> list[Finding]:

@@ -36,6 +36,7 @@ from core.study.member_quantities import (
     valve_lift,
     valve_motion,
 )
+from core.study.piston import clearance_parts
 from core.study.study import Study
 from core.study.symbols import (
     CAM,
@@ -290,6 +291,14 @@ _TRAIN: Mapping[str, SymbolSource] = {
     "y′_v": SymbolSource("derivative of the valve's lift by cam angle", "mm", lambda s, _: first(valve_lift(s, 1)) / s.omega, LINKAGE),
     "y″_v": SymbolSource("second derivative of the valve's lift by cam angle", "mm",
                          lambda s, _: first(valve_lift(s, 2)) / s.omega**2, LINKAGE),
+    "c.piston": SymbolSource("clearance of valve and piston"),
+    "c_0.piston": field_symbol("valve.clearance_mm", "clearance of the closed valve at TDC", "mm"),
+    "x_p": SymbolSource("travel of the piston in the direction of the clearance", "mm",
+                        lambda s, _: first(clearance_parts(s)[0]), "engine.stroke_mm"),
+    "y_p": SymbolSource("lift of the valve in the direction of the clearance", "mm", lambda s, _: first(clearance_parts(s)[1]), LINKAGE),
+    "x.piston": SymbolSource("travel of the piston from its highest position"), "R.throw": SymbolSource("throw of the crank"),
+    "l.rod": SymbolSource("connecting rod"), "e.pin": SymbolSource("pin offset"),
+    "θ.throw": SymbolSource("angle of the throw from the cylinder's axis"),
     "F_s": SymbolSource("force of the valve springs"),
     "F_0.valve": SymbolSource("force of the closed valve", "n", _real(lambda s: sum(each.preload for each in springs_of(s.design))),
                               "loads.valve_springs"),

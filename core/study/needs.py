@@ -12,6 +12,7 @@ from core.design.parts import LINEAR, ROTARY
 from core.frozen import frozen
 from core.stress import load_ratings, pairings
 from core.study.drive_forces import ROLLERS, has_servo
+from core.study.piston import has_piston
 
 
 def _is_rated(roller: str, design: Design) -> bool:
@@ -59,6 +60,7 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
         "rotary servo": Need("a rotary motor in [servo]", lambda design: has_servo(design, ROTARY)),
         "linear servo": Need("a linear motor in [servo]", lambda design: has_servo(design, LINEAR)),
         "valve": Need("a rocker, a pushrod train, or a table [valve]", lambda design: design.drive.has_valve),
+        "piston": Need("[engine], and valve.angle_deg and valve.clearance_mm", has_piston),
         "valve springs": Need(
             "[[loads.valve_springs]]", lambda design: bool(getattr(design.drive.loads, "valve_springs", ()))
         ),

@@ -59,6 +59,7 @@ from core.study.member_quantities import (
     valve_lift,
 )
 from core.study.needs import NEEDS
+from core.study.piston import piston_clearance
 from core.study.study import Study
 from core.study.valve_springs import valve_spring_force, valve_spring_stress
 
@@ -248,6 +249,8 @@ _ROWS: tuple[Quantity, ...] = (
              "linkage", partial(valve_lift, order=1), needs="valve", file=KINEMATICS),
     Quantity("valve_acceleration", "valve_acceleration_mm_s2", "Valve acceleration", "ÿ_v", "acceleration",
              "linkage", partial(valve_lift, order=2), needs="valve", file=KINEMATICS),
+    Quantity("piston_clearance", "piston_clearance_mm", "Clearance of valve and piston", "c", "length",
+             "linkage", piston_clearance, needs="piston", file=KINEMATICS),
     Quantity("rocker_ratio", "rocker_ratio", "Rocker ratio", "i", "ratio", "linkage", rocker_ratio, TRAINS, file=KINEMATICS),
     Quantity("pad_position", "pad_position_mm", "Pad on the tip", "x_t", "length",
              "linkage", lambda s: coordinate(s, "pad_position"), TRAINS, file=KINEMATICS),

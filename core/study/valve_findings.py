@@ -11,6 +11,7 @@ from core.findings import ERROR, WARNING, Finding
 from core.motion import Angles
 from core.motion.extremes import Extreme, Extremes, find_extremes
 from core.study.extremes import extremes_of
+from core.study.piston import crank_degrees, has_piston
 from core.study.quantities import quantity
 from core.study.stages import memory
 from core.study.study import Study
@@ -51,6 +52,22 @@ def lash_findings(study: Study) -> Iterator[Finding]:
         verb = "opens and seats" if closing is None or len(too_low) == 2 else verb
         values: dict[str, float | str] = {"verb": verb, "lash_mm": lift, "ramp_mm": ramp}
         yield Finding("lash-beyond-ramp", WARNING, f"motion.lobe.{key}", None, values)
+
+
+def least_clearance(study: Study) -> Extreme | None:
+    """Refined least clearance [m] of valve and piston, with its cam angle; None without a piston."""
+    if not has_piston(study.design):
+        return None
+    return extremes_of(study, "linkage", ("piston_clearance",))["piston_clearance"].low
+
+
+def piston_findings(study: Study) -> Iterator[Finding]:
+    """A valve that hits the piston."""
+    least = least_clearance(study)
+    if least is not None and least.value <= 0.0:
+        crank = float(crank_degrees(study.at_theta(np.array([least.theta])))[0])
+        values: dict[str, float | str] = {"clearance_mm": MM * least.value, "crank_deg": crank}
+        yield Finding("piston-valve", ERROR, "valve.clearance_mm", degrees(least.theta), values)
 
 
 def _greatest_lift(study: Study) -> float:

@@ -10,9 +10,9 @@ from core.design import Design
 from core.dynamics import HARMONICS, HelicalSpring, helical_springs, periodic_sum, surge_harmonics
 from core.motion import Angles
 from core.numerics.roots import gauss
+from core.study.member_quantities import valve_lift
 from core.study.stages import memory
 from core.study.study import Study
-from core.study.member_quantities import valve_lift
 
 NODES = 24
 PANEL = np.deg2rad(6.0)  # in which these nodes integrate 100 harmonics

@@ -15,6 +15,8 @@ from core.errors import KindynaError, NoSolution
 from core.motion import program
 from core.number_text import fixed_text, result_text
 from core.study import Study, extremes_of, quantities_of
+from core.study.piston import crank_degrees
+from core.study.valve_findings import least_clearance
 from core.study.valve_springs import lift_harmonics, springs_of
 from core.valves.pairs import valve_pairs
 from core.valves.timing import LOBE, MM, VALVE, ValveTiming
@@ -137,7 +139,17 @@ def _train_figures(study: Study) -> dict[str, Any]:
         lift = extremes_of(study, "linkage", ("valve_lift",))["valve_lift"].high.value
         harmonics = 2.0 * MM * np.abs(lift_harmonics(study)[1 : SHOWN_HARMONICS + 1])
         figures["springs"] = [_spring(spring, lift, harmonics) for spring in springs]
-    return figures
+    return figures | _present(clearance=_clearance(study))
+
+
+def _clearance(study: Study) -> dict[str, float] | None:
+    least = least_clearance(study)
+    if least is None:
+        return None
+    return {
+        "least_mm": MM * least.value,
+        "crank_deg": float(crank_degrees(study.at_theta(np.array([least.theta])))[0]),
+    }
 
 
 def _spring(spring: HelicalSpring, lift: float, harmonics: np.ndarray) -> dict[str, Any]:
@@ -221,6 +233,9 @@ def valve_text(data: dict[str, Any]) -> str:
         for lift_mm, value in valve.get("intensity_deg", {}).items():
             lines.append(f"  intensity {lift_mm} to {REFERENCE:g} mm: {fixed_text(value, 2)} deg")
         lines += _lines(valve, FIGURES, "  ")
+        if "clearance" in valve:
+            least, crank = (valve["clearance"][key] for key in ("least_mm", "crank_deg"))
+            lines.append(f"  least clearance to the piston: {result_text(least, 6)} mm at {crank_text(crank)}")
         for spring in valve.get("springs", ()):
             lines += ["  valve spring", *_lines(spring, _SPRING_LINES, "    ")]
             lines += [
