@@ -12,6 +12,7 @@ import pytest
 from core.__main__ import main
 from core.design import Design, get, put
 from core.errors import DesignError
+from core.find.offer import available_searches
 from core.project import dumps, load, loads, save
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantities_of
@@ -303,3 +304,9 @@ def test_springs_need_a_follower_that_opens_a_valve() -> None:
             )
             .replace("follower_mass_kg = 0.14\n", "")
         )
+
+
+def test_rate_and_preload_of_valve_springs_are_not_searched() -> None:
+    assert not {"spring", "preload"} & set(available_searches(design()))
+    assert {"spring", "preload", "lift-off-speed"} <= set(available_searches(design(springs="")))
+    assert "lift-off-speed" in available_searches(design())
