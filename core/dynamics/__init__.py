@@ -48,7 +48,6 @@ from core.dynamics.loading import (
     row_of_element,
 )
 from core.dynamics.unit_loads import UnitLoads, unit_loads
-from core.dynamics.valve_springs import HARMONICS, HelicalSpring, helical_springs, periodic_sum, surge_harmonics
 from core.process import lazy_attributes
 
 if TYPE_CHECKING:
@@ -71,8 +70,9 @@ if TYPE_CHECKING:
         free_bodies,
         imbalance,
     )
+    from core.dynamics.valve_springs import HARMONICS, HelicalSpring, helical_springs, periodic_sum, surge_harmonics
 else:
-    __getattr__ = lazy_attributes(__name__, "free_body", "contact_force", "flight")
+    __getattr__ = lazy_attributes(__name__, "free_body", "contact_force", "flight", "valve_springs")
 
 __all__ = [
     "BEARING", "CAM_FACE", "CONTACT", "DRIVE", "FRICTION", "HARMONICS", "INERTIA", "JAMS", "KINDS", "LOAD", "LOADINGS",

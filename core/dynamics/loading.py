@@ -55,7 +55,6 @@ from core.dynamics.elements import (
     combined_inertia,
 )
 from core.dynamics.schedules import AngleWindow, MotionWindow, Schedule, ScheduleTable
-from core.dynamics.valve_springs import helical_springs
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, Kinematics
@@ -97,9 +96,12 @@ def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
 
 def _closing_spring(loads: TranslatingLoads | ValveTrainLoads, pair: str = "") -> tuple[OutputForce, float]:
     """Spring that closes a valve: its force on the valve, and the mass [kg] of it that moves with the valve."""
-    s, springs = si(loads), helical_springs(loads)
-    if not springs:
+    if not loads.valve_springs:
+        s = si(loads)
         return OutputForce(-s.preload, s.spring_rate, name=LOAD, pair=pair), 0.0
+    from core.dynamics.valve_springs import helical_springs  # few designs have them
+
+    springs = helical_springs(loads)
     preload, rate, mass = (sum(getattr(row, name) for row in springs) for name in ("preload", "rate", "active_mass"))
     return OutputForce(-preload, rate, name=LOAD, pair=pair), mass / 3.0
 

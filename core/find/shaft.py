@@ -48,7 +48,7 @@ from core.shaft import (
 from core.study import Study, extremes_of
 from core.study.drive_forces import best_servo_ratio, servo_part, servo_turn
 from core.study.limits import ANY_PRESSURE, LIMITS
-from core.study.needs import has_motor
+from core.study.study import has_motor
 
 FLYWHEEL, FLUCTUATION, SLOPE = (
     "shaft.flywheel_inertia_kg_m2",

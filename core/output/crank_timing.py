@@ -7,10 +7,8 @@ from contextlib import suppress
 import numpy as np
 
 from core.design import Design
-from core.design.engine import CRANK_PER_CAM
 from core.errors import NoSolution
 from core.frozen import frozen
-from core.study import Study, quantity
 from core.valves import LobeEdge, ValvePair, ValveTiming, lobe_edges, valve_pairs, valve_timings
 
 VALVE_LIFT, LOBE_LIFT = "valve lift", "lobe lift"
@@ -63,12 +61,9 @@ def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
 
 def _lift(timing: ValveTiming, crank: np.ndarray) -> tuple[str, np.ndarray]:
     """Name and values [mm] of the lift at crank angles (n,) from TDC of overlap of the cylinder [deg]."""
-    if timing.is_direct:
-        return VALVE_LIFT, timing.valve_lift(crank)
-    if timing.design.drive.has_valve:
-        theta = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
+    if timing.has_valve_lift:
         with suppress(NoSolution):
-            return VALVE_LIFT, quantity("valve_lift").values(Study(timing.design).at_theta(theta))
+            return VALVE_LIFT, timing.valve_lift(crank)
     return LOBE_LIFT, timing.lobe_lift(crank)
 
 

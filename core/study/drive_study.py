@@ -42,7 +42,9 @@ from core.study.stages import (
     memory,
     torque_breaks,
 )
-from core.study.valve_travel import ValveTravel
+
+if TYPE_CHECKING:
+    from core.study.valve_travel import ValveTravel
 
 SAMPLES = 3600
 _ATTRIBUTES = {"motion": "drive", "cam centres": "cam_centres"}
@@ -525,6 +527,8 @@ class DriveStudy:
     @lazy
     def valve(self) -> ValveTravel:
         """Travel of the valve of the drive."""
+        from core.study.valve_travel import ValveTravel  # few drives have one
+
         return ValveTravel(self.design.drive, self.mechanism, self.uncut, lambda: self.driver_ranges)
 
     @lazy

@@ -68,6 +68,23 @@ def extremes_of(study: Study, stage: str, only: tuple[str, ...] = ()) -> Mapping
     return extremes
 
 
+def extremes_beyond_lash(study: Study, name: str) -> Extremes:
+    """Refined extremes of a force in SI units; with lash only where the train is not loose."""
+    if study.lash is None:
+        return extremes_of(study, "dynamics", (name,))[name]
+    row = quantity(name)
+
+    def force(angles: Angles) -> dict[str, np.ndarray]:
+        at = study.at(angles)
+        return {"": np.where(at.loading.acting(at.linkage), row.value(at), np.nan)}
+
+    def compute() -> Extremes:
+        return find_extremes(force, study.program)[""]
+
+    extremes: Extremes = memory.get(("beyond lash", name), study.depends_on("dynamics"), compute)
+    return extremes
+
+
 def search_together(study: Study, requested: Mapping[str, tuple[str, ...]], prepare: Callable[[], None]) -> None:
     """Extremes of several stages (stage -> names of quantities) in one search; ``extremes_of`` then reads them from the cache.
 

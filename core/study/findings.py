@@ -19,12 +19,11 @@ from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
 from core.study.drive_forces import has_servo, servo_part, servo_turn
-from core.study.extremes import cam_extremes, extremes_of, near_singular, search_together
+from core.study.extremes import cam_extremes, extremes_beyond_lash, extremes_of, near_singular, search_together
 from core.study.limits import limit_findings
 from core.study.quantities import TRANSMISSION, member_of, names_of, quantities_of, quantity, shape_of
 from core.study.stages import memory
 from core.study.study import Study
-from core.study.valve_findings import extremes_beyond_lash, lash_findings, piston_findings, spring_findings
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -154,6 +153,10 @@ def _linkage_findings(study: Study) -> list[Finding]:
     singular = {name: e for name, e in extremes.items() if name in mechanism.SINGULAR}
     transmission = {member_of(name): e for name, e in extremes.items() if name not in singular}
     findings = mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
+    if not study.design.drive.has_valve:
+        return findings
+    from core.study.valve_findings import lash_findings, piston_findings  # few designs have a valve
+
     return [*findings, *lash_findings(study), *piston_findings(study)]
 
 
@@ -207,7 +210,10 @@ def _dynamics_findings(study: Study) -> list[Finding]:
         pairs = ", ".join(name for name in study.linkage.pairs if name in study.undetermined)
         findings.append(Finding("undetermined-reactions", NOTE, "linkage.links", None, {"pairs": pairs}))
     findings += dynamics.element_findings(lambda angles: study.at(angles).linkage, study.program, study.loading)
-    findings += spring_findings(study)
+    if getattr(drive.loads, "valve_springs", ()):
+        from core.study.valve_findings import spring_findings  # as above
+
+        findings += spring_findings(study)
     return [*findings, *(shaft.findings(study.flywheel) if study.levels_torque and jam is None else [])]
 
 

@@ -7,17 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.design import Design, Engine, Valve, nose_deg, si
-from core.design.engine import PARALLEL
-from core.design.lobe import CRANK_PER_CAM
+from core.design import Engine, Valve, nose_deg, si
+from core.design.engine import CRANK_PER_CAM, PARALLEL
 from core.study.member_quantities import valve_lift
 from core.study.study import Study
-
-
-def has_piston(design: Design) -> bool:
-    """Whether a design has an engine, and a valve with its angle and its clearance at TDC."""
-    valve = design.drive.valve
-    return design.engine is not None and valve is not None and None not in (valve.angle_deg, valve.clearance_mm)
 
 
 def _parts(study: Study) -> tuple[Engine, Valve]:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field, replace
 from functools import lru_cache, partial
+from importlib import import_module
 from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -58,10 +59,7 @@ from core.study.member_quantities import (
     transmission_angle,
     valve_lift,
 )
-from core.study.needs import NEEDS
-from core.study.piston import piston_clearance
-from core.study.study import Study
-from core.study.valve_springs import valve_spring_force, valve_spring_stress
+from core.study.study import NEEDS, Study
 
 if TYPE_CHECKING:
     from core.study.symbols import Formula
@@ -214,6 +212,16 @@ def _contact(key: str, index: str, second: bool) -> Iterator[Quantity]:
 _CONTACT = (*_contact("", "", second=False), *_contact("second_", "₂", second=True))
 
 
+def _value(module: str, name: str) -> Callable[[Study], np.ndarray]:
+    """Value by a function of a module that few designs need, which is imported with the first value."""
+
+    def value(study: Study) -> np.ndarray:
+        function: Callable[[Study], np.ndarray] = getattr(import_module(f"core.study.{module}"), name)
+        return function(study)
+
+    return value
+
+
 def _unseen(
     name: str, stage: str, value: Callable[[Study], np.ndarray], kinds: frozenset[str] = ALL_KINDS, needs: str = ""
 ) -> Quantity:
@@ -250,7 +258,7 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("valve_acceleration", "valve_acceleration_mm_s2", "Valve acceleration", "ÿ_v", "acceleration",
              "linkage", partial(valve_lift, order=2), needs="valve", file=KINEMATICS),
     Quantity("piston_clearance", "piston_clearance_mm", "Clearance of valve and piston", "c", "length",
-             "linkage", piston_clearance, needs="piston", file=KINEMATICS),
+             "linkage", _value("piston", "piston_clearance"), needs="piston", file=KINEMATICS),
     Quantity("rocker_ratio", "rocker_ratio", "Rocker ratio", "i", "ratio", "linkage", rocker_ratio, TRAINS, file=KINEMATICS),
     Quantity("pad_position", "pad_position_mm", "Pad on the tip", "x_t", "length",
              "linkage", lambda s: coordinate(s, "pad_position"), TRAINS, file=KINEMATICS),
@@ -291,9 +299,9 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force",
              "dynamics", lambda s: s.dynamics.contact, needs="cam"),
     Quantity("valve_spring_force", "valve_spring_force_n", "Valve spring force", "F_s", "force",
-             "dynamics", valve_spring_force, needs="valve springs"),
+             "dynamics", _value("valve_springs", "valve_spring_force"), needs="valve springs"),
     Quantity("valve_spring_stress", "valve_spring_stress_mpa", "Valve spring stress", "τ_s", "stress",
-             "dynamics", valve_spring_stress, needs="valve springs"),
+             "dynamics", _value("valve_springs", "valve_spring_stress"), needs="valve springs"),
     Quantity("second_contact_force", "second_contact_force_n", "Second contact force", "F_c2", "force",
              "dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
     Quantity("force", "force_n", "Force", "F", "force", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),

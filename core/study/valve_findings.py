@@ -1,4 +1,4 @@
-"""Findings of a valve train: its lash against the ramps of the lobe, and its springs; extremes of forces while it is not loose."""
+"""Findings of a valve train: its lash against the ramps of the lobe, and its springs and its piston."""
 
 from __future__ import annotations
 
@@ -8,34 +8,15 @@ from math import degrees, isfinite, pi
 import numpy as np
 
 from core.findings import ERROR, WARNING, Finding
-from core.motion import Angles
-from core.motion.extremes import Extreme, Extremes, find_extremes
-from core.study.extremes import extremes_of
-from core.study.piston import crank_degrees, has_piston
-from core.study.quantities import quantity
+from core.motion.extremes import Extreme, find_extremes
+from core.study.extremes import extremes_beyond_lash, extremes_of
+from core.study.piston import crank_degrees
 from core.study.stages import memory
-from core.study.study import Study
+from core.study.study import Study, has_piston
 from core.study.valve_springs import springs_of, surging_contact_force
 
 MM = 1e3
 ROUNDING = 1e-9  # of a ramp: a smaller excess of the lash is rounding
-
-
-def extremes_beyond_lash(study: Study, name: str) -> Extremes:
-    """Refined extremes of a force in SI units; with lash only where the train is not loose."""
-    if study.lash is None:
-        return extremes_of(study, "dynamics", (name,))[name]
-    row = quantity(name)
-
-    def force(angles: Angles) -> dict[str, np.ndarray]:
-        at = study.at(angles)
-        return {"": np.where(at.loading.acting(at.linkage), row.value(at), np.nan)}
-
-    def compute() -> Extremes:
-        return find_extremes(force, study.program)[""]
-
-    extremes: Extremes = memory.get(("beyond lash", name), study.depends_on("dynamics"), compute)
-    return extremes
 
 
 def lash_findings(study: Study) -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, nose_deg
-from core.design.lobe import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM
 from core.dynamics import HelicalSpring
 from core.errors import KindynaError, NoSolution
 from core.motion import program

@@ -43,7 +43,6 @@ def crank_plots(pair: ValvePair) -> tuple[Plot, ...]:
 def _motion(timing: ValveTiming, crank: np.ndarray) -> list[np.ndarray]:
     """Lift of a valve and its two derivatives by cam angle [mm/deg^order] at crank angles (n,) [deg]."""
     cam = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
-    study = Study(timing.design)
-    study = study.at(study.program.angles(cam))
+    study = Study(timing.design).at_theta(cam)
     per_degree = np.deg2rad(1.0) / study.omega
     return [valve_lift(study, order) * MM * per_degree**order for order in range(len(TITLES))]

@@ -6,7 +6,7 @@ Lobe lift is the motion of the drive above its lowest position; valve lift is th
 from __future__ import annotations
 
 from contextlib import suppress
-from math import degrees, radians
+from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np

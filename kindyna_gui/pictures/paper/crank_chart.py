@@ -65,7 +65,7 @@ def event_words(timing: ValveTiming) -> str:
 
 def _reference(timing: ValveTiming) -> tuple[str, float]:
     """Lift at which events are written: 1 mm of the valve, or 1.27 mm of the lobe of a valve that is not moved directly."""
-    return (VALVE, 1.0) if timing.is_direct else (LOBE, 1.27)
+    return (VALVE, 1.0) if timing.has_valve_lift else (LOBE, 1.27)
 
 
 class CrankChart(TimingChart):
