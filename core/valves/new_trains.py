@@ -253,7 +253,7 @@ class TrainRow:
     kind: str
     follower: Mapping[str, Any]
     cam: Mapping[str, float]
-    loads: Mapping[str, float]
+    loads: Mapping[str, Any]
     moves_valve: bool = True
     arm: str = ""
 
@@ -268,28 +268,37 @@ class TrainRow:
         return float(self.follower["pad_mm"] / self.follower[self.arm]) if self.arm else 1.0
 
 
-_SPRING = {"spring_rate_n_per_mm": 30.0, "preload_n": 300.0}
+_SPRING = {
+    "wire_mm": 3.8,
+    "coil_mm": 24.0,
+    "active_coils": 5.0,
+    "total_coils": 7.0,
+    "free_mm": 51.5,
+    "installed_mm": 41.0,
+}
+_SPRINGS = {"valve_springs": [_SPRING]}
+_CLOSED = {"angle_deg": 15.0, "clearance_mm": 6.0}  # position of the closed valve against the piston
 _ROLLER = {"roller_mass_kg": 0.02, "roller_inertia_kg_m2": 8e-7}
 
 EVERY_TRAIN: Mapping[str, TrainRow] = MappingProxyType(
     {
         "direct": TrainRow(
             label="Direct", kind="translating", follower={"face": "flat"}, cam={"base_radius_mm": 18.0},
-            loads={"follower_mass_kg": 0.14, **_SPRING},
+            loads={"follower_mass_kg": 0.14, **_SPRINGS},
         ),
         "finger": TrainRow(
             label="Finger", kind="rocker", arm="arm_mm",
             follower={"face": "roller", "arm_mm": 21.0, "pivot_x_mm": -18.0, "pivot_y_mm": -36.0, "side": "right",
                       "pad_mm": 39.9, "pad_angle_deg": -20.0, "pad_radius_mm": 12.0, "valve_direction_deg": -90.0},
             cam={"base_radius_mm": 17.0, "roller_radius_mm": 9.0},
-            loads={"valve_mass_kg": 0.09, "rocker_inertia_kg_m2": 1.5e-5, **_ROLLER, **_SPRING},
+            loads={"valve_mass_kg": 0.09, "rocker_inertia_kg_m2": 1.5e-5, **_ROLLER, **_SPRINGS},
         ),
         "rocker": TrainRow(
             label="Rocker", kind="rocker", arm="arm_mm",
             follower={"face": "roller", "arm_mm": 25.0, "pivot_x_mm": 25.0, "pivot_y_mm": 27.0, "side": "right",
                       "pad_mm": 37.5, "pad_angle_deg": 187.0, "pad_radius_mm": 12.0, "valve_direction_deg": -90.0},
             cam={"base_radius_mm": 18.0, "roller_radius_mm": 9.0},
-            loads={"valve_mass_kg": 0.09, "rocker_inertia_kg_m2": 4e-5, **_ROLLER, **_SPRING},
+            loads={"valve_mass_kg": 0.09, "rocker_inertia_kg_m2": 4e-5, **_ROLLER, **_SPRINGS},
         ),
         "pushrod": TrainRow(
             label="Pushrod", kind="pushrod", moves_valve=False, arm="push_arm_mm",
@@ -298,7 +307,7 @@ EVERY_TRAIN: Mapping[str, TrainRow] = MappingProxyType(
                       "pad_radius_mm": 12.0, "valve_direction_deg": -90.0},
             cam={"base_radius_mm": 18.0},
             loads={"valve_mass_kg": 0.1, "rocker_inertia_kg_m2": 6e-5, "tappet_mass_kg": 0.09, "pushrod_mass_kg": 0.06,
-                   **_SPRING},
+                   **_SPRINGS},
         ),
     }
 )  # fmt: skip
@@ -328,10 +337,11 @@ def new_train(card: TrainCard) -> Design:
     centres = {INLET: 108.0, EXHAUST: -108.0}
     engine = {"stroke_mm": 84.0, "rod_mm": 138.0}
     marks = [f"engine.{key}" for key in engine] + ["shaft.rotation", "shaft.speed_rpm"]
+    assumed = {**tables, "valve": _CLOSED, "loads.valve_springs[0]": _SPRING}
     marks += [
         f"drives[{i}].{table}.{key}"
         for i in range(2)
-        for table, values in tables.items()
+        for table, values in assumed.items()
         for key, value in values.items()
         if isinstance(value, float)
     ]
@@ -342,7 +352,9 @@ def new_train(card: TrainCard) -> Design:
             "assumed": marks,
             "shaft": {"rotation": "ccw", "speed_rpm": _SPEED_RPM},
             "engine": engine,
-            "drives": [{"name": name, **drive, "valve": {"centre_deg": centre}} for name, centre in centres.items()],
+            "drives": [
+                {"name": name, **drive, "valve": {"centre_deg": centre, **_CLOSED}} for name, centre in centres.items()
+            ],
         }
     )
     return with_card(design, card)

@@ -113,6 +113,11 @@ def test_every_kind_of_valve_train_is_a_design_without_errors(train: str) -> Non
     assert faults(design) == []
     study = Study(design)
     assert [finding for finding in findings_of(study) if finding.severity == ERROR] == []
+    (inlet, _) = valve_data(valve_timings(design), (1.0,))["valves"]
+    assert inlet["springs"][0]["rate_n_per_mm"] == pytest.approx(29.9029378, abs=1e-7)
+    assert inlet["springs"][0]["bind_mm"] > 0.0
+    assert inlet["float_rpm"] > 3000.0
+    assert inlet["clearance"]["least_mm"] > 0.0
     again = loads(dumps(design))
     assert again == design
     read = card_of(again)
