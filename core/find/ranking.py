@@ -15,7 +15,7 @@ from math import isnan
 
 from core.blend import BlendResult, best, blend, sequences
 from core.cam import form_row
-from core.design import Design, OptimalCurve, Segment, curve_of, edited, faults, split_unit
+from core.design import Design, OptimalCurve, Segment, curve_of, edited, faults, require_motion, split_unit
 from core.errors import DesignError, KindynaError, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
@@ -224,7 +224,9 @@ def law_candidates(design: Design, numbers: Sequence[int]) -> dict[str, Candidat
 
 def _with_law(design: Design, numbers: Sequence[int], slug: str) -> Design:
     for number in numbers:
-        design = edited(design, f"motion.segments[{number}].law", slug)
+        motion = require_motion(design)
+        if not (slug == OptimalCurve.law == motion.segments[number].curve.law):
+            design = edited(design, f"motion.segments[{number}].law", slug)
     return design
 
 

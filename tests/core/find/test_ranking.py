@@ -190,3 +190,20 @@ def test_a_column_is_named_with_its_unit() -> None:
         ("peak_power_w", "W"),
         ("energy_j", "J"),
     ]
+
+
+def test_an_optimal_law_is_ranked_with_its_settings() -> None:
+    """The least rms jerk between rests is the 3-4-5; another law gets the optimal one of least acceleration."""
+    design = load(EXAMPLES / "rocker_cam.toml")
+    rows = {
+        row.name: row.figures[0]
+        for row in ranking(law_candidates(design, [1]), ranking_columns(design))
+        if row.name in ("optimal", "parabolic", "3-4-5")
+    }
+    parabolic = rows["parabolic"]
+    assert parabolic is not None
+    assert 0.9 * parabolic < rows["optimal"] < parabolic, "its acceleration does not jump in the middle"
+    typed = edited(edited(design, "motion.segments[1].law", "optimal"), "motion.segments[1].minimise", "rms_jerk")
+    candidate = law_candidates(typed, [1])["optimal"]
+    assert candidate() == typed
+    assert ranking_row("optimal", candidate, ranking_columns(typed)).figures[0] == pytest.approx(rows["3-4-5"], rel=1e-9)
