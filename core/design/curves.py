@@ -167,6 +167,17 @@ def _optimal(curve: OptimalCurve, segment: Segment, whole_turn: bool, path: str)
     return CurveShape(shape.pieces, segment.rise, tuple(w * np.sign(segment.rise) for w in shape.velocity_signs))
 
 
+def has_optimal_laws(motion: Motion) -> bool:
+    """Whether a law keeps the limits of every segment with an optimal law."""
+    try:
+        for i, segment in enumerate(motion.segments):
+            if isinstance(segment.curve, OptimalCurve):
+                segment_shape(with_joined_ends(motion, i), len(motion.segments) == 1, f"motion.segments[{i}]")
+    except DesignError:
+        return False
+    return True
+
+
 def optimal_task(curve: OptimalCurve, segment: Segment, whole_turn: bool) -> OptimalTask:
     """What an optimal law must do, normalised to span 1 and rise 1.
 

@@ -103,7 +103,7 @@ class NoOptimalLaw(KindynaError):
         )
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def optimal_law(task: OptimalTask) -> OptimalLaw:
     """Law of least peak or mean square of a derivative. Raises NoOptimalLaw where there is none."""
     knots = _Knots(task)

@@ -12,7 +12,7 @@ import numpy as np
 from core import dynamics
 from core.design import Design, Motion, edited, only, part_faults, path_of, put, row_at, with_only
 from core.design.camshaft import drive_at
-from core.design.curves import has_common_pieces
+from core.design.curves import has_common_pieces, has_optimal_laws
 from core.design.topology import GROUP, INPUT
 from core.errors import NoSolution
 from core.mechanism import plan_of
@@ -139,7 +139,8 @@ def block_results(
             is_inside &= np.asarray(segment.span_deg > 0.0)
         if motion is not None and not has_common_pieces(motion):
             for k in np.flatnonzero(is_inside).tolist():
-                if part_faults(map_columns(motion, one_design(k)), "motion"):
+                one_motion = map_columns(motion, one_design(k))
+                if part_faults(one_motion, "motion") or not has_optimal_laws(one_motion):
                     results.reason[k] = FAULTY
     results.reason[~is_inside] = OUT_OF_RANGE
     good = np.flatnonzero(results.reason == "")

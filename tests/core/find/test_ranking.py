@@ -206,4 +206,6 @@ def test_an_optimal_law_is_ranked_with_its_settings() -> None:
     typed = edited(edited(design, "motion.segments[1].law", "optimal"), "motion.segments[1].minimise", "rms_jerk")
     candidate = law_candidates(typed, [1])["optimal"]
     assert candidate() == typed
-    assert ranking_row("optimal", candidate, ranking_columns(typed)).figures[0] == pytest.approx(rows["3-4-5"], rel=1e-9)
+    assert ranking_row("optimal", candidate, ranking_columns(typed)).figures[0] == pytest.approx(
+        rows["3-4-5"], rel=1e-9
+    )

@@ -36,7 +36,7 @@ from core.laws import LAWS, PieceTable
 from core.motion import program
 from core.motion.split import split_segment
 from core.project import dumps, load, loads
-from core.study import Study, certificate_of, findings_of
+from core.study import Study, certificate_of, findings_of, many
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 U = np.linspace(0.0, 1.0, 40001)
@@ -415,3 +415,15 @@ def test_an_acceleration_that_jumps_is_found() -> None:
         for minimise in ("acceleration", "jerk")
     ]
     assert codes[0] - codes[1]
+
+
+def test_a_study_tells_which_limits_no_law_keeps() -> None:
+    """The others have the figures that they have alone."""
+    design = edited(load(EXAMPLES / "rocker_cam.toml"), "motion.segments[1].law", "optimal")
+    path, torque = "motion.segments[1].limits.jerk", "drive_torque_nm:abs"
+    design = edited(design, path, 60.0)
+    result = many(design, {path: np.array([28.0, 40.0, 60.0, 90.0])}, [torque])
+    assert [bool(reason) for reason in result.reason] == [True, False, False, False]
+    assert np.isnan(result.value[torque][0])
+    alone = many(edited(design, path, 40.0), {"shaft.speed_rpm": np.array([design.shaft.speed_rpm])}, [torque])
+    assert result.value[torque][1] == pytest.approx(alone.value[torque][0], rel=1e-12)
