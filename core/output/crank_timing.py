@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from math import cos, radians
 
 import numpy as np
 
 from core.design import Design
+from core.design.engine import CRANK_PER_CAM, PARALLEL
 from core.errors import NoSolution
 from core.frozen import frozen
+from core.study import Study, names_of, quantity
+from core.study.valve_findings import least_clearance
 from core.valves import LobeEdge, ValvePair, ValveTiming, lobe_edges, valve_pairs, valve_timings
 
+MM = 1e3
 VALVE_LIFT, LOBE_LIFT = "valve lift", "lobe lift"
 HALF_CYCLE = 360.0
 """Crank angle from TDC of overlap to the ends of the cycle [deg]."""
@@ -29,6 +34,8 @@ class CrankCurve:
     quantity : what the lift is: ``valve lift``, or ``lobe lift`` where the motion of the valve is not known
     lift : (n,) [mm]
     centre : crank angle of the greatest lift, -360 to 360 [deg]
+    clearance : (n,) distance between valve and piston, None without [mm]
+    piston : (n,) lift at which the valve would touch the piston, None without [mm]
     edges : edges of the lobe at its typed rows, each with its crank angle and lift in the curve
     """
 
@@ -39,6 +46,14 @@ class CrankCurve:
     lift: np.ndarray
     centre: float
     edges: tuple[tuple[LobeEdge, float, float], ...]
+    clearance: np.ndarray | None = None
+    piston: np.ndarray | None = None
+
+    @property
+    def least_clearance(self) -> float | None:
+        """Least distance between valve and piston, refined [mm]."""
+        least = None if self.clearance is None else least_clearance(Study(self.timing.design))
+        return None if least is None else MM * least.value
 
 
 def crank_curves(design: Design) -> tuple[CrankCurve, ...]:
@@ -53,10 +68,12 @@ def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
     centre = within_cycle(timing.centre + later)
     crank = np.unique([*np.linspace(-HALF_CYCLE, HALF_CYCLE, SAMPLES), centre, *(angle for _, angle in edges)])
     name, lift = _lift(timing, crank - later)
+    clearance = _clearance(timing, crank - later)
+    piston = None if clearance is None else lift + clearance / _along_valve(timing)
     for array in (crank, lift):
         array.setflags(write=False)
     points = tuple((edge, angle, float(lift[np.searchsorted(crank, angle)])) for edge, angle in edges)
-    return CrankCurve(drive, timing, crank, name, lift, centre, points)
+    return CrankCurve(drive, timing, crank, name, lift, centre, points, clearance, piston)
 
 
 def _lift(timing: ValveTiming, crank: np.ndarray) -> tuple[str, np.ndarray]:
@@ -65,6 +82,22 @@ def _lift(timing: ValveTiming, crank: np.ndarray) -> tuple[str, np.ndarray]:
         with suppress(NoSolution):
             return VALVE_LIFT, timing.valve_lift(crank)
     return LOBE_LIFT, timing.lobe_lift(crank)
+
+
+def _clearance(timing: ValveTiming, crank: np.ndarray) -> np.ndarray | None:
+    """Distance between valve and piston at crank angles (n,) from TDC of overlap of the cylinder [deg], in mm."""
+    if "piston_clearance" not in names_of(timing.design):
+        return None
+    theta = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
+    try:
+        return quantity("piston_clearance").values(Study(timing.design).at_theta(theta))
+    except NoSolution:
+        return None
+
+
+def _along_valve(timing: ValveTiming) -> float:
+    """Change of the clearance per lift of the valve: a flat crown is measured along the cylinder's axis."""
+    return 1.0 if timing.valve.pocket == PARALLEL else cos(radians(timing.valve.angle_deg or 0.0))
 
 
 def within_cycle(crank: float) -> float:

@@ -196,7 +196,7 @@ FIGURES = (
 """Key of the data -> its words and unit."""
 
 
-_SPRING_LINES = (
+SPRING_FIGURES = (
     ("rate_n_per_mm", "rate", "N/mm"),
     ("seat_n", "force of the closed valve", "N"),
     ("open_n", "force at the greatest lift", "N"),
@@ -237,7 +237,7 @@ def valve_text(data: dict[str, Any]) -> str:
             least, crank = (valve["clearance"][key] for key in ("least_mm", "crank_deg"))
             lines.append(f"  least clearance to the piston: {result_text(least, 6)} mm at {crank_text(crank)}")
         for spring in valve.get("springs", ()):
-            lines += ["  valve spring", *_lines(spring, _SPRING_LINES, "    ")]
+            lines += ["  valve spring", *_lines(spring, SPRING_FIGURES, "    ")]
             lines += [
                 f"    harmonic {row['n']}: {result_text(row['lift_mm'], 6)} mm, resonance at {result_text(row['resonance_rpm'], 6)} rpm"
                 for row in spring["harmonics"]

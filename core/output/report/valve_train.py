@@ -1,4 +1,4 @@
-"""The chapter of a valve train: the cam card as it came out, events, and each pair of inlet and exhaust valve."""
+"""The chapter of a valve train: the cam card as it came out, events, springs, and each pair of inlet and exhaust valve."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from core.number_text import input_text
 from core.output.lines import printable
 from core.output.report.parts import Cell, Number, Section, section, table
 from core.valves import LIFTS, crank_text, valve_data, valve_timings
-from core.valves.card import FIGURES, REFERENCE
+from core.valves.card import FIGURES, REFERENCE, SPRING_FIGURES
 
 TYPED = (("centre_deg", "lobe centre", "crank °"), ("lash_mm", "lash", "mm"))
 LIFT_ROWS = (("lobe_lift_mm", "lobe lift", "mm"), ("valve_lift_mm", "valve lift", "mm"))
@@ -19,7 +19,7 @@ EVENT_HEADER = ("Valve", "lift of", "at mm", "opens °", "closes °", "duration 
 
 
 def valve_train(design: Design) -> list[Section]:
-    """Card of every valve, events at the default lifts, and pairs; an empty list without valves."""
+    """Card of every valve, events at the default lifts, springs, and pairs; an empty list without valves."""
     if design.engine is None or all(drive.valve is None for drive in design.drives):
         return []
     data = valve_data(valve_timings(design), LIFTS)
@@ -28,6 +28,7 @@ def valve_train(design: Design) -> list[Section]:
     return [
         *section("", table(("", *names, ""), _card(valves), slug="valves")),
         *section("Valve events, crank degrees", table(EVENT_HEADER, _events(valves), left=2, slug="valve_events")),
+        *_springs(valves),
         *section("Inlet and exhaust", table((), _pairs(data["pairs"]), left=2, slug="valve_pairs")),
     ]
 
@@ -48,7 +49,16 @@ def _card(valves: Sequence[Mapping[str, Any]]) -> list[Sequence[Cell]]:
     for lift in dict.fromkeys(lift for valve in valves for lift in valve.get("intensity_deg", {})):
         cells = [valve.get("intensity_deg", {}).get(lift) for valve in valves]
         rows.append(_row(f"intensity from {lift} to {REFERENCE:g} mm", cells, "crank °"))
+    if any("clearance" in valve for valve in valves):
+        rows.append(_row("least clearance to the piston", [_of(valve, "least_mm") for valve in valves], "mm"))
+        angles = [_of(valve, "crank_deg") for valve in valves]
+        rows.append(("at the crank angle", *("" if angle is None else crank_text(angle) for angle in angles), "°"))
     return rows
+
+
+def _of(valve: Mapping[str, Any], key: str) -> float | None:
+    clearance: Mapping[str, float] = valve.get("clearance", {})
+    return clearance.get(key)
 
 
 def _row(words: str, values: Iterable[float | None], unit: str) -> Sequence[Cell]:
@@ -68,6 +78,24 @@ def _events(valves: Sequence[Mapping[str, Any]]) -> list[Sequence[Cell]]:
             for (at, opens, closes), of in known.items()
         ]
     return rows
+
+
+def _springs(valves: Sequence[Mapping[str, Any]]) -> list[Section]:
+    """Figures of the valve springs, a column for each."""
+    springs = [
+        (f"{printable(valve['drive'])} {k}" if len(valve["springs"]) > 1 else printable(valve["drive"]), spring)
+        for valve in valves
+        for k, spring in enumerate(valve.get("springs", ()), 1)
+    ]
+    rows: list[Sequence[Cell]] = []
+    for key, words, unit in SPRING_FIGURES:
+        cells = [spring.get(key) for _, spring in springs]
+        if any(isinstance(cell, list) for cell in cells):
+            for end, name in enumerate(("closed", "at the greatest lift")):
+                rows.append(_row(f"{words}, {name}", [cell[end] for cell in cells if cell is not None], unit))
+        elif any(cell is not None for cell in cells):
+            rows.append(_row(words, cells, unit))
+    return section("Valve springs", table(("", *(name for name, _ in springs), ""), rows, slug="valve_springs"))
 
 
 def _pairs(pairs: Sequence[Mapping[str, Any]]) -> list[Sequence[Cell]]:

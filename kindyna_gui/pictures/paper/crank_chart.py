@@ -29,7 +29,7 @@ from kindyna_gui.pictures.paper.timing_chart import (
     TimingChart,
     tint,
 )
-from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, font
+from kindyna_gui.pictures.style import DASHED, DOTTED, OUTLINE, SMALL, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import brief, short
 from kindyna_gui.settings import sized, symbol_of
 
@@ -193,6 +193,11 @@ class CrankChart(TimingChart):
     def lines(self, pair: Sequence[int]) -> list[tuple[str, bool]]:
         """Lines below the chart in a file: timing of each valve, and of inlet and exhaust valve of each cylinder."""
         texts = [event_words(curve.timing) for curve in self.curves.values()]
+        texts += [
+            f"{curve.timing.name}: least clearance to the piston {brief(curve.least_clearance, 'mm')}"
+            for curve in self.curves.values()
+            if curve.least_clearance is not None
+        ]
         texts += [f"{both.inlet.name} and {both.exhaust.name}: {pair_text(both)}" for _, _, both in self.pairs]
         return [(text, False) for text in texts]
 
@@ -211,6 +216,8 @@ class CrankChart(TimingChart):
         self._paint_axis(painter)
         for row in range(len(self.cylinders)):
             self._paint_lifts(painter, self._panel(row))
+        for drive, curve in self.curves.items():
+            self._paint_piston(painter, drive, curve)
         self._paint_overlaps(painter)
         for drive, curve in self.others.items():
             self._paint_lift(painter, drive, curve, THIN, DASHED)
@@ -247,6 +254,17 @@ class CrankChart(TimingChart):
     ) -> None:
         painter.setPen(self._pen(self.theme.drive(drive), width, dash))
         painter.drawPolyline(self._line(drive, curve.crank, curve.lift))
+
+    def _paint_piston(self, painter: QPainter, drive: int, curve: CrankCurve) -> None:
+        """Paint the lift at which a valve would touch the piston, and dotted the clearance, as far as they are in the panel."""
+        if curve.clearance is None or curve.piston is None:
+            return
+        painter.save()
+        painter.setClipRect(self.box(drive))
+        for values, dash in ((curve.piston, ()), (curve.clearance, DOTTED)):
+            painter.setPen(self._pen(self.theme.drive(drive), THIN, dash))
+            painter.drawPolyline(self._line(drive, curve.crank, np.minimum(values, 2.0 * self.most)))
+        painter.restore()
 
     def _paint_axis(self, painter: QPainter) -> None:
         theme, bottom = self.theme, self.height - self.footer_height

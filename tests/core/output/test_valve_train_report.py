@@ -13,6 +13,7 @@ from core.output.report.parts import Number, ReportTable
 from core.project import load, loads
 from core.study import Study
 from kindyna_gui.__main__ import main as window_main
+from kindyna_gui.places import example
 
 DRIVE = """[[drives]]
 name = "{name}"
@@ -112,3 +113,16 @@ def test_a_design_without_valves_has_no_such_chapter() -> None:
     bare = bare.replace('name = "Exhaust"\n', 'name = "Exhaust"\nphase_deg = 90.0\n')
     sections = document(Study(loads(bare)), []).sections
     assert "Valve train" not in [part.title for part in sections]
+
+
+def test_springs_and_piston_clearance_are_in_the_chapter(capsys: pytest.CaptureFixture[str]) -> None:
+    path = example("valve_train")
+    data, chapter = card(path, capsys), tables(path)
+    inlet, exhaust = data["valves"]
+    both = [valve["clearance"]["least_mm"] for valve in (inlet, exhaust)]
+    assert numbers(chapter["valves"], "least clearance to the piston") == both
+    springs = [spring for valve in (inlet, exhaust) for spring in valve["springs"]]
+    table = chapter["valve_springs"]
+    assert numbers(table, "rate") == [spring["rate_n_per_mm"] for spring in springs]
+    assert numbers(table, "travel left to coil bind") == [spring["bind_mm"] for spring in springs]
+    assert numbers(table, "corrected stress, at the greatest lift") == [spring["stress_mpa"][1] for spring in springs]

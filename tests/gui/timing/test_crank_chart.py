@@ -1,6 +1,7 @@
 """The timing chart over the crank: centres and durations by mouse and keys, dead centres, overlap, and files."""
 
 import json
+import math
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,6 +14,7 @@ from window_user import Open, User, settle
 
 from core.__main__ import main as command
 from core.design import Design
+from core.output.crank_timing import crank_curves
 from core.project import load
 from core.study import Study, quantity
 from kindyna_gui.__main__ import main
@@ -308,3 +310,23 @@ def test_a_pushrod_train_shows_the_lift_of_its_valve(same_window: Open, tmp_path
     draw(view, view.canvas.chart.join_position(0, 0).toPoint() + QPoint(0, 20), -20.0)
     assert centre(user, 0) == pytest.approx(90.0, abs=1.0), "a drive alone, against the crank"
     assert user.steps == [f"Change Pushrod train centre to {centre(user, 0):g}°"]
+
+
+def test_the_piston_is_the_least_clearance_above_the_valve(
+    same_window: Open, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A flat crown: the clearance is along the cylinder, the lift along the valve."""
+    path = example("valve_train")
+    view = crank_view(same_window(path))
+    assert command(["valve", str(path), "--json"]) == 0
+    inlet = json.loads(capsys.readouterr().out)["valves"][0]
+    words = " ".join(word for word, _ in svg_texts(view.picture(".svg")))
+    assert f"Inlet: least clearance to the piston {inlet['clearance']['least_mm']:.4g} mm" in words
+    curve = crank_curves(load(path))[INLET]
+    assert curve.clearance is not None
+    assert curve.piston is not None
+    k = int(curve.clearance.argmin())
+    assert curve.crank[k] == pytest.approx(inlet["clearance"]["crank_deg"], abs=1.0)
+    assert curve.piston[k] - curve.lift[k] == pytest.approx(
+        inlet["clearance"]["least_mm"] / math.cos(math.radians(15.0)), rel=1e-3
+    )
