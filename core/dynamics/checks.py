@@ -136,7 +136,9 @@ def gravity_power(kinematics: Kinematics, loading: Loading, omega: float) -> np.
     ----------
     Balance of energy.
     """
-    return np.asarray(sum(element_power(mass, kinematics, omega) for mass in loading.masses))
+    return np.asarray(
+        loading.acting(kinematics) * sum(element_power(mass, kinematics, omega) for mass in loading.masses)
+    )
 
 
 def element_power(element: Element, kinematics: Kinematics, omega: float) -> np.ndarray:

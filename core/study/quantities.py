@@ -471,7 +471,7 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         ),
         "load": (
             Quantity("power.load", "load_power_w", "Power of spring and external force", "P", "power",
-                     "dynamics", lambda s: element_power(s.loading.named["load"], s.linkage, s.omega)),
+                     "dynamics", lambda s: s.loading.acting(s.linkage) * element_power(s.loading.named["load"], s.linkage, s.omega)),
         ),
         "drive": (
             Quantity("power.drive", "drive_power_w", "Power of the drive", "P_d", "power",
@@ -487,7 +487,7 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         ),
         "element": (
             Quantity("power.{}", "{}_power_w", "Power of {}", "P {}", "power",
-                     "dynamics", lambda s, name: element_power(s.loading.named[name], s.linkage, s.omega)),
+                     "dynamics", lambda s, name: s.loading.acting(s.linkage) * element_power(s.loading.named[name], s.linkage, s.omega)),
         ),
         "swing": (
             Quantity("driver_angle", "driver_angle_deg", "Driver angle", "φ", "angle",

@@ -6,6 +6,7 @@ All other quantities are calculated by the form that their row of ``FORMULAS`` g
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 
@@ -180,8 +181,9 @@ def _friction_power(study: Study, pair: str) -> Calculation:
 
 
 def _element_power(study: Study, name: str) -> Calculation:
-    element = study.loading.named[name]
-    return _power(study, list(element_forces(element, study.linkage, study.omega)))
+    element, acting = study.loading.named[name], study.loading.acting(study.linkage)
+    rows = element_forces(element, study.linkage, study.omega)
+    return _power(study, [replace(row, force=acting * row.force, couple=acting * row.couple) for row in rows])
 
 
 def _drive_power(study: Study, _: str) -> Calculation:

@@ -134,6 +134,9 @@ def test_balances_hold_where_the_train_is_loose() -> None:
             total = np.abs(np.sum([row.force for row in rows], axis=0)).max()
             assert total < 1e-6, body
         assert study.load_curve is not None
+        loose = value(study, "contact_force") == 0.0
+        for name in {"power.load", "power.gravity"} & set(quantities_of(study)):
+            assert not value(study, name)[loose].any(), name
 
 
 def test_many_designs_with_lash_are_those_one_by_one() -> None:
