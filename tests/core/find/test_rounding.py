@@ -93,11 +93,11 @@ def test_where_no_step_serves_the_exact_value_is_used_with_a_note(capsys: pytest
         (("transfer_lift", "base-radius", "--round", "5"), 5.0),
         (("transfer_lift", "lift-off-speed", "--round"), 0.1),
         (("transfer_lift", "span", "--round"), 0.1),
-        (("transfer_lift", "pivot", "--round", "0.5"), 0.5),
+        pytest.param(("transfer_lift", "pivot", "--round", "0.5"), 0.5, marks=pytest.mark.stress),
         (("rocker_cam", "spring", "--round"), 0.01),
         (("transfer_unit", "phases", "--round"), 0.1),
         (("transfer_unit", "flywheel", "--round"), 10.0),
-        (("transfer_unit", "balancer", "--round"), 1.0),
+        pytest.param(("transfer_unit", "balancer", "--round"), 1.0, marks=pytest.mark.stress),
     ],
 )
 def test_every_search_rounds_all_its_numbers_and_keeps_its_limits(

@@ -145,11 +145,11 @@ def by_straight_pieces(minimised: int, bounds: dict[int, float], below: tuple[fl
     ("minimise", "bounds", "below"),
     [
         ("acceleration", {3: 60.0}, None),
-        ("acceleration", {1: 1.6}, (0.0, 0.5, 0.35)),
-        ("acceleration", {3: 90.0, 1: 1.8}, (0.1, 0.45, 0.3)),
+        pytest.param("acceleration", {1: 1.6}, (0.0, 0.5, 0.35), marks=pytest.mark.stress),
+        pytest.param("acceleration", {3: 90.0, 1: 1.8}, (0.1, 0.45, 0.3), marks=pytest.mark.stress),
         ("jerk", {1: 1.7}, None),
         ("jerk", {2: 6.5}, (0.0, 0.5, 0.45)),
-        ("velocity", {2: 7.0, 3: 120.0}, None),
+        pytest.param("velocity", {2: 7.0, 3: 120.0}, None, marks=pytest.mark.stress),
     ],
 )
 def test_a_programme_of_straight_pieces_agrees(
@@ -388,7 +388,9 @@ def test_bad_input_names_field_value_and_range(
     "curve",
     [
         OptimalCurve(limits=CurveLimits(jerk=30.0)),
-        OptimalCurve(minimise="rms_jerk", limits=CurveLimits(jerk=25.0, velocity=2.2)),
+        pytest.param(
+            OptimalCurve(minimise="rms_jerk", limits=CurveLimits(jerk=25.0, velocity=2.2)), marks=pytest.mark.stress
+        ),
         OptimalCurve(minimise="jerk", limits=CurveLimits(velocity=1.2, acceleration=5.0)),
         OptimalCurve(minimise="jerk", limits=CurveLimits(velocity=0.8, acceleration=2.0)),
     ],

@@ -259,7 +259,7 @@ inertia_kg_m2 = 0.05
 """
 
 
-@pytest.mark.parametrize("of", ["max", "abs", "rms"])
+@pytest.mark.parametrize("of", ["max", *(pytest.param(of, marks=pytest.mark.stress) for of in ("abs", "rms"))])
 def test_the_torque_of_a_servo_has_the_name_of_its_channel_in_all_figures(of: str) -> None:
     design, ratio = kd.design(SERVO), "servo.gear_ratio"
     figure, quantity = f"motor_torque_nm:{of}", f"servo_torque_nm:{of}"

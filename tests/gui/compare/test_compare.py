@@ -250,6 +250,7 @@ def test_the_timing_chart_has_both_variants_at_one_scale(open_user: Open) -> Non
     assert not view.canvas.chart.dashed
 
 
+@pytest.mark.stress
 def test_torque_against_speed_has_both_variants(open_user: Open) -> None:
     user, _ = pinned_unit(open_user)
     view = user.see("against_speed")
@@ -269,6 +270,7 @@ def test_torque_against_speed_has_both_variants(open_user: Open) -> None:
     assert "variant" not in view.torque.legend.text + view.fluctuation.legend.text
 
 
+@pytest.mark.stress
 def test_the_table_stays_until_the_next_one_is_known(open_user: Open) -> None:
     """Also where the steady response of the shaft, which takes long, belongs to it."""
     user, view = pinned_unit(open_user)
@@ -281,6 +283,7 @@ def test_the_table_stays_until_the_next_one_is_known(open_user: Open) -> None:
     assert view.table.rows.rows[0].cells == ("Feed: Segment 1, rise", "input", "24", "27", "3")
 
 
+@pytest.mark.stress
 def test_a_row_of_another_drive_selects_it_and_one_without_a_plot_goes_to_the_graph(open_user: Open) -> None:
     user, view = pinned_unit(open_user)
     user.session.put_full_design(put(user.session.full_design, "drives[1].cam.base_radius_mm", 300.0), "a")
