@@ -57,7 +57,10 @@ class LawField(SegmentField):
 
 
 def _specs(design: Design, index: int) -> list[FieldSpec]:
-    """Specifications of the fields for law, span and rise of a segment."""
+    """Specifications of the fields for law, span and rise of a segment; none where the segments follow from a lobe."""
+    motion = motion_of(design)
+    if motion is not None and motion.lobe is not None:
+        return []
     prefix = f"motion.segments[{index}]."
     law = f"{prefix}law"
     span_and_rise = [
@@ -81,7 +84,7 @@ class MotionPage(QScrollArea):
         self._session = session
         self._player = player
         self._shown: tuple[Motion, object, int, tuple[str, ...]] | None = None
-        self._built = (-1, "")
+        self._built = (-1, "", False)
         self.fields: dict[str, Field] = {}
         self.header = MotionHeader(session)
         self.segment = described(QComboBox(), name="Segment", tip="Select the segment to edit below")
@@ -161,8 +164,9 @@ class MotionPage(QScrollArea):
                 self.segment.clear()
                 self.segment.addItems(names)
             self.segment.setCurrentIndex(index)
-        if self._built != (index, motion.unit):
-            self._built = index, motion.unit
+        built = index, motion.unit, motion.lobe is not None
+        if self._built != built:
+            self._built = built
             self._build(_specs(design, index))
         self.curve.show_segment(design, index)
         self.bar.show_segment(design, index)

@@ -62,3 +62,17 @@ def test_a_lobe_is_edited_by_its_fields_and_becomes_segments(user: User, tmp_pat
     settle()
     assert view.header.origin.isVisible()
     assert user.design.drive.motion.lobe is not None
+
+
+def test_the_page_of_the_motion_shows_the_lobe_without_fields_of_segments(user: User) -> None:
+    """Segments of a lobe are no entries of the file."""
+    view = user.parameters()
+    form = view.pages["motion"]
+    view.tabs.setCurrentWidget(form)
+    settle()
+    assert form.isVisible()
+    assert "motion.lobe.lift_mm" in form.fields
+    assert not [path for path in form.fields if path.startswith("motion.segments")]
+    user.choose("Make", "Lobe to segments")
+    settle()
+    assert "motion.segments[0].law" in form.fields
