@@ -101,8 +101,8 @@ def fields() -> str:
                 kinds = rows.setdefault(name.partition("[")[0], {}).setdefault(field_cells(entry), {})
                 kinds["shaft" if design.listed else design.drive.kind] = None
     header = "path | field | what it is | allowed | in designs of kind"
-    cells = {name: [(*cells, ", ".join(kinds)) for cells, kinds in found.items()] for name, found in rows.items()}
-    return "\n\n".join(f"## [{name}]\n\n{table(header, found)}" for name, found in cells.items())
+    cells = {name: [(*cells, ", ".join(kinds)) for cells, kinds in fields.items()] for name, fields in rows.items()}
+    return "\n\n".join(f"## [{name}]\n\n{table(header, lines)}" for name, lines in cells.items())
 
 
 def designs() -> Iterator[Design]:

@@ -76,15 +76,16 @@ def raw(html: str) -> str:
 
 def notebooks(folder: Path) -> None:
     """The notebooks with their outputs."""
-    found = {path.stem: path for path in (resources() / "notebooks").glob("*.ipynb")}
-    names = sorted(found, key=lambda name: (NOTEBOOKS.index(name) if name in NOTEBOOKS else len(NOTEBOOKS), name))
+    notebooks = {path.stem: path for path in (resources() / "notebooks").glob("*.ipynb")}
+    names = sorted(notebooks, key=lambda name: (NOTEBOOKS.index(name) if name in NOTEBOOKS else len(NOTEBOOKS), name))
     for name in names:
         cells = [
-            cell.text if cell.kind == "markdown" else f"```python\n{cell.text}\n```" for cell in notebook(found[name])
+            cell.text if cell.kind == "markdown" else f"```python\n{cell.text}\n```"
+            for cell in notebook(notebooks[name])
         ]
-        page = with_outputs("\n\n".join(cells), found[name].name)
+        page = with_outputs("\n\n".join(cells), notebooks[name].name)
         write_page(folder / f"{name}.md", f"{page}\n\nFor Jupyter: {{download}}`{name}.ipynb <{name}.ipynb>`\n")
-        shutil.copy(found[name], folder)
+        shutil.copy(notebooks[name], folder)
     write_page(folder / "index.md", f"# Notebooks\n\n{contents(names)}")
 
 

@@ -15,7 +15,7 @@ from math import fsum
 
 from core.design.curves import nose_deg
 from core.design.design import SHARED, Design, Drive, TimingRow
-from core.design.engine import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM, HALF_CYCLE
 from core.design.motions import Motion
 from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
@@ -250,7 +250,7 @@ def phase_value(design: Design, index: int, phase_deg: float) -> float:
     if drive.valve is None or drive.motion is None:
         return phase_deg
     centre = CRANK_PER_CAM * (phase_deg + nose_deg(drive.motion)) - drive.valve.cylinder_deg
-    cycle = 360.0 * CRANK_PER_CAM
+    cycle = 2.0 * HALF_CYCLE
     return round(centre - cycle * round((centre - drive.valve.centre_deg) / cycle), _DECIMALS) + 0.0
 
 

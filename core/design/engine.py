@@ -10,6 +10,13 @@ from core.frozen import frozen
 FLAT, PARALLEL = "flat", "parallel"
 CRANK_PER_CAM = 2.0
 """Turns of the crank per turn of the camshaft of a four-stroke engine."""
+HALF_CYCLE = 180.0 * CRANK_PER_CAM
+"""Crank angle from TDC of overlap to the ends of the cycle [deg]."""
+
+
+def within_cycle(crank: Any) -> Any:
+    """Crank angle, or array of them, in the cycle from -360 to 360 [deg]."""
+    return (crank + HALF_CYCLE) % (2.0 * HALF_CYCLE) - HALF_CYCLE
 
 
 @frozen(kw_only=True)

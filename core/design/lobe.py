@@ -87,10 +87,10 @@ def _closing_lobe(lobe: Lobe) -> Lobe:
 
 def _last_of_closing(lobe: Lobe) -> TypedValue:
     """The value that the closing side has together with the acceleration of the nose: its own, else that of the opening side."""
-    own = typed_values(lobe.closing, "closing.")
+    closing = typed_values(lobe.closing, "closing.")
     opening = [value for value in typed_values(lobe) if value.condition.kind != NOSE_ACCELERATION]
     rows = [value for value in opening if value.condition.kind == HEIGHT]
-    return (own or rows[-1:] or opening[-1:])[-1]
+    return (closing or rows[-1:] or opening[-1:])[-1]
 
 
 @lru_cache(maxsize=64)

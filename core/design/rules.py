@@ -439,7 +439,7 @@ def _drive_faults(design: Design) -> list[Fault]:
 def _valve_faults(design: Design) -> list[Fault]:
     if design.drive.valve is None:
         return []
-    from core.design.engine_rules import valve_faults  # imported here to save start-up time
+    from core.design.valve_rules import valve_faults  # imported here to save start-up time
 
     return list(valve_faults(design))
 

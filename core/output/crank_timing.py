@@ -8,18 +8,15 @@ from math import cos, radians
 import numpy as np
 
 from core.design import Design
-from core.design.engine import CRANK_PER_CAM, PARALLEL
+from core.design.engine import HALF_CYCLE, PARALLEL, within_cycle
 from core.errors import NoSolution
 from core.frozen import frozen
 from core.study import Study, names_of, quantity
 from core.study.valve_findings import least_clearance
 from core.valves import LobeEdge, ValvePair, ValveTiming, lobe_edges, valve_pairs, valve_timings
+from core.valves.timing import CRANK_ANGLES, MM
 
-MM = 1e3
 VALVE_LIFT, LOBE_LIFT = "valve lift", "lobe lift"
-HALF_CYCLE = 360.0
-"""Crank angle from TDC of overlap to the ends of the cycle [deg]."""
-SAMPLES = 1441
 
 
 @frozen(eq=False)
@@ -66,7 +63,7 @@ def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
     later = timing.valve.cylinder_deg
     edges = [(edge, within_cycle(edge.crank_deg + later)) for edge in lobe_edges(timing)]
     centre = within_cycle(timing.centre + later)
-    crank = np.unique([*np.linspace(-HALF_CYCLE, HALF_CYCLE, SAMPLES), centre, *(angle for _, angle in edges)])
+    crank = np.unique([*np.linspace(-HALF_CYCLE, HALF_CYCLE, CRANK_ANGLES), centre, *(angle for _, angle in edges)])
     name, lift = _lift(timing, crank - later)
     clearance = _clearance(timing, crank - later)
     piston = None if clearance is None else lift + clearance / _along_valve(timing)
@@ -88,9 +85,8 @@ def _clearance(timing: ValveTiming, crank: np.ndarray) -> np.ndarray | None:
     """Distance between valve and piston at crank angles (n,) from TDC of overlap of the cylinder [deg], in mm."""
     if "piston_clearance" not in names_of(timing.design):
         return None
-    theta = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
     try:
-        return quantity("piston_clearance").values(Study(timing.design).at_theta(theta))
+        return quantity("piston_clearance").values(Study(timing.design).at_theta(timing.cam_angle(crank)))
     except NoSolution:
         return None
 
@@ -98,11 +94,6 @@ def _clearance(timing: ValveTiming, crank: np.ndarray) -> np.ndarray | None:
 def _along_valve(timing: ValveTiming) -> float:
     """Change of the clearance per lift of the valve: a flat crown is measured along the cylinder's axis."""
     return 1.0 if timing.valve.pocket == PARALLEL else cos(radians(timing.valve.angle_deg or 0.0))
-
-
-def within_cycle(crank: float) -> float:
-    """Crank angle in the cycle from -360 to 360 [deg]."""
-    return (crank + HALF_CYCLE) % (2.0 * HALF_CYCLE) - HALF_CYCLE
 
 
 def crank_pairs(curves: tuple[CrankCurve, ...]) -> tuple[tuple[CrankCurve, CrankCurve, ValvePair], ...]:

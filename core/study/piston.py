@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.design import Engine, Valve, nose_deg, si
-from core.design.engine import CRANK_PER_CAM, PARALLEL
+from core.design.engine import CRANK_PER_CAM, PARALLEL, within_cycle
 from core.study.member_quantities import valve_lift
 from core.study.study import Study
 
@@ -34,8 +34,7 @@ def crank_degrees(study: Study) -> np.ndarray:
     """
     _, valve = _parts(study)
     from_nose = np.rad2deg(study.theta) - nose_deg(study.design.drive.motion)
-    crank = valve.centre_deg + CRANK_PER_CAM * from_nose
-    return np.asarray((crank + 360.0) % 720.0 - 360.0)
+    return np.asarray(within_cycle(valve.centre_deg + CRANK_PER_CAM * from_nose))
 
 
 def throw_angle(study: Study) -> np.ndarray:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.design.engine import CRANK_PER_CAM
+from core.design.engine import HALF_CYCLE
 from core.plot import Plot, PlotCurve
 from core.study import Study
 from core.study.member_quantities import valve_lift
 from core.valves.pairs import ValvePair
-from core.valves.timing import MM, ValveTiming
+from core.valves.timing import CRANK_ANGLES, MM, ValveTiming
 
 ACROSS = "Crank angle from TDC of overlap, °"
 TITLES = ("Valve lift, mm", "Velocity, mm/° of the cam", "Acceleration, mm/°²")
 MARKS = ((-180.0, "BDC"), (0.0, "TDC"), (180.0, "BDC"))
-CYCLE = 720.0
-ANGLES = 1441  # of a cycle, with both ends
 
 
 def crank_plots(pair: ValvePair) -> tuple[Plot, ...]:
@@ -26,7 +24,7 @@ def crank_plots(pair: ValvePair) -> tuple[Plot, ...]:
     NoSolution
         Where a valve train cannot be assembled.
     """
-    crank = np.linspace(-0.5 * CYCLE, 0.5 * CYCLE, ANGLES)
+    crank = np.linspace(-HALF_CYCLE, HALF_CYCLE, CRANK_ANGLES)
     motions = [(timing.name, _motion(timing, crank)) for timing in (pair.inlet, pair.exhaust)]
     return tuple(
         Plot(
@@ -42,7 +40,6 @@ def crank_plots(pair: ValvePair) -> tuple[Plot, ...]:
 
 def _motion(timing: ValveTiming, crank: np.ndarray) -> list[np.ndarray]:
     """Lift of a valve and its two derivatives by cam angle [mm/deg^order] at crank angles (n,) [deg]."""
-    cam = np.deg2rad(timing.nose + (crank - timing.centre) / CRANK_PER_CAM)
-    study = Study(timing.design).at_theta(cam)
+    study = Study(timing.design).at_theta(timing.cam_angle(crank))
     per_degree = np.deg2rad(1.0) / study.omega
     return [valve_lift(study, order) * MM * per_degree**order for order in range(len(TITLES))]

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from core.design.engine import CRANK_PER_CAM
 from core.frozen import frozen
 from core.numerics.lazy import lazy
 from core.numerics.roots import BracketEnds, bracketed_root, gauss
@@ -100,14 +99,14 @@ def _seat(timing: ValveTiming) -> tuple[float, float] | None:
     nose = timing.nose
     before = ((nose - np.rad2deg(compiled.starts[compiled.velocity_signs > 0.0])) % 360.0).max(initial=0.0)
     after = ((np.rad2deg(compiled.ends[compiled.velocity_signs < 0.0]) - nose) % 360.0).max(initial=0.0)
-    return timing.centre - CRANK_PER_CAM * float(before), timing.centre + CRANK_PER_CAM * float(after)
+    return timing.crank_angle(-float(before)), timing.crank_angle(float(after))
 
 
 def _joins(timing: ValveTiming) -> list[float]:
     """Crank angles of the ends of the pieces of a motion, within one cycle about the nose [deg]."""
     half = 180.0
     distances = (np.rad2deg(timing.compiled.starts) - timing.nose + half) % 360.0 - half
-    return [timing.centre + CRANK_PER_CAM * float(d) for d in distances]
+    return [timing.crank_angle(float(d)) for d in distances]
 
 
 def valve_pairs(timings: Sequence[ValveTiming]) -> tuple[ValvePair, ...]:

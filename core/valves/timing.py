@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from core.design import Motion
 
 MM = 1e3
+CRANK_ANGLES = 1441  # of a cycle drawn over the crank, with both ends
 LIFTS = (0.1524, 1.27, 1.0)
 """Lifts at which events are given by default [mm]: 0.006 and 0.050 inch, and 1 mm."""
 LOBE, VALVE = "lobe", "valve"
@@ -114,6 +115,23 @@ class ValveTiming:
             return travel
         return self.travel.motion_at(travel / MM) * MM - self.base
 
+    def cam_angle(self, crank: np.ndarray) -> np.ndarray:
+        """Cam angle at crank angles from TDC of overlap.
+
+        Parameters
+        ----------
+        crank : ndarray (n,) [deg]
+
+        Returns
+        -------
+        ndarray (n,) [rad]
+        """
+        return np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
+
+    def crank_angle(self, from_nose: float) -> float:
+        """Crank angle from TDC of overlap [deg] at a cam angle from the nose [deg]."""
+        return self.centre + CRANK_PER_CAM * from_nose
+
     def lobe_lift(self, crank: np.ndarray) -> np.ndarray:
         """Lobe lift at crank angles from TDC of overlap.
 
@@ -125,8 +143,7 @@ class ValveTiming:
         -------
         ndarray (n,) [mm]
         """
-        cam = np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
-        return self.compiled.state(self.compiled.angles(cam)).displacement[0] * MM - self.base
+        return self.compiled.state(self.compiled.angles(self.cam_angle(crank))).displacement[0] * MM - self.base
 
     def valve_lift(self, crank: np.ndarray) -> np.ndarray:
         """Lift of the valve at crank angles from TDC of overlap, the lash taken off.
@@ -143,7 +160,7 @@ class ValveTiming:
 
     def _valve_travel(self, crank: np.ndarray) -> Derivatives:
         """Travel of the valve (n,) [m] from where it is closed, and its derivatives by cam angle."""
-        cam = np.deg2rad(self.nose + (np.asarray(crank) - self.centre) / CRANK_PER_CAM)
+        cam = self.cam_angle(crank)
         if self.design.drive.is_valve_motion:
             motion, closed = self.compiled.state(self.compiled.angles(cam)).displacement, self.base / MM
         else:
@@ -176,7 +193,7 @@ class ValveTiming:
             after.append((degrees(self._crossing(k, low[k], high[k], lift)) - self.nose) % 360.0)
         if not before or not after:
             return None
-        return self.centre - CRANK_PER_CAM * min(before), self.centre + CRANK_PER_CAM * min(after)
+        return self.crank_angle(-min(before)), self.crank_angle(min(after))
 
     def _crossing(self, piece: int, low: float, high: float, lift: float) -> float:
         """Cam angle [rad] at which a piece of the motion passes a lift [mm]."""

@@ -44,11 +44,11 @@ def task_by_hand(window: Window, task: Task, room: QSize) -> Task:
     room : QSize
         Size for docks and middle.
     """
-    found = sorted(docks_in_sight(window), key=lambda dock: (dock.geometry().top(), dock.geometry().left()))
+    in_sight = sorted(docks_in_sight(window), key=lambda dock: (dock.geometry().top(), dock.geometry().left()))
     groups: list[DockGroup] = []
     sides: dict[Area, DockExtent] = {}
     for area in (LEFT, RIGHT, TOP, BOTTOM):
-        docks = [dock for dock in found if window.dockWidgetArea(dock) == area]
+        docks = [dock for dock in in_sight if window.dockWidgetArea(dock) == area]
         sizes = [size_with_tabs(window, dock) for dock in docks]
         for dock, size in zip(docks, sizes, strict=True):
             names = tuple(d.objectName() for d in (dock, *window.tabifiedDockWidgets(dock)) if isinstance(d, Dock))

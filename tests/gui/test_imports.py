@@ -73,7 +73,7 @@ PYQTGRAPH_NOT = {
 LATER = {
     "core.__main__", "core.blend", "core.commands", "core.output.texts", "core.output.export", "core.output.report",
     "core.measured",
-    "core.stability", "core.design.engine_rules", "core.design.lobe", "core.laws.lobe", "core.valves",
+    "core.stability", "core.design.valve_rules", "core.design.lobe", "core.laws.lobe", "core.valves",
     "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice", "kindyna_gui.graph.graph_view",
     "kindyna_gui.headless", "kindyna_gui.help",
     "kindyna_gui.export_dialogs", "kindyna_gui.pictures.film",

@@ -53,13 +53,13 @@ def study_html(columns: Columns, kind: str) -> str:
     study = columns.full
     note = f"{kind}, {count_text(columns.angle_deg.size)} angles"
     try:
-        found, proof = findings_of(study), certificate_of(study)
-        findings = [message(row.severity, row.message, row.field) for row in found[:_MOST_FINDINGS]]
-        if len(found) > _MOST_FINDINGS:
-            findings.append(f"<div>{len(found) - _MOST_FINDINGS} further findings</div>")
+        rows, proof = findings_of(study), certificate_of(study)
+        findings = [message(row.severity, row.message, row.field) for row in rows[:_MOST_FINDINGS]]
+        if len(rows) > _MOST_FINDINGS:
+            findings.append(f"<div>{len(rows) - _MOST_FINDINGS} further findings</div>")
         kept = sum(row.kept for row in proof.values())
         words = f"Certificate: {kept} of {len(proof)} residuals within their bounds"
-        last = f'<div style="{QUIET}">{"" if found else "No findings. "}{words}</div>'
+        last = f'<div style="{QUIET}">{"" if rows else "No findings. "}{words}</div>'
         return card(study.design.name, note, _side(_picture(columns), _largest(columns)), *findings, last)
     except KindynaError as error:
         return card(study.design.name, kind, message("error", str(error)))

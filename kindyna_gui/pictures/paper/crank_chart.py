@@ -12,8 +12,9 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPolygonF
 
 from core.design import Design, drive_names
+from core.design.engine import CRANK_PER_CAM, HALF_CYCLE, within_cycle
 from core.errors import KindynaError
-from core.output.crank_timing import HALF_CYCLE, CrankCurve, crank_curves, crank_pairs, within_cycle
+from core.output.crank_timing import CrankCurve, crank_curves, crank_pairs
 from core.output.drawing.scales import ticks
 from core.output.timing import MotionBand
 from core.valves import ValvePair, ValveTiming, crank_text
@@ -230,7 +231,7 @@ class CrankChart(TimingChart):
 
     def paint_cursor(self, painter: QPainter, machine: float) -> None:
         """Paint a line at a machine angle [deg]."""
-        x = self.x(within_cycle(2.0 * machine))
+        x = self.x(within_cycle(CRANK_PER_CAM * machine))
         painter.setPen(self._pen(self.theme.ink))
         painter.drawLine(QPointF(x, TOP), QPointF(x, self.height - self.footer_height + 4.0))
 
@@ -267,18 +268,10 @@ class CrankChart(TimingChart):
         painter.restore()
 
     def _paint_axis(self, painter: QPainter) -> None:
-        theme, bottom = self.theme, self.height - self.footer_height
         room = max(int((self.right - self.left) / (self._metrics.horizontalAdvance("-0000") + 14.0)), 4)
-        step = next((step for step in STEPS if 720 / step <= room), STEPS[-1])
+        step = next((step for step in STEPS if 2.0 * HALF_CYCLE / step <= room), STEPS[-1])
         half = int(HALF_CYCLE)
-        for crank in range(-half, half + 1, step):
-            x = self.x(crank)
-            painter.setPen(self._pen(theme.faint))
-            painter.drawLine(QPointF(x, TOP), QPointF(x, bottom))
-            painter.setPen(self._pen(theme.quiet))
-            painter.drawLine(QPointF(x, bottom), QPointF(x, bottom + 4.0))
-            painter.setPen(QColor(theme.ink))
-            painter.drawText(QRectF(x - 40.0, bottom + 4.0, 80.0, 14.0), Qt.AlignmentFlag.AlignCenter, short(crank))
+        self._paint_marks(painter, [(float(crank), short(crank)) for crank in range(-half, half + 1, step)])
         for row, later in enumerate(self.cylinders):
             self._paint_dead_centres(painter, self._panel(row), later)
         self._paint_axis_name(painter, "Crank angle from TDC of overlap [°]")

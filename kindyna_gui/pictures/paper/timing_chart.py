@@ -331,7 +331,6 @@ class TimingChart:
         painter.drawLine(QPointF(x, TOP), QPointF(x, self.height - self.footer_height + 4.0))
 
     def _paint_axis(self, painter: QPainter) -> None:
-        theme, bottom = self.theme, self.height - self.footer_height
         widest = self._metrics.horizontalAdvance("0000") + 14.0
         room = max(int((self.right - self.left) / widest), 2)
         if self.unit != MILLISECONDS:
@@ -341,6 +340,15 @@ class TimingChart:
             turn = milliseconds(self.design, 360.0)
             values, _ = ticks(0.0, turn, min(room, 12))
             marks = [(value / turn * 360.0, short(value)) for value in values]
+        self._paint_marks(painter, marks)
+        is_time = self.unit == MILLISECONDS
+        self._paint_axis_name(
+            painter, f"Time [ms] at {short(self.design.speed_rpm)} rpm" if is_time else "Machine angle [°]"
+        )
+
+    def _paint_marks(self, painter: QPainter, marks: Sequence[tuple[float, str]]) -> None:
+        """Paint a line and a text at each angle of the axis."""
+        theme, bottom = self.theme, self.height - self.footer_height
         for angle, text in marks:
             x = self.x(angle)
             painter.setPen(self._pen(theme.faint))
@@ -349,10 +357,6 @@ class TimingChart:
             painter.drawLine(QPointF(x, bottom), QPointF(x, bottom + 4.0))
             painter.setPen(QColor(theme.ink))
             painter.drawText(QRectF(x - 40.0, bottom + 4.0, 80.0, 14.0), Qt.AlignmentFlag.AlignCenter, text)
-        is_time = self.unit == MILLISECONDS
-        self._paint_axis_name(
-            painter, f"Time [ms] at {short(self.design.speed_rpm)} rpm" if is_time else "Machine angle [°]"
-        )
 
     def _paint_axis_name(self, painter: QPainter, name: str) -> None:
         """Paint the name of the axis below its numbers, and that of the dashed curves at its end."""
