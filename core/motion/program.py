@@ -262,6 +262,13 @@ class CompiledMotion:
         return tuple(Join(float(theta[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
 
     @cached_property
+    def position_range(self) -> tuple[float, float]:
+        """Lowest and highest position [m or rad], which are at ends of pieces, since the motion turns nowhere between."""
+        pieces = np.arange(self.starts.size)
+        ends = [self.state(Angles(theta, pieces)).displacement[0] for theta in (self.starts, self.ends)]
+        return float(np.min(ends)), float(np.max(ends))
+
+    @cached_property
     def is_rest_to_rest(self) -> bool:
         """Whether every segment starts and ends with velocity 0, without a jump of displacement."""
         begin, end = (

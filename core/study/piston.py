@@ -5,6 +5,8 @@ Source of the crank: Heywood, *Internal Combustion Engine Fundamentals*, ch. 2.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from core.design import Engine, Valve, nose_deg, si
@@ -20,6 +22,13 @@ def _parts(study: Study) -> tuple[Engine, Valve]:
     return engine, valve
 
 
+def crank_at(study: Study, theta: Any) -> Any:
+    """Crank angle from TDC of overlap of the valve's cylinder, -360 to 360 [deg], at a cam angle or an array of them [rad]."""
+    _, valve = _parts(study)
+    from_nose = np.rad2deg(theta) - nose_deg(study.design.drive.motion)
+    return within_cycle(valve.centre_deg + CRANK_PER_CAM * from_nose)
+
+
 def crank_degrees(study: Study) -> np.ndarray:
     """Crank angle from TDC of overlap of the valve's cylinder.
 
@@ -32,9 +41,7 @@ def crank_degrees(study: Study) -> np.ndarray:
     ndarray (n,) [deg]
         -360 … 360.
     """
-    _, valve = _parts(study)
-    from_nose = np.rad2deg(study.theta) - nose_deg(study.design.drive.motion)
-    return np.asarray(within_cycle(valve.centre_deg + CRANK_PER_CAM * from_nose))
+    return np.asarray(crank_at(study, study.theta))
 
 
 def throw_angle(study: Study) -> np.ndarray:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees, isfinite, pi
 
-import numpy as np
-
 from core.findings import ERROR, WARNING, Finding
 from core.motion.extremes import Extreme, find_extremes
 from core.study.extremes import extremes_beyond_lash, extremes_of
-from core.study.piston import crank_degrees
+from core.study.piston import crank_at
 from core.study.stages import memory
 from core.study.study import Study, has_piston
 from core.study.valve_springs import springs_of, surging_contact_force
@@ -46,12 +44,12 @@ def piston_findings(study: Study) -> Iterator[Finding]:
     """A valve that hits the piston."""
     least = least_clearance(study)
     if least is not None and least.value <= 0.0:
-        crank = float(crank_degrees(study.at_theta(np.array([least.theta])))[0])
+        crank = float(crank_at(study, least.theta))
         values: dict[str, float | str] = {"clearance_mm": MM * least.value, "crank_deg": crank}
         yield Finding("piston-valve", ERROR, "valve.clearance_mm", degrees(least.theta), values)
 
 
-def _greatest_lift(study: Study) -> float:
+def greatest_lift(study: Study) -> float:
     """Greatest lift of the valve [m]."""
     return (
         extremes_of(study, "linkage", ("valve_lift",))["valve_lift"].high.value
@@ -65,7 +63,7 @@ def spring_findings(study: Study) -> Iterator[Finding]:
     springs = springs_of(study.design)
     if not springs:
         return
-    lift = _greatest_lift(study)
+    lift = greatest_lift(study)
     for i, spring in enumerate(springs):
         path, stress = f"loads.valve_springs[{i}]", spring.stress(lift)
         values: dict[str, float | str] = {"spring": f"valve spring {i + 1}" if len(springs) > 1 else "valve spring"}

@@ -59,23 +59,16 @@ class ValveTravel:
         return float(self.position(solve_mechanism(self._mechanism, state, self._ranges()))[0][0])
 
     @lazy
-    def _ends(self) -> tuple[float, float]:
-        """Lowest and highest position of the motion [m or rad]."""
-        pieces = np.arange(self.program.starts.size)
-        thetas = self.program.starts, self.program.ends
-        y = np.concatenate([self.program.state(Angles(theta, pieces)).displacement[0] for theta in thetas])
-        return float(y.min()), float(y.max())
-
-    @lazy
     def closed(self) -> float:
         """Position of the closed valve [m]: of a linkage that where its motion is lowest, of a follower 0."""
         if self.drive.valve is None or self.drive.valve.link is None:
             return 0.0
-        return self._ends[0] if self.drive.is_valve_motion else self.at(self._ends[0])
+        lowest = self.program.position_range[0]
+        return lowest if self.drive.is_valve_motion else self.at(lowest)
 
     def motion_at(self, travel: float) -> float:
         """Motion [m or rad] at which the valve has moved a travel [m] from where it is closed; infinite where it never has."""
-        opens, (low, high) = self.closed + travel, self._ends
+        opens, (low, high) = self.closed + travel, self.program.position_range
         if self.drive.is_valve_motion:
             return opens if opens <= high else inf
         ends = BracketEnds(low, self.at(low) - opens, high, self.at(high) - opens)

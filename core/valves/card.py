@@ -15,8 +15,8 @@ from core.errors import KindynaError, NoSolution
 from core.motion import program
 from core.number_text import fixed_text, result_text
 from core.study import Study, extremes_of, quantities_of
-from core.study.piston import crank_degrees
-from core.study.valve_findings import least_clearance
+from core.study.piston import crank_at
+from core.study.valve_findings import greatest_lift, least_clearance
 from core.study.valve_springs import lift_harmonics, springs_of
 from core.valves.pairs import valve_pairs
 from core.valves.timing import LOBE, MM, VALVE, ValveTiming
@@ -101,7 +101,7 @@ def _study_figures(timing: ValveTiming) -> dict[str, Any]:
     per_degree = np.deg2rad(1.0) / abs(study.omega)
     motion = extremes_of(study, "motion", ("velocity", "acceleration"))
     figures: dict[str, Any] = {
-        name: [each.value * MM * per_degree**order for each in (motion[quantity].low, motion[quantity].high)]
+        name: [end.value * MM * per_degree**order for end in (motion[quantity].low, motion[quantity].high)]
         for order, (name, quantity) in enumerate(
             (("velocity_mm_per_deg", "velocity"), ("acceleration_mm_per_deg2", "acceleration")), 1
         )
@@ -116,7 +116,7 @@ def _study_figures(timing: ValveTiming) -> dict[str, Any]:
 
 def _profile_figures(timing: ValveTiming, study: Study) -> dict[str, Any]:
     cam = extremes_of(study, "cam")
-    low, high = (each.value / MM for each in (cam["profile_curvature"].low, cam["profile_curvature"].high))
+    low, high = (end.value / MM for end in (cam["profile_curvature"].low, cam["profile_curvature"].high))
     face = cam.get("contact_on_face")
     width = timing.design.drive.cam.thickness_mm or 0.0
     reach = None if face is None else MM * max(abs(face.low.value), abs(face.high.value))
@@ -136,7 +136,7 @@ def _train_figures(study: Study) -> dict[str, Any]:
     if not study.design.drive.cam.form.holds and not study.loading.is_empty and study.lift_off is not None:
         figures["float_rpm"] = CRANK_PER_CAM * study.lift_off.omega * 30.0 / pi
     if springs := springs_of(study.design):
-        lift = extremes_of(study, "linkage", ("valve_lift",))["valve_lift"].high.value
+        lift = greatest_lift(study)
         harmonics = 2.0 * MM * np.abs(lift_harmonics(study)[1 : SHOWN_HARMONICS + 1])
         figures["springs"] = [_spring(spring, lift, harmonics) for spring in springs]
     return figures | _present(clearance=_clearance(study))
@@ -148,7 +148,7 @@ def _clearance(study: Study) -> dict[str, float] | None:
         return None
     return {
         "least_mm": MM * least.value,
-        "crank_deg": float(crank_degrees(study.at_theta(np.array([least.theta])))[0]),
+        "crank_deg": float(crank_at(study, least.theta)),
     }
 
 

@@ -13,7 +13,7 @@ from math import ceil
 from types import MappingProxyType
 from typing import Any
 
-from core.design import FOLLOWER_KINDS, Design, faults
+from core.design import Design, faults
 from core.design.camshaft import drive_names, with_drives
 from core.design.design import Drive
 from core.design.engine import Lobe, LobeRow
@@ -280,7 +280,7 @@ _SPRINGS = {"valve_springs": [_SPRING]}
 _CLOSED = {"angle_deg": 15.0, "clearance_mm": 6.0}  # position of the closed valve against the piston
 _ROLLER = {"roller_mass_kg": 0.02, "roller_inertia_kg_m2": 8e-7}
 
-EVERY_TRAIN: Mapping[str, TrainRow] = MappingProxyType(
+TRAINS: Mapping[str, TrainRow] = MappingProxyType(
     {
         "direct": TrainRow(
             label="Direct", kind="translating", follower={"face": "flat"}, cam={"base_radius_mm": 18.0},
@@ -311,9 +311,6 @@ EVERY_TRAIN: Mapping[str, TrainRow] = MappingProxyType(
         ),
     }
 )  # fmt: skip
-TRAINS: Mapping[str, TrainRow] = MappingProxyType(
-    {word: row for word, row in EVERY_TRAIN.items() if row.kind in FOLLOWER_KINDS}
-)
 """Word of the card -> kind of valve train."""
 
 # -- design from the card, and back -----------------------------------------------------------------------------

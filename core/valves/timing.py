@@ -90,9 +90,7 @@ class ValveTiming:
     @lazy
     def base(self) -> float:
         """Lowest position of the motion [mm]."""
-        compiled = self.compiled
-        ends = Angles(compiled.starts, np.arange(compiled.starts.size))
-        return float(compiled.state(ends).displacement[0].min()) * MM
+        return self.compiled.position_range[0] * MM
 
     @lazy
     def travel(self) -> ValveTravel:

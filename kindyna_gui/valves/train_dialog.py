@@ -167,6 +167,7 @@ class ValveTrainDialog(QDialog):
         self._before, self._valid = before, card
         self._back = card  # the last possible card before the typing in the present box
         self._typed: Place = VALVES[0], "lift_mm"  # what was typed last
+        self._why = ""  # the card makes no valve train
         self.setWindowTitle("New valve train" if before is None else "Valve train")
         give_help(self, "camshaft#Valve trains on the crank")
         self._nearest = Background(self)
@@ -197,8 +198,8 @@ class ValveTrainDialog(QDialog):
         for plot in self.plots[:-1]:
             plot.show_numbers(False)
         curves = fill(QVBoxLayout(), *((plot, 1) for plot in self.plots), margins=0, spacing=2)
-        beside = fill(QVBoxLayout(), (self.diagram, 1), self.facts, margins=0)
-        shown = widget_with(fill(QHBoxLayout(), (curves, 5), (beside, 3), margins=0, spacing=12))
+        right = fill(QVBoxLayout(), (self.diagram, 1), self.facts, margins=0)
+        shown = widget_with(fill(QHBoxLayout(), (curves, 5), (right, 3), margins=0, spacing=12))
         self.cover = FadedCover(shown)
         middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
         fill(QVBoxLayout(self), (middle, 1), self.buttons, margins=(12, 10, 12, 10))
@@ -362,7 +363,8 @@ class ValveTrainDialog(QDialog):
         try:
             self.design, pair, plots = _shown(self._before, self.card)
         except KindynaError as error:
-            self._refuse(self._reason(error))
+            self._why = self._reason(error)
+            self._refuse(self._why)
             self._pause.start()
             return
         self._valid = self.card
@@ -409,10 +411,7 @@ class ValveTrainDialog(QDialog):
     def _offer(self, card: TrainCard, nearest: Any) -> None:
         """Offer the nearest number, unless another card has been typed since."""
         if card is self.card and self.design is None and isinstance(nearest, float):
-            try:
-                _shown(self._before, card)
-            except KindynaError as error:
-                self._refuse(self._reason(error), nearest)
+            self._refuse(self._why, nearest)
 
     def _stop(self) -> None:
         self._pause.stop()
