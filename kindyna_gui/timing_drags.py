@@ -28,6 +28,7 @@ from kindyna_gui.pictures.paper.timing_chart import TimingChart, event_text
 from kindyna_gui.pictures.units import brief, short
 
 ANYWHERE = AngleRoom(-3600.0, 3600.0)
+REFUSED = "not possible: see the findings and the status line"
 
 
 @frozen
@@ -99,7 +100,7 @@ class DraggedBand(DraggedDrive):
 
     def refusal(self, by: float) -> str:
         """Why the design turned by an angle is refused."""
-        return "not possible: see the findings and the status line"
+        return REFUSED
 
     @property
     def _drive_name(self) -> str:
@@ -146,10 +147,15 @@ class DraggedValve:
     @property
     def at(self) -> float:
         """Crank angle that is rounded to the step of the drag: the centre, or that of the edge from the nose [deg]."""
-        return self.value if self.edge is None else self.value / self.edge.factor
+        return self.value / self._factor
+
+    @property
+    def _factor(self) -> float:
+        """Change of the field per change of the crank angle."""
+        return 1.0 if self.edge is None else self.edge.factor
 
     def _moved(self, by: float) -> float:
-        return round(self.value + by * (1.0 if self.edge is None else self.edge.factor), 9)
+        return round(self.value + by * self._factor, 9)
 
     def turned(self, by: float) -> Design:
         """Return the design with the centre or edge turned by an angle [crank deg]."""
@@ -172,11 +178,11 @@ class DraggedValve:
 
     def typed(self, value: float) -> tuple[float, AngleRoom]:
         """Angle by which a typed value turns, and its range."""
-        return (value - self.value) / (1.0 if self.edge is None else self.edge.factor), ANYWHERE
+        return (value - self.value) / self._factor, ANYWHERE
 
     def refusal(self, by: float) -> str:
         """Why the design turned by an angle is refused."""
-        return "; ".join(map(str, faults(self.turned(by))[:1])) or "not possible: see the findings and the status line"
+        return "; ".join(map(str, faults(self.turned(by))[:1])) or REFUSED
 
     @property
     def _name(self) -> str:

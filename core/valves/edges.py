@@ -17,14 +17,12 @@ class LobeEdge:
     ----------
     path : of the row's angle, in the drive
     at_mm : lobe lift [mm]
-    row_deg : typed angle of the row [crank deg]
     factor : change of the row per change of the edge towards later angles, 2 or 1, negative for the opening edge
     crank_deg : crank angle from TDC of overlap of the cylinder [deg]
     """
 
     path: str
     at_mm: float
-    row_deg: float
     factor: float
     crank_deg: float
 
@@ -47,7 +45,7 @@ def lobe_edges(timing: ValveTiming) -> tuple[LobeEdge, ...]:
             if ends is not None:
                 factor = sense * value.factor / CRANK_PER_CAM
                 crank = ends[0] if sense < 0.0 else ends[1]
-                edges.append(LobeEdge(f"motion.lobe.{value.path}.crank_deg", lift, value.value, factor, crank))
+                edges.append(LobeEdge(f"motion.lobe.{value.path}.crank_deg", lift, factor, crank))
     return tuple(edges)
 
 

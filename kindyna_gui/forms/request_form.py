@@ -46,6 +46,7 @@ from kindyna_gui.forms.refusal import (
     Remedies,
     accept_in_range,
     judge_number,
+    value_remedies,
 )
 from kindyna_gui.labels import allowed_text, sentence
 from kindyna_gui.look import MessageLabel, coloured, described
@@ -300,8 +301,8 @@ class RequestForm(QWidget):
         self._misfit = self._last if why else ""
         if self._misfit:
             box, valid = self.boxes[self._misfit], self._valid.get(self._misfit)
-            back = "Leave it empty" if valid is None else f"Back to {box.with_unit(valid)}"
-            remedies = {} if valid == box.number else {back: partial(self.show_value, self._misfit, valid)}
+            back = partial(self.show_value, self._misfit, valid)
+            remedies = {} if valid == box.number else value_remedies(box.with_unit, None, valid, box.use, back)
             box.set_refused(True)
             self._refusal_at(self._misfit).show_refusal(sentence(why), remedies)
 

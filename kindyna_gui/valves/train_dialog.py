@@ -39,7 +39,7 @@ from kindyna_gui.background import Background
 from kindyna_gui.dialogs import accept_buttons, give_help
 from kindyna_gui.forms.faded_cover import FadedCover
 from kindyna_gui.forms.fields import fill_choices, in_tab_order
-from kindyna_gui.forms.refusal import RefusalLine
+from kindyna_gui.forms.refusal import RefusalLine, value_remedies
 from kindyna_gui.forms.request_form import AROUND, RequestBox
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import bold_label, described
@@ -144,9 +144,9 @@ class CardBox(RequestBox):
         nearest = None if self.number is None else self.info.nearest(self.number)
         return None if nearest in (None, self.number) else round(nearest * self._factor, 12)
 
-    def card_text(self, value: float | None) -> str:
+    def card_text(self, value: float) -> str:
         """Value of the card with the unit of the box."""
-        return "empty" if value is None else self.with_unit(round(value / self._factor, 10))
+        return self.with_unit(round(value / self._factor, 10))
 
 
 # -- the dialog -------------------------------------------------------------------------------------------------
@@ -378,10 +378,10 @@ class ValveTrainDialog(QDialog):
         self.facts.setText(self._overlap_text(pair))
 
     def _overlap_text(self, pair: ValvePair) -> str:
-        lifts = {row: self.boxes[VALVES[0], f"{row}_at_mm"] for row in ("first", "second")}
-        overlaps = [
-            f"{short(self.card.overlap_deg(row))}° at {box.card_text(box.card_value)}" for row, box in lifts.items()
-        ]
+        overlaps = []
+        for row in ("first", "second"):
+            box, lift = self.boxes[VALVES[0], f"{row}_at_mm"], getattr(self.card.inlet, f"{row}_at_mm")
+            overlaps.append(f"{short(self.card.overlap_deg(row))}° at {box.card_text(lift)}")
         area = "" if pair.overlap_area is None else f"; {short(pair.overlap_area)} mm·° of lift"
         return f"Overlap {', '.join(overlaps)}{area}"
 
@@ -389,9 +389,8 @@ class ValveTrainDialog(QDialog):
         """Refuse the value typed last; it can be the nearest possible one, or what it was."""
         box, valid = self.boxes[self._typed], _read(self._back, self._typed)
         box.set_refused(True)
-        near = {} if nearest is None else {f"Use {box.card_text(nearest)}": partial(self._use, nearest)}
-        back = {f"Back to {box.card_text(valid)}": partial(self._take, self._back)}
-        self.message.show_refusal(why, {**near, **back})
+        back = partial(self._take, self._back)
+        self.message.show_refusal(why, value_remedies(box.card_text, nearest, valid, self._use, back))
 
     def _reason(self, error: KindynaError) -> str:
         """First reason why the card makes no valve train."""
