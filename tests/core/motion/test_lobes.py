@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import fsolve
+from valve_trains import FLAT_TAPPET
 
 from core.__main__ import main
 from core.design import ComputedCurve, Motion, NamedCurve, Segment, all_paths, edited, entries, faults, get, put
@@ -20,13 +21,10 @@ from core.motion.tables import lobe_to_segments
 from core.project import dumps, load, loads
 from core.study import Study, extremes_of, many
 
-REST = """
-[follower]
-kind = "translating"
-face = "flat"
-[cam]
-base_radius_mm = 18.0
-[shaft]
+REST = (
+    "\n"
+    + FLAT_TAPPET
+    + """[shaft]
 rotation = "ccw"
 speed_rpm = 1000.0
 [loads]
@@ -34,6 +32,7 @@ follower_mass_kg = 0.1
 spring_rate_n_per_mm = 30.0
 preload_n = 300.0
 """
+)
 A = "lift_mm = 9.0\nramp_mm = 0.2\nramp_runup_deg = 8.0\n"
 ROWS = "duration = [[0.15, 270.0], [1.27, 210.0]]\n"
 B = A + "flank_flat = 0.5\nnose_flat = 0.3\n"

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
 from core.design import Design, Engine, Valve, get, put, with_drive
@@ -18,21 +19,12 @@ from core.study.quantities import quantities_of
 MM = 1e3
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 ENGINE = Engine(stroke_mm=84.0, rod_mm=138.0)
-DIRECT = """format = 1
-name = "Direct"
-[motion]
-start_mm = 0.0
-[motion.lobe]
-lift_mm = 9.0
-duration = [[0.15, 270.0], [1.27, 210.0]]
-ramp_mm = 0.2
-ramp_runup_deg = 8.0
-{closing}[follower]
-kind = "translating"
-face = "flat"
-[cam]
-base_radius_mm = 18.0
-[shaft]
+DIRECT = (
+    'format = 1\nname = "Direct"\n'
+    + LOBE_A
+    + "{closing}"
+    + FLAT_TAPPET
+    + """[shaft]
 rotation = "ccw"
 speed_rpm = {rpm}
 [engine]
@@ -47,6 +39,7 @@ spring_rate_n_per_mm = 30.0
 preload_n = 300.0
 gravity_m_s2 = 0.0
 """
+)
 
 
 def direct(lash: float = 0.15, rpm: float = 2000.0, closing: str = "") -> Design:

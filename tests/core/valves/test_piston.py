@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
 from core.design import Design, put
@@ -15,21 +16,11 @@ from core.study import Study, extremes_of, findings_of
 from core.study.quantities import names_of, quantities_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
-TEXT = """format = 1
-name = "Piston"
-[motion]
-start_mm = 0.0
-[motion.lobe]
-lift_mm = 9.0
-duration = [[0.15, 270.0], [1.27, 210.0]]
-ramp_mm = 0.2
-ramp_runup_deg = 8.0
-[follower]
-kind = "translating"
-face = "flat"
-[cam]
-base_radius_mm = 18.0
-[shaft]
+TEXT = (
+    'format = 1\nname = "Piston"\n'
+    + LOBE_A
+    + FLAT_TAPPET
+    + """[shaft]
 rotation = "cw"
 speed_rpm = 1000.0
 [engine]
@@ -43,6 +34,7 @@ angle_deg = 15.0
 clearance_mm = 6.0
 pocket = "{pocket}"
 """
+)
 
 
 def text(pocket: str = "flat", centre: float = 108.0, offset: float = 0.0, lash: float = 0.0) -> str:

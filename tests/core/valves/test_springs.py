@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
 from core.design import Design, get, put
@@ -19,21 +20,11 @@ from core.study.quantities import quantities_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 INCH, POUND = 25.4, 4.4482216152605
-HEAD = """format = 1
-name = "Springs"
-[motion]
-start_mm = 0.0
-[motion.lobe]
-lift_mm = 9.0
-duration = [[0.15, 270.0], [1.27, 210.0]]
-ramp_mm = 0.2
-ramp_runup_deg = 8.0
-[follower]
-kind = "translating"
-face = "flat"
-[cam]
-base_radius_mm = 18.0
-[shaft]
+HEAD = (
+    'format = 1\nname = "Springs"\n'
+    + LOBE_A
+    + FLAT_TAPPET
+    + """[shaft]
 rotation = "ccw"
 speed_rpm = {rpm}
 [engine]
@@ -46,6 +37,7 @@ lash_mm = {lash}
 follower_mass_kg = 0.14
 gravity_m_s2 = 0.0
 """
+)
 SPRING = """[[loads.valve_springs]]
 wire_mm = 3.8
 coil_mm = 24.0

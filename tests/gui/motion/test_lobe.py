@@ -3,28 +3,20 @@
 from pathlib import Path
 
 import pytest
+from valve_trains import FLAT_TAPPET, LOBE_A
 from window_user import Open, User, settle
 
 from core.project import load
 
-LOBE = """format = 1
-name = "Lobe"
-[motion]
-start_mm = 0.0
-[motion.lobe]
-lift_mm = 9.0
-duration = [[0.15, 270.0], [1.27, 210.0]]
-ramp_mm = 0.2
-ramp_runup_deg = 8.0
-[follower]
-kind = "translating"
-face = "flat"
-[cam]
-base_radius_mm = 18.0
-[shaft]
+LOBE = (
+    'format = 1\nname = "Lobe"\n'
+    + LOBE_A
+    + FLAT_TAPPET
+    + """[shaft]
 rotation = "ccw"
 speed_rpm = 1000.0
 """
+)
 
 
 @pytest.fixture
