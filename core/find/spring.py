@@ -43,10 +43,8 @@ TOLERANCE = 1e-9  # of a force, relative to the size of the forces
 SAFE = 5e-10  # relative safety margin of a result
 RATES, RATE_RANGE = 17, 2.0  # of the curve: number, and greatest multiple of the present rate
 FEWER = 7  # number of rates where friction makes every value a search of its own
-SPEEDS, SPEED_RANGE = (
-    33,
-    1.4,
-)  # of the curve of forces: number, and greatest multiple of the result or the present speed
+# Of the curve of forces: number, and greatest multiple of the result or the present speed.
+SPEEDS, SPEED_RANGE = 33, 1.4
 GROWTH, MOST = 2.0, 1e9  # factor of a step towards a sufficient value; greatest value, times the first
 ROUGH = 1e-3  # relative error of samples
 SLOWER = 9  # trial speeds below the lift-off speed, where the machine has new findings with this

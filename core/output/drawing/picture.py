@@ -36,35 +36,23 @@ from core.study import Study
 
 WIDTH, HEIGHT = 520.0, 400.0  # largest picture of one mechanism, pixels
 LEAST_SIDE, LEAST_MM = 200.0, 1e-6  # least width, pixels; half the size of a mechanism that is a point
-MARGIN, TOP, BOTTOM = (
-    12.0,
-    26.0,
-    28.0,
-)  # around the mechanism; above it for the angle, below it for the scale bar, pixels
+# Around the mechanism; above it for the angle, below it for the scale bar, pixels.
+MARGIN, TOP, BOTTOM = 12.0, 26.0, 28.0
 COLUMNS, CELL = 2, (380.0, 300.0)  # pictures of several drives in a row, and their size, pixels
 
 PIN, BAR, RIM = 3.2, 7.0, 9.4  # radius of a pin, width of a link without and with its outlines, pixels
 BLOCK, BLOCK_HEIGHT = 26.0, 16.0
-PEDESTAL, PEDESTAL_HEIGHT, GROUND = (
-    9.0,
-    15.0,
-    14.0,
-)  # halves of the triangle's base and of the ground; height of the triangle
+# Halves of the triangle's base and of the ground; height of the triangle.
+PEDESTAL, PEDESTAL_HEIGHT, GROUND = 9.0, 15.0, 14.0
 HATCH, HATCH_DEPTH = 4.5, 5.0
-BUSH, BUSH_LENGTH, BUSH_ROOM, BEYOND = (
-    8.0,
-    34.0,
-    14.0,
-    10.0,
-)  # around a stem: thickness, length, distance to the face, end of the stem
+# Around a stem: thickness, length, distance to the face, end of the stem.
+BUSH, BUSH_LENGTH, BUSH_ROOM, BEYOND = 8.0, 34.0, 14.0, 10.0
 STEM = 4.5  # half the width of a stem
 SHAFT, CROSS = 7.0, 11.0  # radius of a camshaft, half the length of its centre lines
 RIM_OF_GROOVE = 9.0  # of the plate outside a groove
 ARROW_START, ARROW_SPAN, ARROW = 200.0, 80.0, 9.0  # arrow of rotation: start and span [deg], length of its head
-LABEL_GAPS, LABEL_STEPS = (
-    (8.0, 13.0, 19.0),
-    16,
-)  # distances of a label from its point, and number of directions, that are tried
+# Distances of a label from its point, and number of directions, that are tried.
+LABEL_GAPS, LABEL_STEPS = (8.0, 13.0, 19.0), 16
 CLEAR = 5.0  # free around a label
 LARGE_DISC = 30.0  # radius of a roller from which on the name of its centre is inside
 WEB = 34.0  # reach of the web between two arms of a lever

@@ -17,12 +17,8 @@ from core.output.drawing.sheet import DASHED, DOTTED, SMALL, paint, picture, tex
 from core.output.drawing.turn import axis_range, readable_range, shown_range, without_noise
 from core.plot import Figure, Plot, PlotCurve, PlotDot, Span
 
-WIDTH, HEIGHT, LOW_HEIGHT, MANY = (
-    680.0,
-    150.0,
-    112.0,
-    3,
-)  # of a picture and of a plot, of more than so many plots, pixels
+# Width of a picture, height of a plot, height of each where there are more than so many plots, pixels.
+WIDTH, HEIGHT, LOW_HEIGHT, MANY = 680.0, 150.0, 112.0, 3
 LEFT, RIGHT, HEAD, NAMES, FOOT, GAP = 66.0, 18.0, 20.0, 16.0, 38.0, 8.0  # around plots and for their texts, pixels
 TICKS_UP, TICK_ROOM, ANGLE_ROOM = 28.0, 46.0, 38.0  # least distance of ticks upwards, across, and of angles, pixels
 ANGLE_STEPS = (30.0, 60.0, 90.0, 180.0)

@@ -18,13 +18,8 @@ from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, Theme, font
 from kindyna_gui.pictures.units import typed
 
 PIXEL = 0.26  # mm of paper per pixel of the chart
-WIDTH, BAND, PANEL, AXIS, MARGIN = (
-    1060.0,
-    92.0,
-    320.0,
-    48.0,
-    28.0,
-)  # page width, heights of rows and axis, margin, pixels
+# Page width, heights of rows and axis, margin, pixels.
+WIDTH, BAND, PANEL, AXIS, MARGIN = 1060.0, 92.0, 320.0, 48.0, 28.0
 TITLE, FILE_LINE = 46.0, 15.0  # heights of the title and of a line of the list
 DOTS = 2.0  # dots of a PNG per pixel
 
