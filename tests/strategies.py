@@ -22,6 +22,7 @@ from core.design import (
     NamedCurve,
     PolynomialCurve,
     PolynomialEnd,
+    Pushrod,
     SccaCurve,
     SecondArm,
     SecondPlace,
@@ -78,7 +79,7 @@ def formed(draw: st.DrawFn, drive: Drive) -> Drive:
     kind = forms[draw(st.sampled_from(tuple(forms)))]
     roller = {"second": draw(parts(SecondRoller))} if kind is Conjugate else {}
     place = (
-        {"second": draw(parts(SecondPlace if isinstance(drive.mechanism, Translating) else SecondArm))}
+        {"second": draw(parts(SecondPlace if isinstance(drive.mechanism, Translating | Pushrod) else SecondArm))}
         if roller
         else {}
     )
