@@ -76,6 +76,8 @@ def run_valve(arguments: ValveArguments, painter: Painter | None) -> int:
         timings = tuple(timing for timing in timings if timing.name == name)
         if not timings:
             raise KindynaError(f"drive {arguments.drive!r}: it moves no valve; allowed: a drive with [drives.valve]")
+    for error in filter(None, (timing.train_error for timing in timings)):
+        raise error
     data = valve_data(timings, arguments.at)
     print(to_json(data) if arguments.json else valve_text(data), end="")
     return DONE

@@ -533,14 +533,12 @@ class DriveStudy:
 
     @lazy
     def lash(self) -> Lash | None:
-        """Lash of the valve train; None without lash, and where the linkage has no solution, which its stage reports."""
+        """Lash of the valve train; None without lash. Raises NoAssembly where the train does not take it up."""
         valve = self.design.drive.valve
         if valve is None or not valve.lash_mm:
             return None
-        with suppress(KindynaError):
-            result: Lash = memory.get("lash", self.depends_on("linkage"), lambda: self.valve.lash)
-            return result
-        return None
+        result: Lash = memory.get("lash", self.depends_on("linkage"), lambda: self.valve.lash)
+        return result
 
     @lazy
     def loading(self) -> Loading:

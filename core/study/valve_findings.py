@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import degrees, isfinite, pi
+from math import degrees, pi
 
 from core.findings import ERROR, WARNING, Finding
 from core.motion.extremes import Extreme, find_extremes
@@ -18,9 +18,14 @@ ROUNDING = 1e-9  # of a ramp: a smaller excess of the lash is rounding
 
 
 def lash_findings(study: Study) -> Iterator[Finding]:
-    """A lash that a ramp of the lobe does not take up, so that the valve opens or seats on the flank."""
+    """A lash that a ramp of the lobe does not take up, so that the valve opens or seats on the flank.
+
+    Raises NoAssembly where the train does not open the valve.
+    """
     motion, lash = study.design.drive.motion, study.lash
-    if lash is None or motion is None or motion.lobe is None or not isfinite(lash.at_motion):
+    if lash is None:
+        study.valve.closed  # noqa: B018
+    if lash is None or motion is None or motion.lobe is None:
         return
     lobe = motion.lobe
     closing = lobe.closing.ramp_mm if lobe.closing is not None else None

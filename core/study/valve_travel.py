@@ -10,11 +10,13 @@ import numpy as np
 
 from core.design import Drive, si
 from core.dynamics import Lash
+from core.errors import NoAssembly
 from core.mechanism import DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import lazy
+from core.number_text import input_text, result_text
 from core.numerics.roots import BracketEnds, bracketed_root
 
 VALVE_GUIDE = "valve_guide"
@@ -60,11 +62,27 @@ class ValveTravel:
 
     @lazy
     def closed(self) -> float:
-        """Position of the closed valve [m]: of a linkage that where its motion is lowest, of a follower 0."""
-        if self.drive.valve is None or self.drive.valve.link is None:
+        """Position of the closed valve [m]: of a linkage that where its motion is lowest, of a follower 0.
+
+        Raises
+        ------
+        NoAssembly
+            The slide of the valve in a linkage does not grow with the motion.
+        """
+        if self.drive.valve is None or (link := self.drive.valve.link) is None:
             return 0.0
-        lowest = self.program.position_range[0]
-        return lowest if self.drive.is_valve_motion else self.at(lowest)
+        lowest, highest = self.program.position_range
+        if self.drive.is_valve_motion:
+            return lowest
+        closed, opened = self.at(lowest), self.at(highest)
+        if not opened > closed:
+            travel = f"{result_text(1e3 * (closed - opened), 6)} mm"
+            raise NoAssembly(
+                f"the valve would close while the motion rises: the slide of link {link} becomes shorter by {travel}",
+                "valve.link",
+                "turn angle_deg of this slider by 180°, or choose another slider",
+            )
+        return closed
 
     def motion_at(self, travel: float) -> float:
         """Motion [m or rad] at which the valve has moved a travel [m] from where it is closed; infinite where it never has."""
@@ -78,6 +96,20 @@ class ValveTravel:
 
     @lazy
     def lash(self) -> Lash:
-        """Lash, with the motion at which it is taken up; infinite where the valve never opens."""
+        """Lash, with the motion at which it is taken up.
+
+        Raises
+        ------
+        NoAssembly
+            The train moves the valve by less than the lash.
+        """
         size: float = si(self.drive.valve).lash
-        return Lash(size, self.motion_at(size))
+        at_motion = self.motion_at(size)
+        if at_motion == inf:
+            typed, most = input_text(1e3 * size), self.at(self.program.position_range[1]) - self.closed
+            raise NoAssembly(
+                f"the valve stays closed: its lash is {typed} mm, and the train moves it by {result_text(1e3 * most, 6)} mm",
+                "valve.lash_mm",
+                "lower the lash, or raise the lift",
+            )
+        return Lash(size, at_motion)

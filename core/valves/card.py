@@ -75,7 +75,7 @@ def _valve(timing: ValveTiming, lifts: Sequence[float]) -> dict[str, Any]:
         drive=timing.name,
         centre_deg=timing.centre,
         lash_mm=timing.valve.lash_mm,
-        lobe_lift_mm=timing.greatest_lobe_lift,
+        lobe_lift_mm=timing.greatest_lobe_lift if timing.has_lobe_lift else None,
         valve_lift_mm=timing.greatest_valve_lift if timing.has_valve_lift else None,
         events=[
             {
@@ -98,20 +98,24 @@ def _valve(timing: ValveTiming, lifts: Sequence[float]) -> dict[str, Any]:
 def _study_figures(timing: ValveTiming) -> dict[str, Any]:
     """Velocity and acceleration by cam angle, radii of the profile, diameter of a flat tappet, float speed."""
     study = Study(timing.design)
-    per_degree = np.deg2rad(1.0) / abs(study.omega)
-    motion = extremes_of(study, "motion", ("velocity", "acceleration"))
-    figures: dict[str, Any] = {
-        name: [end.value * MM * per_degree**order for end in (motion[quantity].low, motion[quantity].high)]
-        for order, (name, quantity) in enumerate(
-            (("velocity_mm_per_deg", "velocity"), ("acceleration_mm_per_deg2", "acceleration")), 1
-        )
-    }
+    figures: dict[str, Any] = _motion_figures(study) if timing.has_lobe_lift else {}
     if "cam" not in study.stages:
         return figures
     try:
         return figures | _profile_figures(timing, study) | _train_figures(study)
     except NoSolution:
         return figures
+
+
+def _motion_figures(study: Study) -> dict[str, Any]:
+    per_degree = np.deg2rad(1.0) / abs(study.omega)
+    motion = extremes_of(study, "motion", ("velocity", "acceleration"))
+    return {
+        name: [end.value * MM * per_degree**order for end in (motion[quantity].low, motion[quantity].high)]
+        for order, (name, quantity) in enumerate(
+            (("velocity_mm_per_deg", "velocity"), ("acceleration_mm_per_deg2", "acceleration")), 1
+        )
+    }
 
 
 def _profile_figures(timing: ValveTiming, study: Study) -> dict[str, Any]:
@@ -220,12 +224,13 @@ def valve_text(data: dict[str, Any]) -> str:
     """Figures of valves in lines."""
     lines: list[str] = []
     for valve in data["valves"]:
-        lift = f"lobe lift {result_text(valve['lobe_lift_mm'], 6)} mm"
-        if "valve_lift_mm" in valve:
-            lift += f", valve lift {result_text(valve['valve_lift_mm'], 6)} mm"
-        lines.append(
-            f"{valve['drive']}: centre {result_text(valve['centre_deg'], 6)} deg, {lift}, lash {valve['lash_mm']:g} mm"
-        )
+        lifts = [
+            f"{words} {result_text(valve[key], 6)} mm"
+            for key, words in (("lobe_lift_mm", "lobe lift"), ("valve_lift_mm", "valve lift"))
+            if key in valve
+        ]
+        centre, lash = f"centre {result_text(valve['centre_deg'], 6)} deg", f"lash {valve['lash_mm']:g} mm"
+        lines.append(f"{valve['drive']}: {', '.join((centre, *lifts, lash))}")
         for event in valve["events"]:
             opens, closes = crank_text(event["opens_deg"]), crank_text(event["closes_deg"])
             duration = fixed_text(event["duration_deg"], 2)

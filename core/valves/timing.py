@@ -5,7 +5,6 @@ Lobe lift is the motion of the drive above its lowest position; valve lift is th
 
 from __future__ import annotations
 
-from contextlib import suppress
 from math import degrees
 from typing import TYPE_CHECKING
 
@@ -97,15 +96,26 @@ class ValveTiming:
         """Travel of the valve."""
         return Study(self.design).valve
 
+    @property
+    def has_lobe_lift(self) -> bool:
+        """Whether the motion is a lift in mm, not the angle of a lever."""
+        return self.motion.unit == "mm"
+
     @lazy
-    def has_valve_lift(self) -> bool:
-        """Whether the motion is that of the valve, or the linkage between them has a solution."""
+    def train_error(self) -> KindynaError | None:
+        """Why the train between the motion and the valve does not open it; None where it does."""
         if self.design.drive.is_valve_motion:
-            return True
-        with suppress(KindynaError):
-            self.travel.motion_at(0.0)
-            return True
-        return False
+            return None
+        try:
+            self.travel.lash  # noqa: B018
+        except KindynaError as error:
+            return error
+        return None
+
+    @property
+    def has_valve_lift(self) -> bool:
+        """Whether the motion is that of the valve, or the train between them opens it."""
+        return self.train_error is None
 
     def lobe_lift_at(self, travel: float) -> float:
         """Lobe lift [mm] at which the valve has moved by a travel [mm], the lash included; infinite where it never does."""
@@ -206,10 +216,10 @@ class ValveTiming:
         return ends.a if abs(ends.fa) < abs(ends.fb) else ends.b
 
     def event(self, of: str, lift: float) -> Event | None:
-        """Opening and closing at a lift [mm] of the lobe or the valve; None where it does not pass this lift."""
+        """Opening and closing at a lift [mm] of the lobe or the valve; None where it does not pass this lift, or has none."""
+        if not (self.has_valve_lift if of == VALVE else self.has_lobe_lift):
+            return None
         if of == VALVE:
-            if not self.has_valve_lift:
-                return None
             lift_of_lobe = self.lobe_lift_at(lift + self.valve.lash_mm)
         ends = self.passes(lift_of_lobe if of == VALVE else lift)
         return None if ends is None else Event(of, lift, *ends)

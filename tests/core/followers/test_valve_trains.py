@@ -11,7 +11,7 @@ import pytest
 from face_cases import random_design
 
 from core.__main__ import main
-from core.design import Design, Translating, TranslatingLoads, get, put, with_drive
+from core.design import Design, Engine, Translating, TranslatingLoads, Valve, get, put, with_drive
 from core.errors import DesignError, NoAssembly
 from core.project import dumps, loads
 from core.study import Study, extremes_of, findings_of, many
@@ -235,6 +235,25 @@ def test_a_train_is_the_linkage_that_was_typed_for_it(kind: str, sense: str) -> 
             np.abs(one.dynamics.pairs[name]), force, rtol=0.0, atol=1e-9 * float(one.dynamics.contact.max())
         )
     np.testing.assert_allclose(one.cam.flank.profile, other.cam.flank.profile, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["rocker", "pushrod"])
+def test_the_valve_of_a_typed_linkage_lifts_like_that_of_the_train(kind: str) -> None:
+    """Of the finger the valve is the driver's slider, of the pushrod train another one."""
+    train, parts, rise, link = (
+        (finger(), FINGER_LINKAGE, 10.0, 4) if kind == "rocker" else (pushrod(), PUSHROD_LINKAGE, 7.0, 6)
+    )
+    engine = Engine(stroke_mm=84.0, rod_mm=138.0)
+    valve = Valve(centre_deg=108.0, lash_mm=0.3, angle_deg=12.0, clearance_mm=6.0)
+    one = Study(with_drive(replace(train, engine=engine), valve=valve), 360)
+    typed = replace(linkage(parts, rise, "ccw"), engine=engine)
+    other = Study(with_drive(typed, valve=replace(valve, link=link)), 360)
+    for name in ("valve_lift", "valve_velocity", "valve_acceleration", "piston_clearance"):
+        close(values(other, name), values(one, name))
+    is_loose = values(one, "valve_lift") == 0.0
+    assert 0 < is_loose.sum() < 360
+    assert not values(other, "contact_force")[is_loose].any()
+    assert not values(other, "drive_torque")[is_loose].any()
 
 
 # -- closed forms in complex vectors --------------------------------------------------------------------------

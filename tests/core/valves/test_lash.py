@@ -181,6 +181,81 @@ def test_a_valve_by_the_slider_of_a_linkage_opens_with_its_slide() -> None:
     assert np.abs(value(study, "contact_force")[~loose]).max() > 1.0
 
 
+def test_a_valve_that_its_train_does_not_open_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    backwards = put(trained_linkage(0.2), "linkage.sliders[1].angle_deg", 90.0)
+    short = put(trained("pushrod_train.toml", 0.2), "follower.pad_mm", 4.0)
+    closed = put(short, "valve.lash_mm", 3.0)  # of a tappet that lifts 7 mm, and a valve that would lift 1.1 mm
+    for design, field, words in (
+        (backwards, "valve.link", "slide of link 6"),
+        (put(backwards, "valve.lash_mm", 0.0), "valve.link", "turn angle_deg of this slider by 180°"),
+        (closed, "valve.lash_mm", "its lash is 3 mm, and the train moves it by 1.1"),
+    ):
+        save(design, tmp_path / "train.toml")
+        for command in (["check"], ["valve"], ["export", "--out", str(tmp_path / "out")]):
+            assert main([command[0], str(tmp_path / "train.toml"), *command[1:]]) == 2
+            (line,) = capsys.readouterr().err.splitlines()
+            assert field in line
+            assert words in line
+
+
+LEVER = """format = 1
+name = "Finger by its angle"
+[motion]
+start_deg = 0.0
+segments = [
+  { law = "dwell", span_deg = 120.0 },
+  { law = "modified-sine", span_deg = 60.0, rise_deg = 12.0 },
+  { law = "modified-sine", span_deg = 60.0, rise_deg = -12.0 },
+  { law = "dwell", span_deg = 120.0 },
+]
+[linkage]
+driver = { link = 2, kind = "motion" }
+drawn = { B = [22.0, -30.0], driver_deg = 0.0 }
+links = [
+  { number = 1, points = { P = [-18.0, -35.0] } },
+  { number = 2, points = { P = [0.0, 0.0], F = [20.0, 8.0], B = [40.0, 5.0] } },
+  { number = 3, points = { B = [0.0, 0.0] } },
+  { number = 4, points = { T = [0.0, 0.0] } },
+]
+sliders = [
+  { link = 4, on = 1, through = [22.0, -30.0], angle_deg = 90.0 },
+  { link = 3, on = 4, through = [0.0, 0.0], angle_deg = 90.0 },
+]
+[cam]
+link = 2
+point = "F"
+roller_radius_mm = 8.0
+form = "open"
+[shaft]
+rotation = "ccw"
+speed_rpm = 1000.0
+[engine]
+stroke_mm = 84.0
+rod_mm = 138.0
+[valve]
+centre_deg = 108.0
+lash_mm = 0.2
+link = 4
+"""
+
+
+def test_a_lever_that_the_motion_turns_has_figures_of_its_valve_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A motion in degrees is no lift: the pad of the finger rises by p (sin(β + φ) - sin β)."""
+    pad, start = abs(40.0 + 5.0j), math.atan2(5.0, 40.0)
+    lift = pad * (math.sin(start + math.radians(12.0)) - math.sin(start)) - 0.2
+    valve = figures(loads(LEVER), tmp_path, capsys)
+    assert valve["valve_lift_mm"] == pytest.approx(lift, abs=1e-9)
+    assert {event["of"] for event in valve["events"]} == {"valve"}
+    assert not {"lobe_lift_mm", "intensity_deg", "velocity_mm_per_deg", "acceleration_mm_per_deg2"} & set(valve)
+    study, event = Study(loads(LEVER)), valve["events"][1]
+    ends = np.deg2rad([180.0 + (event[end] - 108.0) / 2.0 for end in ("opens_deg", "closes_deg")])
+    assert MM * value(study.at_theta(ends), "valve_lift") == pytest.approx([1.27, 1.27], abs=1e-9)
+    assert main(["valve", str(tmp_path / "train.toml")]) == 0
+    assert "lobe" not in capsys.readouterr().out
+
+
 def trained_linkage(lash: float) -> Design:
     """Pushrod train that was typed as a linkage."""
     text = (
