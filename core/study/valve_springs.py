@@ -129,4 +129,5 @@ def surging_contact_force(study: Study) -> np.ndarray:
     excess = valve_spring_force(study) - static_spring_force(study) - third * valve_lift(study, 2)
     ratio = 1.0 if study.design.drive.is_valve_motion else np.abs(study.linkage.slip("valve_guide"))
     change = -study.mechanism.driver_sign * excess * ratio / study.dynamics.lever
-    return np.where(valve_lift(study) > 0.0, study.dynamics.contact + change, np.nan)
+    is_open = (valve_lift(study) > 0.0) & (study.loading.acting(study.linkage) > 0.0)
+    return np.where(is_open, study.dynamics.contact + change, np.nan)

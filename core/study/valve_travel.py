@@ -14,9 +14,9 @@ from core.errors import NoAssembly
 from core.mechanism import DriverRanges, Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
+from core.number_text import input_text, result_text
 from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import lazy
-from core.number_text import input_text, result_text
 from core.numerics.roots import BracketEnds, bracketed_root
 
 VALVE_GUIDE = "valve_guide"

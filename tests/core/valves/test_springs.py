@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
-from core.design import Design, get, put
+from core.design import Design, Engine, Valve, get, put, with_drive
 from core.errors import DesignError
 from core.find.offer import available_searches
 from core.project import dumps, load, loads, save
@@ -19,6 +20,7 @@ from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantities_of
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+MM = 1e3
 INCH, POUND = 25.4, 4.4482216152605
 HEAD = (
     'format = 1\nname = "Springs"\n'
@@ -247,6 +249,32 @@ def test_surge_that_takes_the_follower_off_the_cam_is_a_warning() -> None:
     assert "separation" not in found
     assert found["spring-surge"] == "loads.valve_springs[0].active_coils"
     assert "spring-surge" not in codes(put(design(rpm=1500.0), "loads.valve_springs[0].damping_ratio", 0.02))
+
+
+@pytest.mark.parametrize("name", ["finger_follower", "pushrod_train"])
+def test_surge_takes_the_follower_of_a_train_off_the_cam_where_its_true_force_is_0(name: str) -> None:
+    """The contact force is linear in the force at the valve: that without springs, and that of one newton times the true force."""
+    plain = load(EXAMPLES / f"{name}.toml")
+    plain = with_drive(
+        replace(plain, engine=Engine(stroke_mm=84.0, rod_mm=138.0)), valve=Valve(centre_deg=108.0, lash_mm=0.1)
+    )
+    for path in ("loads.spring_rate_n_per_mm", "loads.preload_n", "loads.gravity_m_s2"):
+        plain = put(plain, path, 0.0)
+    springs = design(springs=SPRING + "damping_ratio = 0.02\n").drive.loads.valve_springs
+    floats = Study(put(plain, "loads.valve_springs", springs)).lift_off.omega * 30.0 / math.pi
+    for part, surges in ((0.8, False), (0.98, True)):
+        still = put(plain, "shaft.speed_rpm", part * floats)
+        sprung, pushed = put(still, "loads.valve_springs", springs), put(still, "loads.preload_n", 1.0)
+        free, one, study = (Study(each, samples=18_000) for each in (still, pushed, sprung))
+        is_open = value(study, "valve_lift") > 1e-6 / MM
+        by_newton = value(one, "contact_force") - value(free, "contact_force")
+        true = value(free, "contact_force") + by_newton * value(study, "valve_spring_force")
+        assert value(study, "contact_force")[is_open].min() > 0.0
+        assert (true[is_open].min() < 0.0) == surges
+        found = [finding for finding in findings_of(study) if finding.code == "spring-surge"]
+        assert [finding.values["force_n"] for finding in found] == (
+            [pytest.approx(true[is_open].min(), rel=1e-4)] if surges else []
+        )
 
 
 # -- files ------------------------------------------------------------------------------------------------------
