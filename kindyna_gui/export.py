@@ -92,7 +92,7 @@ class Exports(QObject):
     def rows(self) -> tuple[Export, ...]:
         """Return the entries in the order of the menu."""
         session = self._session
-        no_cam = "" if session.design.drive.cam is not None else NO_CAM
+        no_cam = "" if session.design.drive.has_disk else NO_CAM
         has_motion = any(drive.motion is not None for drive in session.full_design.drives)
         return (
             Export(
@@ -284,7 +284,7 @@ class Exports(QObject):
         from core.output.files.files import write_profile
         from kindyna_gui import profile_dialogs
 
-        if self._session.design.drive.cam is None:
+        if not self._session.design.drive.has_disk:
             self.status_message.emit(NO_CAM)
             return
         choice = profile_dialogs.ask_profile(self._window, self._drive)

@@ -110,7 +110,7 @@ def require_links(design: Design, reason: str) -> None:
 
 def require_centres(study: Study, reason: str) -> None:
     """Raise Unavailable with the sentence where there are neither links with numbers nor a cam."""
-    if "cam" not in study.stages:
+    if not study.has_disk:
         require_links(study.design, reason)
 
 
@@ -146,7 +146,7 @@ def why_no_forces(study: Study) -> str:
 def why_no_pressure(study: Study) -> str:
     """Return why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
     drive = study.design.drive
-    if drive.cam is None:
+    if not drive.has_disk:
         return f"{LINKAGE_WITHOUT_CAM}there is no contact pressure."
     if not is_line_contact(drive.face):
         return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."

@@ -102,7 +102,7 @@ def picture_angle(study: Study) -> float:
 
     Raises NoSolution where the motion or the cam has none.
     """
-    if "cam" not in study.stages:
+    if not study.has_disk:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
     angle: float = extremes_of(study, "cam", ("pressure_angle",))["pressure_angle"].high.theta
     return angle

@@ -173,7 +173,7 @@ def one_studied(design: Design, drive: str) -> Study:
 
 def require_cam(study: Study, command: str) -> None:
     """Raise KindynaError for a design without a cam."""
-    if "cam" not in study.stages:
+    if not study.has_disk:
         raise KindynaError(f"{command}: this design has no cam; allowed: one with [cam]")
 
 

@@ -204,7 +204,7 @@ def trace(design: Design, contour: Contour) -> TracedMotion:
     follower on a cam with a motion.
     """
     motion = require_motion(design)
-    if design.drive.cam is None or not hasattr(design.drive.cam, "base_radius_mm"):
+    if not design.drive.has_disk or not hasattr(design.drive.cam, "base_radius_mm"):
         raise DesignError(
             [Fault("cam", MISSING, "a curve gives its motion to a follower on a disk cam", "a design with [follower]")]
         )

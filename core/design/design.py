@@ -106,8 +106,13 @@ class Drive:
 
     @property
     def is_alone(self) -> bool:
-        """Whether the motion moves an output without a mechanism."""
+        """Whether the motion moves an output without a mechanism; a cam in space may move it."""
         return not self.table
+
+    @property
+    def has_disk(self) -> bool:
+        """Whether it has a disk cam, which moves its follower or linkage."""
+        return self.cam is not None and not self.is_alone
 
     @property
     def tables(self) -> Mapping[str, Any]:
@@ -132,9 +137,8 @@ class Drive:
     @property
     def sections(self) -> tuple[str, ...]:
         """Names of the tables that it may have, in their order."""
-        excluded = {"shaft", "engine", "follower", "linkage", *(("cam", "limits") if self.is_alone else ())} - {
-            self.table
-        }
+        without_cam = ("cam", "limits") if self.is_alone and self.cam is None else ()
+        excluded = {"shaft", "engine", "follower", "linkage", *without_cam} - {self.table}
         return (*(name for name in SECTIONS if name not in excluded), *(f"{MOTIONS}{m.name}" for m in self.motions))
 
     @property

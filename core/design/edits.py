@@ -313,9 +313,9 @@ def edited(design: Design, path: str, value: Any, typed: Typed = ()) -> Design:
         return with_drive(design, motion=motion)
     if path == "follower.layout" and isinstance(design.drive.mechanism, CamSlider):
         return with_drive(design, mechanism=with_layout(design.drive.mechanism, value))
-    if design.drive.cam is not None and path == design.drive.face_path:
+    if design.drive.has_disk and path == design.drive.face_path:
         return with_face(design, value)
-    if design.drive.cam is not None and path == f"cam.{FORM}":
+    if design.drive.has_disk and path == f"cam.{FORM}":
         return with_form(design, value)
     changed = put(design, path, value)
     if changed.drive.is_linkage and changed.shaft is not None:

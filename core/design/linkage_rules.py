@@ -336,7 +336,7 @@ def _motion(drive: Drive) -> Iterator[Fault]:
 
 
 def _cam(drive: Drive) -> Iterator[Fault]:
-    if drive.cam is None:
+    if not drive.has_disk:
         return
     if drive.linkage.driver.kind != MOTION:
         yield Fault("cam", "[cam]", "a cam needs a motion", f'driver with kind = "{MOTION}"')

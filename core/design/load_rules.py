@@ -105,7 +105,7 @@ def element_faults(drive: Drive) -> Iterator[Fault]:
         for i, row in enumerate(getattr(loads, name, ())):
             yield from rule(row, drive, f"loads.{name}[{i}]")
     yield from _friction_given_once(loads, drive)
-    if loads.follower_stiffness_n_per_mm and drive.cam is None:
+    if loads.follower_stiffness_n_per_mm and not drive.has_disk:
         path = "loads.follower_stiffness_n_per_mm"
         yield Fault(
             path,

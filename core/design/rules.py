@@ -121,7 +121,7 @@ def _lobe(motion: Motion, path: str) -> Iterator[Fault]:
 
 def _cam_repeats(drive: Drive) -> Iterator[Fault]:
     """A disk cam cannot make a motion with an advance."""
-    if drive.motion is not None and drive.motion.gain and drive.cam is not None:
+    if drive.motion is not None and drive.motion.gain and drive.has_disk:
         allowed = "no advance; or a [linkage] without [cam], or [motion] alone"
         path = f"motion.advance_{drive.motion.unit}"
         yield Fault(path, drive.motion.advance, "a disk cam repeats its motion every turn", allowed)
@@ -498,7 +498,7 @@ def _face_agrees(design: Design) -> Iterator[Fault]:
 def _form_agrees(design: Design) -> Iterator[Fault]:
     """A groove or a conjugate pair needs a roller; only a conjugate pair has a second one."""
     drive = design.drive
-    if drive.mechanism is None or drive.cam is None:
+    if drive.mechanism is None or not drive.has_disk:
         return
     form = drive.cam.form
     if form.holds and drive.face.face != Roller.face:

@@ -130,7 +130,7 @@ class SearchRow(NamedTuple):
 
     def contact_limits(self, design: Design) -> tuple[str, ...]:
         """Keys of the contact with an open cam: the least force and, unless the search is for it, the highest speed."""
-        if not self.limits_contact or design.drive.cam is None or design.drive.cam.form.holds:
+        if not self.limits_contact or not design.drive.has_disk or design.drive.cam.form.holds:
             return ()
         return (f"{FORCE}_min",) if self.target == LIFT_OFF else (f"{FORCE}_min", f"{speed_path(design)}_max")
 

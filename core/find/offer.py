@@ -45,7 +45,7 @@ LIMIT_RANGES: Mapping[str, Info] = MappingProxyType(
 
 def available_searches(design: Design) -> tuple[str, ...]:
     """Keys of ``CAM_SEARCHES`` whose fields the design has; none where it has no cam, none of a rate or preload of valve springs."""
-    if design.drive.cam is None:
+    if not design.drive.has_disk:
         return ()
     has_form_closure = design.drive.cam.form.holds
     rows = ((what, row) for what, row in CAM_SEARCHES.items() if not (row.seeks_contact and has_form_closure))

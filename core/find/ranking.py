@@ -99,7 +99,7 @@ def _has_motor(study: Study) -> bool:
 FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
         "peak_torque_nm", "Peak torque", "Largest torque at the camshaft over the turn at this speed, by all loads",
-        lambda study: "cam" in study.stages and not study.loading.is_empty,
+        lambda study: study.has_disk and not study.loading.is_empty,
         lambda study, extremes: _size(extremes["drive_torque"]), ("drive_torque",),
     ),
     RankingColumn(
@@ -115,12 +115,12 @@ FIGURES: tuple[RankingColumn, ...] = (
     RankingColumn(
         "least_contact_force_n", "Least contact",
         "Least contact force over the turn, of an elastic follower in steady running: below 0 the follower leaves the cam",
-        lambda study: "cam" in study.stages and not study.is_form_closed and not study.loading.is_empty,
+        lambda study: study.has_disk and not study.is_form_closed and not study.loading.is_empty,
         _least_contact, ("contact_force", "elastic_contact_force"),
     ),
     RankingColumn(
         "contact_pressure_mpa", "Pressure", "Largest Hertz pressure between follower and cam over the turn",
-        lambda study: "cam" in study.stages and not study.loading.is_empty and bool(pairings(study)),
+        lambda study: study.has_disk and not study.loading.is_empty and bool(pairings(study)),
         lambda study, extremes: max((extremes[name].high.value for name in PRESSURES.values() if name in extremes), default=None),
         tuple(PRESSURES.values()),
     ),
@@ -187,7 +187,7 @@ def _value(figure: RankingColumn, study: Study, extremes: ExtremesByName) -> flo
 def _require_cam(study: Study) -> None:
     """Raise KindynaError where the velocity jumps, or no cam can be cut for this motion."""
     jumping = [finding for finding in findings_of(study, ("motion",)) if finding.severity == ERROR]
-    if not jumping and "cam" in study.stages:
+    if not jumping and study.has_disk:
         flanks = form_row(study.design.drive.cam.form).flanks
         if any(undercut_on(study, flank) for flank in flanks):
             jumping = [finding for finding in findings_of(study, ("cam",)) if finding.code.endswith("undercut")]

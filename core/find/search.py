@@ -100,7 +100,7 @@ def find(
     if what not in CAM_SEARCHES:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(CAM_SEARCHES)}")
     row = CAM_SEARCHES[what]
-    if design.drive.cam is None:
+    if not design.drive.has_disk:
         raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")
     request = search_request(design, what, stated, choice)
     paths = row.fields(design, request.bounds)

@@ -149,7 +149,7 @@ class Solution:
     @property
     def errors(self) -> tuple[str, ...]:
         """Errors of the cam that no limit of the search covers, for example of its hub or its cutter."""
-        if not self.is_valid or all(drive.cam is None for drive in self.design.drives):
+        if not self.is_valid or all(not drive.has_disk for drive in self.design.drives):
             return ()
         findings = findings_of(Study(self.design), ("cam",))
         return tuple(finding.message for finding in findings if finding.severity == ERROR)

@@ -86,7 +86,7 @@ def find_for_contact(design: Design, what: str, stated: StatedLimits, machine: M
     """
     row = CAM_SEARCHES[what]
     paths = row.fields(design, {})
-    if design.drive.cam is None:
+    if not design.drive.has_disk:
         raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")
     missing = [path for path in paths if not has(design, path)]
     if missing:

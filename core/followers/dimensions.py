@@ -204,7 +204,7 @@ MECHANISM_DIMENSIONS: Mapping[type, Callable[[Design, Kinematics], Iterator[Dime
 def _cam_dimensions(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
     """Base circle, face, and the second roller of a conjugate pair."""
     drive = design.drive
-    if drive.cam is None:
+    if not drive.has_disk:
         return
     base = getattr(drive.cam, "base_radius_mm", 0.0)
     if base:

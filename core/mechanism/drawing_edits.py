@@ -204,7 +204,7 @@ def with_driving_link(design: Design, number: int, speed_rpm: float | None = Non
         )
     turns, drive = is_pin(pair), design.drive
     has_motion = drive.motion is not None and drive.motion.unit == ("deg" if turns else "mm")
-    kind = CRANK if turns and not has_motion and drive.cam is None else MOTION
+    kind = CRANK if turns and not has_motion and not drive.has_disk else MOTION
     driver = Driver(number, kind, old.speed_rpm if speed_rpm is None else speed_rpm, driven.driver.on)
     if kind == CRANK:
         design = with_drive(design, motion=None)

@@ -98,7 +98,7 @@ def pruned(design: Design) -> Design:
         torsion_springs=tuple(s for s in loads.torsion_springs if exists(s.link) and exists(s.on) and s.link != s.on),
         pair_friction=tuple(r for r in loads.pair_friction if r.pair in pairs and exists(r.link) and exists(r.other)),
     )
-    cam = drive.cam if drive.cam is not None and exists(drive.cam.link, drive.cam.point) else None
+    cam = drive.cam if drive.has_disk and exists(drive.cam.link, drive.cam.point) else None
     result = with_drive(design, loads=remaining, cam=cam)
     if not design.assumed:
         return result

@@ -306,7 +306,7 @@ def with_roller(design: Design, link: int, point: str) -> Design:
     NoPosition
         No motion drives the linkage.
     """
-    if design.drive.cam is not None:
+    if design.drive.has_disk:
         return with_drive(design, cam=replace(design.drive.cam, link=link, point=point))
     if design.drive.motion is None:
         raise NoPosition("a cam needs a motion", "linkage.driver.kind", "let a link follow a motion first")

@@ -25,6 +25,7 @@ from core.study.extremes import has_quantity
 from core.study.quantities import KINEMATICS, ORBIT, PROFILE, SERVO
 from core.study.quantity_requests import OUTPUTS, is_angular, length_per_output, output_travel, path_drives, path_rate
 from core.study.stages import memory
+from core.study.symbols import FLAT
 
 # -- channels ---------------------------------------------------------------------------------------------------
 
@@ -38,9 +39,9 @@ ANGLES: Mapping[str, str] = MappingProxyType(
 @lru_cache(maxsize=64)  # a changed length changes no name
 def _rows_named(unit: str, names: tuple[str, ...]) -> tuple[Quantity, ...]:
     """Rows common to all designs, then rows of its links, with the unit of the motion and the formula of the face."""
-    straight = "contact_on_face" in names
+    variant = FLAT if "contact_on_face" in names else ""
     shared = tuple(
-        replace(row, slug=row.slug.format(m=unit), straight=straight)
+        replace(row, slug=row.slug.format(m=unit), variant=variant)
         for row in QUANTITIES.values()
         if row.slug and row.name in names
     )
@@ -99,7 +100,7 @@ class MotionCycle:
 
 def has_cycle(study: Study) -> bool:
     """Whether the design has a motion and no cam."""
-    return not study.design.listed and "motion" in study.stages and "cam" not in study.stages
+    return not study.design.listed and "motion" in study.stages and not study.has_disk
 
 
 def motion_cycle(study: Study) -> MotionCycle:

@@ -416,7 +416,7 @@ def _file_builders(
     design: Design, folder: str, name: str, study: Study, request: HandoverRequest
 ) -> Iterator[tuple[str, Callable[[], Sequence[HandoverFile]]]]:
     of_drive = f" of {name}" if name else ""
-    if "cam" in study.stages:
+    if study.has_disk:
         yield "profile", lambda: _profile(study, folder, of_drive, request, ".dxf")
         if request.gcode:
             yield "G-code", lambda: _profile(study, folder, of_drive, request, ".nc")

@@ -171,7 +171,7 @@ def _tables(study: Study) -> Iterator[tuple[CentreTable, tuple[Key, ...]]]:
     links = study.design.drive.links
     if links:
         yield study.centres, tuple(combinations(study.centres.bodies, 2))
-    if "cam" in study.stages:
+    if study.has_disk:
         table = study.cam_centres
         yield table, tuple(key for key in combinations(table.bodies, 2) if CAM in key or not links)
 
@@ -227,7 +227,7 @@ def _velocities(study: Study) -> dict[Link, float]:
             FRAME: 0.0,
             **{name: float(bodies[name].turn[1][0]) * study.omega for name in study.cam_centres.bodies[1:-1]},
         }
-    return velocities | ({CAM: study.sense * study.omega} if "cam" in study.stages else {})
+    return velocities | ({CAM: study.sense * study.omega} if study.has_disk else {})
 
 
 # -- command ``centres`` ------------------------------------------------------------------------------------
@@ -259,7 +259,7 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
     return {
         "angular_velocity_rad_s": {str(n): w for n, w in _velocities(position).items()},
         "centres": {f"{row.links[0]},{row.links[1]}": _centre(row) for row in rows.centres},
-        **({"instant_centre": _cam_velocities(position)} if "cam" in position.stages else {}),
+        **({"instant_centre": _cam_velocities(position)} if position.has_disk else {}),
         "points": {
             row.name: {
                 "x_mm": row.position.real * _MM,

@@ -93,7 +93,7 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
     if request.name in OF_STEADY_SPEED:
         return design.drive.loads_shaft
     if not request.name:
-        has_open_cam = design.drive.cam is not None and not design.drive.cam.form.holds
+        has_open_cam = design.drive.has_disk and not design.drive.cam.form.holds
         return design.drive.loads_shaft and (request.statistic != LIFE or has_open_cam)
     row = quantity(request.name)
     return (

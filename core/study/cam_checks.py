@@ -224,7 +224,7 @@ _CURVES = {"profile": "of the profile", "pitch": "of the pitch curve", "outer": 
 
 def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     """Figures of a cam in the named stages, with the user's limits, or else typical ones."""
-    if "cam" in stages and "cam" in study.stages:
+    if "cam" in stages and study.has_disk:
         yield from _shape_rows(study, stages)
     for stage in (stage for stage in stages if stage in study.stages):
         for key, limit, worst in worst_values(study, stage):

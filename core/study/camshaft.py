@@ -497,13 +497,13 @@ class ShaftDrive:
     def parts(self) -> tuple[Any, ...]:
         """Parts of the design on which any result of the drive depends."""
         study, drive = self.study, self.study.design.drive
-        cam = None if drive.cam is None else (drive.face, drive.bare_cam, study.sense)
+        cam = (drive.face if drive.has_disk else None, drive.bare_cam, study.sense) if drive.cam is not None else None
         return (*self.key, cam, drive.motion_unit, self.name, self.number)
 
     @property
     def can_lift_off(self) -> bool:
         """Whether the drive has a cam that its follower could leave."""
-        return "cam" in self.study.stages and not self.study.is_form_closed
+        return self.study.has_disk and not self.study.is_form_closed
 
     def drive_angles(self, angles: Angles) -> Angles:
         """Angles of the drive at angles of the shaft."""

@@ -208,7 +208,7 @@ class DriveForces(DriveStudy):
     @property
     def is_elastic(self) -> bool:
         """Whether the follower has a stiffness between its mass and the cam."""
-        return "cam" in self.stages and bool(self.design.drive.loads.follower_stiffness_n_per_mm)
+        return self.has_disk and bool(self.design.drive.loads.follower_stiffness_n_per_mm)
 
     @property
     def elasticity(self) -> Elasticity:
@@ -319,7 +319,7 @@ class DriveForces(DriveStudy):
     @property
     def flank_changes(self) -> tuple[FlankChange, ...]:
         """Changes of the flank in contact, of a groove or a conjugate pair, by cam angle."""
-        if not self.is_form_closed:
+        if not (self.is_form_closed and self.has_disk):
             return ()
         return memory.get(
             "flank changes", self.depends_on("dynamics"), lambda: dynamics.flank_changes(self._forces_at, self.program)
@@ -621,13 +621,13 @@ ROLLERS: Mapping[str, tuple[str, ...]] = {"first": (INNER, OUTER), "second": (SE
 def pairings(study: DriveForces) -> Mapping[str, Pairing]:
     """Flank -> its contact; empty for a knife edge, or where an input of the stress is missing."""
     drive = study.design.drive
-    return stress.pairings(drive.face, drive.cam) if drive.cam is not None else {}
+    return stress.pairings(drive.face, drive.cam) if drive.has_disk else {}
 
 
 def load_ratings(study: DriveForces) -> Mapping[str, float]:
     """Roller -> dynamic load rating of its bearing [N], where given."""
     drive = study.design.drive
-    return stress.load_ratings(drive.face, drive.cam) if drive.cam is not None else {}
+    return stress.load_ratings(drive.face, drive.cam) if drive.has_disk else {}
 
 
 def roller_force(study: DriveForces, roller: str) -> np.ndarray:

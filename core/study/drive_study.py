@@ -134,6 +134,11 @@ class DriveStudy:
             raise NoSuchStage(name, self.stages)
 
     @property
+    def has_disk(self) -> bool:
+        """Whether the design, or any of its drives, has a disk cam."""
+        return any(drive.has_disk for drive in self.design.drives)
+
+    @property
     def by_crank(self) -> bool:
         """Whether a crank that turns at constant speed drives the mechanism, in place of a motion."""
         return self.design.by_crank
@@ -521,8 +526,8 @@ class DriveStudy:
 
     @property
     def shape(self) -> CamShape | None:
-        """Shape of the cam; None where the design has no cam."""
-        return self.cam if "cam" in self.stages else None
+        """Shape of the disk cam; None where the design has none."""
+        return self.cam if self.has_disk else None
 
     @lazy
     def valve(self) -> ValveTravel:

@@ -195,7 +195,7 @@ def _thinnest_wall(study: Study) -> Wall | None:
 def _dynamics_findings(study: Study) -> list[Finding]:
     drive, jam = study.design.drive, study.jam
     jams = [] if jam is None or study.loading.is_empty else [dynamics.jam_finding(jam, study.jamming_pair)]
-    if "cam" not in study.stages:
+    if not study.has_disk:
         findings = [*dynamics.findings(None, study.loading, "", lambda: 0.0), *jams]
     else:
         contact = None if study.is_form_closed else extremes_beyond_lash(study, "contact_force")

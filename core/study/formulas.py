@@ -10,10 +10,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from core.study.force_formulas import FORCE_FORMULAS, has
-from core.study.symbols import Formula
-
-FLAT = ".flat"
-"""Ending of a row's name: the formula under a straight face."""
+from core.study.symbols import FLAT, Formula
 
 _TRIANGLE = "Shin1995 (9), (10), by the triangle's area"
 _LAW, _SHIN8 = "definition of a motion law", "Shin1995 (8)"

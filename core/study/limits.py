@@ -527,7 +527,7 @@ def needs_torque(study: Study) -> bool:
 
 def limits_in_force(study: Study) -> Mapping[str, LimitValue]:
     """Typical limits that apply since the design states none: key in [limits] -> value and reason."""
-    if study.design.drive.cam is None:
+    if not study.design.drive.has_disk:
         return {}
     limits = {}
     for key in (row.name for row in fields(Limits) if getattr(study.design.drive.limits, row.name) is None):

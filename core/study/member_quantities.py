@@ -617,7 +617,7 @@ def _pairs(design: Design) -> Iterator[tuple[str, str]]:
     """The driver, where no cam moves it, and every pair."""
     linkage = design.drive.linkage
     pair = driver_pair(linkage)
-    if design.drive.cam is None:
+    if not design.drive.has_disk:
         yield "driving pin" if pair is not None and is_pin(pair) else "driving slide", ""
     for each in linkage.drivers:
         yield "second slide" if input_slides(linkage, each) else "second driver", str(each.link)

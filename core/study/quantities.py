@@ -66,7 +66,9 @@ if TYPE_CHECKING:
 
 FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})
-ALL_KINDS = FOLLOWERS | {"linkage"} | ALONE
+DISK = FOLLOWERS | {"linkage"}
+"""Kinds that a disk cam can have."""
+ALL_KINDS = DISK | ALONE
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
 
@@ -98,7 +100,7 @@ class Quantity:
     needs_smooth_profile : whether it exists only where the profile has no undercut (``extremes.has_quantity`` checks both)
     approximates : quantity that it approximates; it is drawn dashed
     file : CSV file of its column, where that is not the file of its stage
-    straight : whether the design's face is straight, under which some quantities have another formula
+    variant : ending of its row of ``FORMULAS``, where the design's face or kind of cam has a formula of its own
     """
 
     name: str
@@ -115,7 +117,7 @@ class Quantity:
     needs_smooth_profile: bool = False
     approximates: str = ""
     file: str = ""
-    straight: bool = False
+    variant: str = ""
 
     @property
     def column(self) -> str:
@@ -130,10 +132,10 @@ class Quantity:
     @property
     def formula(self) -> Formula | None:
         """Its row of ``FORMULAS``; None where no reader sees the quantity."""
-        from core.study.formulas import FLAT, FORMULAS  # a quantity is computed without its formula
+        from core.study.formulas import FORMULAS  # a quantity is computed without its formula
 
         name = shape_of(self.name)
-        return (FORMULAS.get(f"{name}{FLAT}") if self.straight else None) or FORMULAS.get(name)
+        return FORMULAS.get(f"{name}{self.variant}") or FORMULAS.get(name)
 
     @property
     def equation(self) -> str:
@@ -143,7 +145,9 @@ class Quantity:
     @property
     def flat(self) -> str:
         """Its equation under a straight face, where that is another."""
-        flat, round_ = (replace(self, straight=straight).equation for straight in (True, False))
+        from core.study.symbols import FLAT  # as in ``formula``
+
+        flat, round_ = (replace(self, variant=variant).equation for variant in (FLAT, ""))
         return "" if flat == round_ else flat
 
     @property
@@ -262,40 +266,40 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("rocker_ratio", "rocker_ratio", "Rocker ratio", "i", "ratio", "linkage", rocker_ratio, TRAINS, file=KINEMATICS),
     Quantity("pad_position", "pad_position_mm", "Pad on the tip", "x_t", "length",
              "linkage", lambda s: coordinate(s, "pad_position"), TRAINS, file=KINEMATICS),
-    Quantity("profile_x", "x_mm", "Profile x", "x", "length", "cam", lambda s: s.cam.flank.profile.real, needs="cam"),
-    Quantity("profile_y", "y_mm", "Profile y", "y", "length", "cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
-    Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "cam", lambda s: s.cam.flank.pitch.real, needs="pitch"),
-    Quantity("pitch_y", "pitch_y_mm", "Pitch curve y", "y_p", "length", "cam", lambda s: s.cam.flank.pitch.imag, needs="pitch"),
+    Quantity("profile_x", "x_mm", "Profile x", "x", "length", "cam", lambda s: s.cam.flank.profile.real, DISK, needs="cam"),
+    Quantity("profile_y", "y_mm", "Profile y", "y", "length", "cam", lambda s: s.cam.flank.profile.imag, DISK, needs="cam"),
+    Quantity("pitch_x", "pitch_x_mm", "Pitch curve x", "x_p", "length", "cam", lambda s: s.cam.flank.pitch.real, DISK, needs="pitch"),
+    Quantity("pitch_y", "pitch_y_mm", "Pitch curve y", "y_p", "length", "cam", lambda s: s.cam.flank.pitch.imag, DISK, needs="pitch"),
     Quantity("pressure_angle", "pressure_angle_deg", "Pressure angle", "ψ", "pressure-angle",
-             "cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
+             "cam", lambda s: s.cam.flank.pressure_angle, DISK, needs="cam"),
     Quantity("pitch_curvature", "pitch_curvature_per_mm", "Pitch curvature", "κ_p", "curvature",
-             "cam", lambda s: s.cam.flank.pitch_curvature, needs="pitch"),
-    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "cam", profile_radius, needs="cam"),
-    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "cam", polar_angle, needs="cam", is_periodic=True),
+             "cam", lambda s: s.cam.flank.pitch_curvature, DISK, needs="pitch"),
+    Quantity("radius", "radius_mm", "Cam radius", "r", "length", "cam", profile_radius, DISK, needs="cam"),
+    Quantity("polar_angle", "polar_angle_deg", "Polar angle", "ϑ", "angle", "cam", polar_angle, DISK, needs="cam", is_periodic=True),
     Quantity("profile_curvature", "profile_curvature_per_mm", "Profile curvature", "κ", "curvature",
-             "cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
+             "cam", lambda s: s.cam.flank.profile_curvature, DISK, needs="cam"),
     Quantity("contact_on_face", "contact_on_face_mm", "Contact on the face", "x_f", "length",
-             "cam", lambda s: s.cam.flank.on_face, needs="straight"),
+             "cam", lambda s: s.cam.flank.on_face, DISK, needs="straight"),
     Quantity("outer_x", "outer_x_mm", "Outer flank x", "x_o", "length",
-             "cam", lambda s: s.cam.only(OUTER).flank.profile.real, needs=OUTER),
+             "cam", lambda s: s.cam.only(OUTER).flank.profile.real, DISK, needs=OUTER),
     Quantity("outer_y", "outer_y_mm", "Outer flank y", "y_o", "length",
-             "cam", lambda s: s.cam.only(OUTER).flank.profile.imag, needs=OUTER),
+             "cam", lambda s: s.cam.only(OUTER).flank.profile.imag, DISK, needs=OUTER),
     Quantity("outer_curvature", "outer_curvature_per_mm", "Outer flank's curvature", "κ_o", "curvature",
-             "cam", lambda s: s.cam.only(OUTER).flank.profile_curvature, needs=OUTER),
+             "cam", lambda s: s.cam.only(OUTER).flank.profile_curvature, DISK, needs=OUTER),
     Quantity("second_x", "second_x_mm", "Second profile x", "x₂", "length",
-             "cam", lambda s: s.cam.only(SECOND).flank.profile.real, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.profile.real, DISK, needs=SECOND),
     Quantity("second_y", "second_y_mm", "Second profile y", "y₂", "length",
-             "cam", lambda s: s.cam.only(SECOND).flank.profile.imag, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.profile.imag, DISK, needs=SECOND),
     Quantity("second_pitch_x", "second_pitch_x_mm", "Second pitch curve x", "x_p2", "length",
-             "cam", lambda s: s.cam.only(SECOND).flank.pitch.real, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.pitch.real, DISK, needs=SECOND),
     Quantity("second_pitch_y", "second_pitch_y_mm", "Second pitch curve y", "y_p2", "length",
-             "cam", lambda s: s.cam.only(SECOND).flank.pitch.imag, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.pitch.imag, DISK, needs=SECOND),
     Quantity("second_pressure_angle", "second_pressure_angle_deg", "Second pressure angle", "ψ₂", "pressure-angle",
-             "cam", lambda s: s.cam.only(SECOND).flank.pressure_angle, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.pressure_angle, DISK, needs=SECOND),
     Quantity("second_pitch_curvature", "second_pitch_curvature_per_mm", "Second pitch curvature", "κ_p2", "curvature",
-             "cam", lambda s: s.cam.only(SECOND).flank.pitch_curvature, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.pitch_curvature, DISK, needs=SECOND),
     Quantity("second_profile_curvature", "second_profile_curvature_per_mm", "Second profile's curvature", "κ₂", "curvature",
-             "cam", lambda s: s.cam.only(SECOND).flank.profile_curvature, needs=SECOND),
+             "cam", lambda s: s.cam.only(SECOND).flank.profile_curvature, DISK, needs=SECOND),
     Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force",
              "dynamics", lambda s: s.dynamics.contact, needs="cam"),
     Quantity("valve_spring_force", "valve_spring_force_n", "Valve spring force", "F_s", "force",
@@ -371,13 +375,13 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("instant_centre", "instant_centre_mm", "Instant centre Q", "Q", "length",
              "cam", centre_distance, FOLLOWERS, needs="cam"),
     Quantity("instant_centre_x", "instant_centre_x_mm", "Instant centre Q, x", "Q_x", "length",
-             "cam", lambda s: s.cam.flank.centre.finite.real, needs="cam"),
+             "cam", lambda s: s.cam.flank.centre.finite.real, DISK, needs="cam"),
     Quantity("instant_centre_y", "instant_centre_y_mm", "Instant centre Q, y", "Q_y", "length",
-             "cam", lambda s: s.cam.flank.centre.finite.imag, needs="cam"),
+             "cam", lambda s: s.cam.flank.centre.finite.imag, DISK, needs="cam"),
     Quantity("instant_centre_velocity", "instant_centre_velocity_mm_s", "Velocity of Q", "V_Q", "velocity",
-             "cam", centre_velocity, needs="cam"),
+             "cam", centre_velocity, DISK, needs="cam"),
     Quantity("reference_velocity", "roller_centre_velocity_mm_s", "Velocity of the roller centre", "V_R", "velocity",
-             "cam", reference_velocity, needs="pitch"),
+             "cam", reference_velocity, DISK, needs="pitch"),
     Quantity("wind_up", "wind_up_deg", "Wind-up of the shaft", "θ_i - θ_c", "angle",
              "stability", lambda s: s.steady_turn.wind_up(s.theta), needs="elastic shaft", exists=has_steady_turn),
     Quantity("follower_error", "follower_error_{m}", "Follower's error", "ΔX", "displacement",
@@ -385,11 +389,33 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("shaft_torque", "shaft_torque_nm", "Torque in the shaft", "T_s", "torque",
              "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=has_steady_turn),
     *(_unseen(code, "linkage", partial(singular_value, code=code), kinds) for code, kinds in SINGULAR_OF.items()),
-    _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, needs="straight"),
-    _unseen("second_roller_distance", "cam", second_roller_distance, needs=SECOND),
-    _unseen("second_push", "cam", push_product, needs=SECOND),
+    _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, DISK, needs="straight"),
+    _unseen("second_roller_distance", "cam", second_roller_distance, DISK, needs=SECOND),
+    _unseen("second_push", "cam", push_product, DISK, needs=SECOND),
 )  # fmt: skip
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType({row.name: row for row in _ROWS})
+
+
+def _of_all_kinds(rows: list[Quantity]) -> Quantity:
+    """Rows of one name as one quantity, computed by the row of the study's kind."""
+    if len(rows) == 1:
+        return rows[0]
+    by_kind = {kind: row.value for row in rows for kind in row.kinds}
+    return replace(
+        rows[0],
+        kinds=frozenset(by_kind),
+        value=lambda study: by_kind[study.design.drive.kind](study),
+    )
+
+
+def _by_name() -> dict[str, Quantity]:
+    rows: dict[str, list[Quantity]] = {}
+    for row in _ROWS:
+        rows.setdefault(row.name, []).append(row)
+    return {name: _of_all_kinds(same) for name, same in rows.items()}
+
+
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType(_by_name())
+"""Name -> quantity. A name can have several rows, as the pressure angle of a disk cam and that of a cam in space."""
 
 OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 """Quantities of the stage ``dynamics`` that flywheel and motor change; all forces are computed at constant speed."""

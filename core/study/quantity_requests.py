@@ -68,7 +68,7 @@ TOTALS: Mapping[str, Callable[[Study], float]] = {
     INERTIA: lambda study: study.flywheel.needed_inertia,
     ENERGY: lambda study: study.flywheel.energy_swing,
     LIFE: lambda study: min(
-        (life.hours for drive in study.drives.values() if "cam" in drive.stages for life in roller_lives(drive)),
+        (life.hours for drive in study.drives.values() if drive.has_disk for life in roller_lives(drive)),
         default=np.nan,
     ),
 }

@@ -144,7 +144,7 @@ class DesignBlock:
     @property
     def is_form_closed(self) -> bool:
         """Whether the cam holds the follower from both sides."""
-        return self.plain.drive.cam is not None and bool(self.plain.drive.cam.form.holds)
+        return self.plain.drive.has_disk and bool(self.plain.drive.cam.form.holds)
 
     def add_reader(self, name: str, read: Callable[[Study], np.ndarray]) -> str:
         """Add a function of a study that ``values`` evaluates under a name, for the stage ``dynamics``.
@@ -602,7 +602,7 @@ class DesignBlock:
         return searches
 
     def _flanks(self) -> tuple[str, ...]:
-        if self.plain.drive.cam is None:
+        if not self.plain.drive.has_disk:
             return ()
         return cam.form_row(self.plain.drive.cam.form).flanks
 

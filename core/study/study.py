@@ -109,19 +109,19 @@ def shaft_in_chart(study: Study) -> Stability | None:
 
 
 def _is_rated(roller: str, design: Design) -> bool:
-    return design.drive.cam is not None and roller in load_ratings(design.drive.face, design.drive.cam)
+    return design.drive.has_disk and roller in load_ratings(design.drive.face, design.drive.cam)
 
 
 def _has_flank(name: str, design: Design) -> bool:
-    return design.drive.cam is not None and name in form_row(design.drive.cam.form).flanks
+    return design.drive.has_disk and name in form_row(design.drive.cam.form).flanks
 
 
 def _has_stress(design: Design) -> bool:
-    return design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam))
+    return design.drive.has_disk and bool(pairings(design.drive.face, design.drive.cam))
 
 
 def _has_elastic_follower(design: Design) -> bool:
-    return design.drive.cam is not None and bool(design.drive.loads.follower_stiffness_n_per_mm)
+    return design.drive.has_disk and bool(design.drive.loads.follower_stiffness_n_per_mm)
 
 
 def has_piston(design: Design) -> bool:
@@ -132,7 +132,7 @@ def has_piston(design: Design) -> bool:
 
 def has_motor(design: Design) -> bool:
     """Whether the motor of a shaft turns its cam or crank."""
-    return design.shaft is not None and (design.drive.cam is not None or design.by_crank)
+    return design.shaft is not None and design.drive.loads_shaft
 
 
 @frozen
@@ -166,11 +166,9 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
         "cam": Need("a cam", lambda design: design.drive.cam is not None),
         "pitch": Need(
             "a cam with a roller, a knife edge or a shoe",
-            lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
+            lambda design: design.drive.has_disk and "pitch_curvature" in row_of(design.drive.face).limits,
         ),
-        "straight": Need(
-            "a cam with a flat face", lambda design: design.drive.cam is not None and design.drive.face.straight
-        ),
+        "straight": Need("a cam with a flat face", lambda design: design.drive.has_disk and design.drive.face.straight),
         OUTER: Need("a cam with a groove", partial(_has_flank, OUTER)),
         SECOND: Need("a conjugate pair of cams", partial(_has_flank, SECOND)),
         "stress": Need("a cam with thickness and materials", _has_stress),

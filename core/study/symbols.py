@@ -11,6 +11,8 @@ from core.frozen import frozen
 from core.study.study import Study
 
 MOTION, LINKAGE, CAM, DYNAMICS, STABILITY, LOADS = "motion", "linkage", "cam", "dynamics", "stability", "loads"
+FLAT = ".flat"
+"""Ending of a formula's name: the formula under a straight face."""
 
 # -- rows -------------------------------------------------------------------------------------------------------
 

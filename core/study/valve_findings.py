@@ -84,7 +84,7 @@ def spring_findings(study: Study) -> Iterator[Finding]:
 
 def _surge_findings(study: Study) -> Iterator[Finding]:
     """The true force of the springs leaves the follower where the static one holds it on the cam."""
-    if "cam" not in study.stages or study.is_form_closed or study.jam is not None:
+    if not study.has_disk or study.is_form_closed or study.jam is not None:
         return
     if extremes_beyond_lash(study, "contact_force").low.value <= 0.0:  # reported as separation
         return

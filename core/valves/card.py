@@ -99,7 +99,7 @@ def _study_figures(timing: ValveTiming) -> dict[str, Any]:
     """Velocity and acceleration by cam angle, radii of the profile, diameter of a flat tappet, float speed."""
     study = Study(timing.design)
     figures: dict[str, Any] = _motion_figures(study) if timing.has_lobe_lift else {}
-    if "cam" not in study.stages:
+    if not study.has_disk:
         return figures
     try:
         return figures | _profile_figures(timing, study) | _train_figures(study)

@@ -285,7 +285,7 @@ def ready_study(design: Design, name: str, drive: int = 0) -> StudyFile | None:
 def _limits(design: Design) -> Iterator[StudyLimit]:
     """Limits of pressure angle and convex radius: those of the design, else the typical ones."""
     columns, drive = set(request_keys(design)), design.drive
-    if drive.cam is None:
+    if not drive.has_disk:
         return
     angle = typical_limit(Study(design), "pressure_angle_deg") if "pressure_angle_deg" in columns else None
     if angle is not None:

@@ -131,7 +131,7 @@ def _design_limits(design: Design) -> Iterator[StudyLimit]:
     """Limits of a design as limits of quantities; without a limit of the pressure angle, the typical one."""
     from core.study.limits import LIMITS
 
-    if design.listed or design.drive.cam is None:
+    if design.listed or not design.drive.has_disk:
         return
     limits = design.drive.limits
     typical = LIMITS["pressure_angle_rise_deg"].typical(Study(design))

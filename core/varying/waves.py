@@ -321,7 +321,7 @@ class AllWaves:
 
 def waves_of(study: Study) -> Waves | None:
     """Waves of a design's profile at even angles; None without waviness, or where no cam is possible."""
-    if study.design.listed or study.design.waviness is None or "cam" not in study.stages:
+    if study.design.listed or study.design.waviness is None or not study.has_disk:
         return None
     try:
         return Waves(study.at_theta(np.arange(ANGLES) * TURN / ANGLES))

@@ -79,7 +79,7 @@ class Page(Protocol):
 
 def kind_label(design: Design) -> str:
     """Return the kind of mechanism of a design in a few words."""
-    return design.drive.label + " and a cam" * (lists_links(design) and design.drive.cam is not None)
+    return design.drive.label + " and a cam" * (lists_links(design) and design.drive.has_disk)
 
 
 class ParametersView(View):

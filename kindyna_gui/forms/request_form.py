@@ -441,7 +441,7 @@ class ComputedDialog(QDialog):
 
 def flanks(design: Design) -> dict[str, tuple[str, ...]]:
     """Return the flanks of a design's cam that a form offers."""
-    assert design.drive.cam is not None, "a design without cam has no profile"
+    assert design.drive.has_disk, "a design without cam has no profile"
     return {"flank": form_row(design.drive.cam.form).flanks}
 
 

@@ -348,7 +348,7 @@ class ContactView(PagedView):
         self.set_column(row_with_text(self.page, self.text), self.plot, grows=self.plot)
 
     def _require(self, study: Study) -> None:
-        if study.design.drive.cam is None:
+        if not study.design.drive.has_disk:
             raise Unavailable(NO_FLIGHT)
         if study.is_form_closed:
             raise Unavailable(FORM_CLOSED)
@@ -470,7 +470,7 @@ class VibrationView(PagedView):
         self.set_column(row_with_text(self.page, self.text), splitter, grows=splitter)
 
     def _require(self, study: Study) -> None:
-        if study.design.drive.cam is None:
+        if not study.design.drive.has_disk:
             raise Unavailable(NO_ELASTIC)
         if not study.is_elastic:
             raise Unavailable(RIGID_FOLLOWER)

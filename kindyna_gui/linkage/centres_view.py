@@ -359,7 +359,7 @@ class PolygonView(View):
             pairs = mechanism.pair_names.values()
         except KindynaError:
             return rows or [((VELOCITIES, ""), "Velocities")]
-        bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * ("cam" in study.stages)
+        bodies = [body for body in mechanism.bodies.values() if body != FRAME] + [CAM] * study.has_disk
         rows += [((FORCES_ON, body), f"Forces on {body_label(body)}") for body in bodies]
         return rows + [((FORCE_IN, name), f"Force at {pair_label(name)} over the turn") for name in pairs]
 

@@ -349,8 +349,8 @@ class MechanismView(MechanismMouseView):
             return f"Showing the last version that can be assembled. {misfit_sentences(self.session)[0]}"
         text = ""
         try:
-            _ = study.cam if "cam" in study.stages else None
-            text = why_no_pressure(study) if self._layer_states["stress_colours"] and "cam" in study.stages else ""
+            _ = study.cam if study.has_disk else None
+            text = why_no_pressure(study) if self._layer_states["stress_colours"] and study.has_disk else ""
         except NoSolution as error:
             text = f"No cam: {reason(study.design, error)}"
         if not text and any(self._layer_states[name] for name in BODY_FORCE_LAYERS):

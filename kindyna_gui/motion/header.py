@@ -158,7 +158,7 @@ class MotionHeader(QWidget):
     def _specs(design: Design) -> list[FieldSpec]:
         motion = require_motion(design)
         unit = motion.unit
-        returns = design.drive.cam is not None and motion.advance is None
+        returns = design.drive.has_disk and motion.advance is None
         start = [
             FieldSpec.of(e)
             for e in entries(design, "motion")

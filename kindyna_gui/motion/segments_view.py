@@ -407,7 +407,7 @@ class SegmentsView(MarkedView):
 
     def shown_parts(self, study: Study) -> Hashable:
         session = self.session
-        if session.incomplete is not None or self._action_refused or self.bands.is_shown or "cam" not in study.stages:
+        if session.incomplete is not None or self._action_refused or self.bands.is_shown or not study.has_disk:
             return None  # without a cam the figures of a turn depend on the loads
         design, before = study.design, None if session.before is None else motion_of(session.before)
         hidden = before is None or before == motion_of(design)

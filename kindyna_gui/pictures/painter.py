@@ -228,7 +228,7 @@ def fill_plot(
 def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
     """Mechanism at its largest pressure angle, where normal and instant centre are clearly visible."""
     scene = MechanismScene(study, theme, closest, still=True)
-    at = int(np.argmax(study.cam.flank.pressure_angle)) if "cam" in study.stages else study.theta.size // 8
+    at = int(np.argmax(study.cam.flank.pressure_angle)) if study.has_disk else study.theta.size // 8
     scene.set_index(at)
     return scene
 

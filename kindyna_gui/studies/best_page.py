@@ -280,7 +280,7 @@ class TolerancePage(QWidget):
         """Show the tolerances of a design."""
         self.rows.show_rows(design)
         self.waves.show_waves(design.waviness)
-        self.waves.setVisible(any(drive.cam is not None for drive in design.drives))
+        self.waves.setVisible(any(drive.has_disk for drive in design.drives))
         self.bands.setEnabled(scatters(design))
 
     def show_result(self, design: Design, result: ToleranceResult | None, has_tighter: bool = False) -> None:

@@ -103,7 +103,7 @@ class DesignActions(QObject):
         from kindyna_gui.inspection import inspect_measured
 
         self._window.documents.settle()
-        if self._session.design.drive.cam is None:
+        if not self._session.design.drive.has_disk:
             self.status_message.emit(NO_CAM)
         else:
             inspect_measured(self._window, self._session.design)

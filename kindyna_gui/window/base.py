@@ -244,7 +244,7 @@ def title_of(name: str, design: Design) -> str:
 
 def why_absent(name: str, design: Design) -> str:
     """Return why a view of ``VIEWS`` is empty for a design; empty text where it is not."""
-    return NO_CAM if VIEWS[name].of_cam and design.drive.cam is None else ""
+    return NO_CAM if VIEWS[name].of_cam and not design.drive.has_disk else ""
 
 
 class Titles(QObject):

@@ -61,7 +61,7 @@ def _removed(design: Design, driver: Driver) -> str:
     """What another driver removes from the design: a crank at constant speed has no motion and no cam."""
     if driver.kind != CRANK or design.drive.motion is None:
         return ""
-    return "its motion" if design.drive.cam is None else "its motion and its cam"
+    return "its motion" if not design.drive.has_disk else "its motion and its cam"
 
 
 def _drive(window: Window, driver: Driver) -> None:

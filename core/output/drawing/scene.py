@@ -190,7 +190,7 @@ class Scene:
     @property
     def has_cam(self) -> bool:
         """Whether the design has a cam, which may have no solution."""
-        return "cam" in self.study.stages
+        return self.study.has_disk
 
     @cached_property
     def shape(self) -> CamShape | None:

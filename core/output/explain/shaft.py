@@ -35,7 +35,7 @@ def has_figure(study: Study, name: str) -> bool:
     if name not in FIGURES:
         return False
     if name == "life_hours":
-        return not study.design.listed and "cam" in study.stages and has_finite_life(study, ())
+        return not study.design.listed and study.has_disk and has_finite_life(study, ())
     when = FORMULAS[name].when
     return when is None or when(study, () if study.design.listed else names_of(study.design))
 

@@ -394,7 +394,7 @@ def _jam(study: Study, _: str) -> Calculation:
 
 def _motor_torque(study: Study, _: str) -> Calculation:
     if not study.levels_torque:
-        row = "drive_torque" if "cam" in study.stages else "driver_torque"
+        row = "driver_torque" if study.by_crank else "drive_torque"
         sign = study.sense if study.by_crank else 1.0
         return Calculation(
             ("T_m = σ T",),

@@ -209,7 +209,7 @@ def _first_figures(subject: Subject) -> list[tuple[str, Number, str, float | Non
 
 def _profile(subject: Subject) -> list[Section]:
     """Points of every profile in steps of ``STEP``, by cam angle."""
-    if "cam" not in subject.study.stages:
+    if not subject.study.has_disk:
         return []
     study = subject.study.at_theta(np.deg2rad(np.arange(0.0, 360.0, STEP)))
     rows = [row for row in subject.channels() if row.name in OUTLINE and row.name in names_of(study.design)]
@@ -266,21 +266,21 @@ def _valve_train(subject: Subject) -> list[Section]:
 def _motion(subject: Subject) -> list[Section]:
     if "motion" not in subject.study.stages:
         return []
-    of = " of the follower over one turn of the cam" if "cam" in subject.study.stages else " over one turn"
+    of = " of the follower over one turn of the cam" if subject.study.has_disk else " over one turn"
     caption = f"Displacement, velocity, acceleration and jerk{of}, with their extremes."
     segments = [replace(part, title="Segments") for part in content.motion(subject.study)]
     return [*segments, *content.cycle(subject.study), *section("Curves", *subject.pictures({"motion": caption}))]
 
 
 def _cam(subject: Subject) -> list[Section]:
-    if "cam" not in subject.study.stages:
+    if not subject.study.has_disk:
         return []
     curves = {"cam": "Pressure angle, curvature and radius of the cam over one turn."}
     return _mechanism(subject, "Curves of the cam", curves, " where the pressure angle is greatest")
 
 
 def _links(subject: Subject) -> list[Section]:
-    if "cam" in subject.study.stages or "linkage" not in subject.study.stages:
+    if subject.study.has_disk or "linkage" not in subject.study.stages:
         return []
     curves = {"links": "Motion and transmission angles of the links over one turn."}
     return _mechanism(subject, "Curves of the links", curves, "")

@@ -148,7 +148,7 @@ def _mechanism(subject: Subject) -> str:
         balancer = " and a balance cam" if study.design.balancer is not None else ""
         return f"{len(study.drives)} drives on one shaft{balancer}"
     drive = study.design.drive
-    return mechanism_text(study) + ("" if drive.cam is None else f", {drive.face.noun}, {drive.cam.form.form} cam")
+    return mechanism_text(study) + ("" if not drive.has_disk else f", {drive.face.noun}, {drive.cam.form.form} cam")
 
 
 # -- HTML ---------------------------------------------------------------------------------------------------

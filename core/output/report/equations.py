@@ -10,10 +10,10 @@ from core.frozen import frozen
 from core.laws import FLAT_FORMULA, FLAT_WHERE, named_law
 from core.output.report.formula import mathml
 from core.study import Study, names_of
-from core.study.formulas import FLAT, FORMULAS
+from core.study.formulas import FORMULAS
 from core.study.letters import LETTERS
 from core.study.quantities import shape_of
-from core.study.symbols import Formula, symbol_of
+from core.study.symbols import FLAT, Formula, symbol_of
 
 LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _INDEX = re.compile(r"(?<=\w)_(\w+)")

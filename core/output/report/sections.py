@@ -491,7 +491,7 @@ def listed_elsewhere(study: Study) -> frozenset[str]:
 
     Speed and motor torque are omitted without a flywheel too, where they are those of shaft and cam.
     """
-    names = set(pressure_angles(study)) if "cam" in study.stages else set()
+    names = set(pressure_angles(study)) if study.has_disk else set()
     if "dynamics" in study.stages and (pressures := quantity_requests.peak_pressures(study)):
         names.add(
             "second_contact_pressure"
@@ -558,7 +558,7 @@ def life(study: Study) -> list[Section]:
 
 def contact(study: Study) -> list[Section]:
     """Speed from which the follower leaves the cam."""
-    lines = lift_off_lines(study) if "cam" in study.stages else []
+    lines = lift_off_lines(study) if study.has_disk else []
     return section("Keeping contact", Sentences(tuple(lines)) if lines else None)
 
 

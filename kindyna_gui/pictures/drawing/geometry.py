@@ -142,7 +142,7 @@ class Geometry:
         self.kinematics: Kinematics = study.linkage
         self.shape: CamShape | None = _shape(study)
         self.rotation_sign = study.sense
-        self.has_numbered_links, self.has_cam = lists_links(study.design), "cam" in study.stages
+        self.has_numbered_links, self.has_cam = lists_links(study.design), study.has_disk
         self.cam_angle = np.rad2deg(study.theta)
         self.cam_rotation = self.rotation_sign * self.cam_angle
         self.bodies = {
@@ -447,7 +447,7 @@ class Geometry:
 
 
 def _shape(study: Study) -> CamShape | None:
-    if "cam" not in study.stages:
+    if not study.has_disk:
         return None
     try:
         shape: CamShape = study.cam

@@ -137,7 +137,7 @@ def available_layers(study: Study) -> tuple[str, ...]:
     """Layers that apply to a design."""
     shaft = study.design.shaft
     omitted = {
-        *(() if "cam" in study.stages else _CAM_LAYERS),
+        *(() if study.has_disk else _CAM_LAYERS),
         *(() if has_advance(study) else (MODULO,)),
         *(() if shaft is not None and shaft.elastic is not None else (TWIST,)),
     }

@@ -27,7 +27,7 @@ def paint_handover(
     left_out = [("logo", content.lacking)] if content.lacking else []
     title = {name: getattr(request, name) for name in ("author", "company", "logo", "date")}
     for folder, name, drive in drive_folders(study):
-        if "cam" not in drive.stages:
+        if not drive.has_disk:
             continue
         of_drive = f" of {name}" if name else ""
         try:

@@ -21,10 +21,10 @@ from core.output.explain.shaft import FIGURES
 from core.output.explain.workings import CALCULATIONS, calculation_of
 from core.project import load, loads
 from core.study import QUANTITIES, Study, names_of
-from core.study.formulas import FLAT, FORMULAS
+from core.study.formulas import FORMULAS
 from core.study.letters import LETTERS, keys_of
 from core.study.quantities import OF_MEMBERS, shape_of
-from core.study.symbols import Letter, symbol_of
+from core.study.symbols import FLAT, Letter, symbol_of
 from core.units import UNITS
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
