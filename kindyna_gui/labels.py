@@ -65,8 +65,8 @@ _CHOICES: Mapping[str, str] = MappingProxyType(
         "shoe": "curved shoe",
         "open": "open (disk)",
         "conjugate": "conjugate pair",
-        "True": "seen from the other end",
-        "False": "seen from this end",
+        "True": "yes",
+        "False": "no",
         "1": "left (+1)",
         "-1": "right (\u22121)",
     }

@@ -119,6 +119,23 @@ def with_spans(motion: Motion, spans: Mapping[int, float], taker: int) -> Motion
     return replace(motion, segments=tuple(segments))
 
 
+def with_shared_spans(motion: Motion, spans: Mapping[int, float]) -> Motion:
+    """Motion with other spans of some segments [deg]; the segments neither among them nor ``fixed`` share what is left in proportion.
+
+    The spans make no turn where no segment is left to share, and those that share are not positive where nothing is left.
+    """
+    sharing = [i for i, s in enumerate(motion.segments) if i not in spans and not s.fixed]
+    segments = [replace(s, span_deg=spans.get(i, s.span_deg)) for i, s in enumerate(motion.segments)]
+    if sharing:
+        present = balance(0.0, (-segments[i].span_deg for i in sharing))
+        left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i not in sharing))
+        for i in sharing[:-1]:
+            segments[i] = replace(segments[i], span_deg=balance(segments[i].span_deg * (left / present), ()))
+        rest = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != sharing[-1]))
+        segments[sharing[-1]] = replace(segments[sharing[-1]], span_deg=rest)
+    return replace(motion, segments=tuple(segments))
+
+
 def with_rise(motion: Motion, index: int, rise: float, typed: Typed = ()) -> Motion:
     """Motion with another rise of a segment; the next moving segment (cyclic) takes the difference."""
     segments = list(motion.segments)
@@ -321,6 +338,38 @@ def edited(design: Design, path: str, value: Any, typed: Typed = ()) -> Design:
     if changed.drive.is_linkage and changed.shaft is not None:
         return _at_one_speed(changed, path)
     return changed
+
+
+_SPAN = re.compile(r"motion\.segments\[(\d+)\]\.span_deg")
+
+
+def varied(design: Design, values: Mapping[str, Any], change: Callable[[Design, str, Any], Design] = edited) -> Design:
+    """Design with other numbers at several paths, as a study varies them, and the values that must follow.
+
+    Spans are made up for by ``with_shared_spans``, rises by a moving segment none of whose numbers is varied. ``change`` sets
+    the other numbers.
+    """
+    if design.listed:
+        of_drives: dict[int, dict[str, Any]] = {}
+        for path, value in values.items():
+            index, inside = drive_at(path) or (-1, path)
+            of_drives.setdefault(index, {})[inside] = value
+        for path, value in of_drives.pop(-1, {}).items():
+            design = change(design, path, value)
+        for index in sorted(of_drives):
+            design = with_only(design, index, varied(only(design, index), of_drives[index], change))
+        return design
+    spans = {int(match[1]): value for path, value in values.items() if (match := _SPAN.fullmatch(path))}
+    if spans and design.drive.motion is not None:
+        design = with_drive(design, motion=with_shared_spans(design.drive.motion, spans))
+    typed = {row_at(path)[1] for path in values if path.startswith("motion.")}
+    for path, value in values.items():
+        motion = None if _SPAN.fullmatch(path) else motion_edited(design.drive.motion, path, value, typed)
+        if motion is not None:
+            design = with_drive(design, motion=motion)
+        elif not _SPAN.fullmatch(path):
+            design = change(design, path, value)
+    return design
 
 
 def _edited_list(design: Design, path: str, value: Any) -> Design:

@@ -184,7 +184,7 @@ def has_image(curve: Curve) -> bool:
 
 def mirrored(segment: Segment) -> Segment:
     """Mirror image of a segment in time, y(span - θ), with the opposite rise; its curve must have an image."""
-    return Segment(segment.span_deg, 0.0 - segment.rise, _mirrored_curve(segment))
+    return replace(segment, rise=0.0 - segment.rise, curve=_mirrored_curve(segment))
 
 
 def _mirrored_curve(segment: Segment) -> Curve:

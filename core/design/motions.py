@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from core.design.engine import Lobe
-from core.design.fields import LAW, FileLayout, choice, number, placed, whole
+from core.design.fields import LAW, FileLayout, brief, choice, flag, number, placed, whole
 from core.errors import DesignError
 from core.frozen import frozen
 from core.laws import LAWS, Piece, PieceTable, split
@@ -214,11 +214,15 @@ def _curve_class(table: Mapping[str, Any]) -> type[Curve]:
 
 @frozen
 class Segment:
-    """One segment of the motion: cam span, rise (end minus start, in the unit of the motion), and curve."""
+    """One segment of the motion: cam span, rise (end minus start, in the unit of the motion), and curve.
+
+    ``fixed``: the segment is a process window, whose span and law studies leave as they are unless they vary it themselves.
+    """
 
     span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle of this segment")
     rise: float = number("Rise", help="end minus start; negative for a return", step=1.0, of_motion=True)
     curve: Curve = placed(FileLayout(NamedCurve, choose=_curve_class, brief=True), NamedCurve("dwell"))
+    fixed: bool = brief(flag("Process window", help="studies keep its span and law, unless they vary it"))
 
 
 @frozen

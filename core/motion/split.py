@@ -172,7 +172,7 @@ def shift_motion(design: Design, by_deg: float) -> Design:
 def _replaced_by_two(motion: Motion, index: int, first: tuple[float, float], curves: tuple[Curve, Curve]) -> Motion:
     """Replace a segment by two; ``first``: span and rise of the first part."""
     segment = motion.segments[index]
-    parts = [Segment(*first, curves[0]), Segment(0.0, segment.rise - first[1], curves[1])]
+    parts = [Segment(*first, curves[0], segment.fixed), Segment(0.0, segment.rise - first[1], curves[1], segment.fixed)]
     segments = [*motion.segments[:index], *parts, *motion.segments[index + 1 :]]
     span = balance(360.0, (s.span_deg for s in segments))
     segments[index] = replace(parts[0], curve=_with_exact_end(curves[0], first[0], first[0]))

@@ -114,8 +114,8 @@ def _table(part: Any, unit: str) -> dict[str, Any]:
 
 def _is_omitted(part: Any, holder: Any, slot: FileEntry) -> bool:
     values = [getattr(holder, name) for name in slot.names or (slot.key,)]
-    if isinstance(part, Segment) and holder is part:
-        return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
+    if isinstance(part, Segment) and slot.names == ("rise",):
+        return is_dwell(part) and str(part.rise) == "0.0"
     value = values[0] if len(values) == 1 else values
     is_empty = all(v is None for v in values) or (isinstance(value, tuple) and not value and slot.missing is None)
     return is_empty or (slot.brief and value == slot.default)

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from core import dynamics
-from core.design import Design, Motion, edited, only, part_faults, path_of, put, row_at, with_only
+from core.design import Design, Motion, only, part_faults, path_of, put, varied
 from core.design.camshaft import drive_at
 from core.design.curves import has_common_pieces, has_optimal_laws
+from core.design.edits import balance
+from core.design.rules import CLOSING
 from core.design.topology import GROUP, INPUT
 from core.errors import NoSolution
 from core.mechanism import plan_of
@@ -49,6 +51,8 @@ OUT_OF_RANGE = "out-of-range"
 """Reason of a design, as the codes of errors and findings are: a number is outside the range of its field."""
 FAULTY = "design-fault"
 """Reason of a design: its values exclude each other, as a law that only falls with a rise."""
+SPANS = "spans"
+"""Reason of a design: its varied spans leave nothing to the segments that make up for them, or there is no such segment."""
 
 BLOCK_POINTS = 240_000  # nodes of a block, which needs far less than 256 MiB
 
@@ -135,10 +139,10 @@ def block_results(
         drive = only(design, number)
         inside = paths_inside(design, paths, number) if design.listed else {path: path for path in paths}
         motion = _varied_motion(drive, tuple(inside), rows[[paths.index(path) for path in inside.values()]])
-        for segment in () if motion is None else motion.segments:
-            is_inside &= np.asarray(segment.span_deg > 0.0)
+        if motion is not None:
+            results.reason[is_inside & ~np.asarray(_spans_make_a_turn(motion))] = SPANS
         if motion is not None and not has_common_pieces(motion):
-            for k in np.flatnonzero(is_inside).tolist():
+            for k in np.flatnonzero(is_inside & (results.reason == "")).tolist():
                 one_motion = map_columns(motion, one_design(k))
                 if part_faults(one_motion, "motion") or not has_optimal_laws(one_motion):
                     results.reason[k] = FAULTY
@@ -322,23 +326,22 @@ def _add_reasons(reason: np.ndarray, more: np.ndarray) -> None:
 
 def with_numbers(design: Design, paths: Sequence[str], numbers: Sequence[Any]) -> Design:
     """The design with these numbers; segments whose span and rise are not varied make up for a span or rise that changes."""
-    varied = {row_at(path)[1] for path in paths if path.startswith(_MOTION)}
-    for number in sorted({at[0] for path in paths if design.listed and (at := drive_at(path))}):
-        inside = {path: inner for path in paths for at, inner in [drive_at(path) or (-1, "")] if at == number}
-        values = [value for path, value in zip(paths, numbers, strict=True) if path in inside]
-        design = with_only(design, number, with_numbers(only(design, number), list(inside.values()), values))
-    for path, number in zip(paths, numbers, strict=True):
-        if path.startswith(_MOTION):
-            design = edited(design, path, number, varied)
-        elif not (design.listed and drive_at(path)):
-            design = put(design, path, number)
-    return design
+    return varied(design, dict(zip(paths, numbers, strict=True)), put)
 
 
 def _varied_motion(design: Design, paths: Sequence[str], rows: np.ndarray) -> Motion | None:
     """The motion with a column for each of its numbers among these (p, m); None where none of them belongs to it."""
     varied = {path: column(row) for path, row in zip(paths, rows, strict=True) if path.startswith(_MOTION)}
     return with_numbers(design, list(varied), list(varied.values())).drive.motion if varied else None
+
+
+def _spans_make_a_turn(motion: Motion) -> Any:
+    """Whether the spans of a motion are positive and add up to 360 deg; with many designs a column."""
+    spans = [segment.span_deg for segment in motion.segments]
+    closes: Any = abs(balance(360.0, spans)) <= CLOSING
+    for span in spans:
+        closes = closes & (span > 0.0)
+    return closes
 
 
 def design_block(design: Design, paths: Sequence[str], rows: np.ndarray) -> DesignBlock:

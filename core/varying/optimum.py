@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import Design, all_paths, edited, get, only, row_at
+from core.design import Design, all_paths, get, only, varied
 from core.errors import KindynaError
 from core.find.shaft import with_least_flywheel
 from core.find.trial import FindingsCheck, has_uneven_speed
@@ -303,10 +303,8 @@ class _Search(Descent):
 
     def _with_flywheel(self, u: np.ndarray) -> tuple[Design, Mapping[str, float]]:
         """Design at coordinates (k,), with the flywheel it needs, and the fields of the flywheel."""
-        design, varied = self.design, {row_at(path)[1] for path in self.paths if path.startswith("motion.")}
-        for path, value in zip(self.paths, self._numbers(u[:, None])[:, 0].tolist(), strict=True):
-            design = edited(design, path, value, varied)
-        return with_flywheel(design, self.study.base)
+        numbers = self._numbers(u[:, None])[:, 0].tolist()
+        return with_flywheel(varied(self.design, dict(zip(self.paths, numbers, strict=True))), self.study.base)
 
     def _optimum(
         self,

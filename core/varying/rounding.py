@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.design import Design, edited, row_at
+from core.design import Design, varied
 from core.find import rounded_values
 from core.find.rounding import NO_ROUNDING, rounded_flywheel
 from core.find.trial import FindingsCheck
@@ -45,9 +45,7 @@ def rounded_optimum(study: StudyOfMany, optimum: Optimum, step: float = 0.0) -> 
     def judged(values: Mapping[str, float]) -> Optimum | None:
         if not all(axes[path].low <= value <= axes[path].high for path, value in values.items()):
             return None
-        design, varied = base, {row_at(path)[1] for path in values if path.startswith("motion.")}
-        for path, value in values.items():
-            design = edited(design, path, value, varied)
+        design = varied(base, values)
         reached = _reached(study, design)
         if not all(side * reached[limit.key] <= side * bound for limit, side, bound in bounds_of(study.file.limits)):
             return None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from core.design import Design, Info, drive_at, edited, entries, get, names_a_link, only, path_of, row_at
+from core.design import Design, Info, drive_at, edited, entries, get, names_a_link, only, path_of, varied
 from core.frozen import frozen
 from core.study.limits import LIMITS
 from core.study.quantity_requests import TORQUE, TOTALS, quantity_request, request_columns
@@ -348,14 +348,7 @@ def with_values(design: Design, values: Mapping[str, float]) -> Design:
     for path, info in whole_infos.items():
         design = edited(design, path, int(_whole_values(info, np.array([values[path]]))[0]))
     values = {path: value for path, value in values.items() if path not in whole_infos}
-    if design.listed:
-        from core.study.batch import with_numbers
-
-        return with_numbers(design, list(values), list(values.values()))
-    varied = {row_at(path)[1] for path in values if path.startswith("motion.")}
-    for path, value in values.items():
-        design = edited(design, path, value, varied)
-    return design
+    return varied(design, values)
 
 
 def current_figures(study: Study, quantities: Sequence[str]) -> tuple[Mapping[str, float], str]:

@@ -121,7 +121,7 @@ def _is_applicable(design: Design, row: Entry) -> bool:
     return key == "length_mm" and get(design, f"{parent}.radius_mm") is None
 
 
-def _spec_of(design: Design, row: Entry) -> FieldSpec:
+def spec_of(design: Design, row: Entry) -> FieldSpec:
     """Return the specification of a row: its label with its link or load, and the choices of a sign or a flag."""
     info = replace(row.info, label=entry_label(design, row))
     if row.path.startswith("linkage.branch."):
@@ -251,7 +251,7 @@ class Form(QScrollArea):
         are_others = False
         if [row.path for row in rows] != list(self._fields) or headings != self._headings:
             self._headings, self._folded = headings, folded
-            self._build([_spec_of(design, row) for row in rows])
+            self._build([spec_of(design, row) for row in rows])
             are_others = True
         elif not self._folded <= folded or self._is_other_design:
             self._folded = folded if self._is_other_design else self._folded & folded

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
@@ -12,6 +14,7 @@ from core.design import NO_UNIT, UNITS, Design, Entry, Motion, entries, get, mot
 from core.design.edits import is_dwell
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
+from kindyna_gui.forms.form import spec_of
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.forms.parameters_view import ParametersView
 from kindyna_gui.labels import law_label, segment_of, value_text
@@ -57,18 +60,30 @@ class LawField(SegmentField):
 
 
 def _specs(design: Design, index: int) -> list[FieldSpec]:
-    """Specifications of the fields for law, span and rise of a segment; none where the segments follow from a lobe."""
+    """Specifications of a segment's fields but those of its curve; none where the segments follow from a lobe."""
     motion = motion_of(design)
     if motion is not None and motion.lobe is not None:
         return []
     prefix = f"motion.segments[{index}]."
     law = f"{prefix}law"
-    span_and_rise = [
-        FieldSpec.of(entry)
+    others = [
+        spec_of(design, entry)
         for entry in entries(design, "motion")
-        if entry.path.startswith(prefix) and entry.path.rpartition(".")[2].startswith(("span", "rise"))
+        if entry.path.startswith(prefix) and entry.path.rpartition(".")[2].startswith(("span", "rise", "fixed"))
     ]
-    return [FieldSpec.of(Entry(law, COLUMNS[LAW].info, NO_UNIT, get(design, law), law)), *span_and_rise]
+    return [FieldSpec.of(Entry(law, COLUMNS[LAW].info, NO_UNIT, get(design, law), law)), *others]
+
+
+class WindowField(SegmentField):
+    """Field that says whether a segment is a process window."""
+
+    def _step(self, value: Any) -> str:
+        number = (segment_of(self.spec.path) or 0) + 1
+        return f"Make segment {number} a process window" if value else f"Segment {number} is no process window"
+
+
+FIELDS: Mapping[str, type[SegmentField]] = MappingProxyType({"law": LawField, "fixed": WindowField})
+"""Key of the file -> class of its field; other keys have a ``SegmentField``."""
 
 
 class MotionPage(QScrollArea):
@@ -188,7 +203,7 @@ class MotionPage(QScrollArea):
         grid.setColumnStretch(1, 1)
         self._rows = {}
         for spec in specs:
-            field = (LawField if spec.info.choices else SegmentField)(self._session, spec)
+            field = FIELDS.get(spec.path.rpartition(".")[2], SegmentField)(self._session, spec)
             field.setParent(paper)  # deleted together
             field.add_to(grid, grid.rowCount())
             self._rows[spec.path] = field

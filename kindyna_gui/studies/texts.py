@@ -41,6 +41,7 @@ _REASONS: Mapping[str, str] = MappingProxyType(
         "no-assembly": "the design cannot be assembled over the full turn: the links are too short or too long",
         "undercut": "the profile is undercut",
         "out-of-range": "a number is outside the range of its field",
+        "spans": "the varied spans leave nothing to the other segments",
         "design-fault": "these values cannot be combined in a design",
         "no-value": "this quantity has no value",
         "no-cam": "no cam can produce this motion",

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from sampled import spread, stressed
 
-from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, edited, entries, get, put, row_at
+from core.design import ELEMENT_LISTS, FOLLOWER_KINDS, Design, entries, get, put
 from core.design.edits import with_face, with_form
 from core.design.load_edits import load_lists, with_new_row
 from core.errors import NoSolution
@@ -22,6 +22,7 @@ from core.project import load
 from core.study import Study, extremes_of, findings_of, many
 from core.study.batch import is_batchable
 from core.study.quantity_requests import quantity_request
+from core.varying import with_values
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 EXAMPLE = {
@@ -51,10 +52,7 @@ def varied(design: Design, count: int, by: float, seed: int) -> dict[str, np.nda
 
 
 def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
-    kept = {row_at(path)[1] for path in values if path.startswith("motion")}
-    for path, row in values.items():
-        design = edited(design, path, float(row[k]), kept)
-    return design
+    return with_values(design, {path: float(row[k]) for path, row in values.items()})
 
 
 @pytest.mark.parametrize(("kind", "face", "form"), spread(CASES, 2))
@@ -262,7 +260,7 @@ def test_what_cannot_be_asked_is_named_in_one_line(values: Any, asked: Any, word
     "name", ["transfer_lift", stressed("tappet_knife"), stressed("tappet_flat"), stressed("rocker_cam")]
 )
 def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
-    """Each with its own pieces; what a segment gains is taken from one that is not varied."""
+    """Each with its own pieces; what a segment gains is taken from those that are not varied."""
     design, rng = example(name), np.random.default_rng(5)
     segments = [i for i, each in enumerate(design.drive.motion.segments) if each.rise > 0.0]
     unit = design.drive.motion.unit
@@ -282,6 +280,20 @@ def test_spans_and_rises_are_varied_as_they_are_typed(name: str) -> None:
         assert [found.angle_deg[key][k] for key in ASKED[:2]] == pytest.approx(
             [own.angle_deg[key][0] for key in ASKED[:2]], abs=1e-3
         )
+
+
+def test_spans_that_leave_nothing_have_a_reason_of_their_own() -> None:
+    """Dwells make up for both strokes; none has anything left beyond 360 deg, and fixed ones make up for nothing."""
+    design = example("transfer_lift")
+    rise, back = (f"motion.segments[{i}].span_deg" for i in (1, 3))
+    values = {rise: [50.0, 180.0, 200.0, 400.0], back: [60.0, 179.9, 200.0, 60.0]}
+    keys = ["acceleration_mm_s2:max"]
+    assert many(design, values, keys).reason.tolist() == ["", "", "spans", "out-of-range"]
+    for i in (0, 2, 4):
+        design = put(design, f"motion.segments[{i}].fixed", True)
+    fixed = many(design, {rise: [41.5, 50.0, 40.0], back: [41.5, 50.0, 43.0]}, keys)
+    assert fixed.reason.tolist() == ["", "spans", ""]
+    assert np.isfinite(fixed.value[keys[0]]).tolist() == [True, False, True]
 
 
 @pytest.mark.parametrize(

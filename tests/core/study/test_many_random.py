@@ -12,11 +12,12 @@ import pytest
 from face_cases import CASES, random_design
 from linkages import KINDS, assembly
 
-from core.design import Design, edited, entries, get, row_at
+from core.design import Design, entries, get
 from core.errors import NoSolution
 from core.motion.extremes import piecewise_angles
 from core.output.channels import channels
 from core.study import Quantity, Study, extremes_of, findings_of, many
+from core.varying import with_values
 
 OF_CAMS = ("pressure_angle", "contact_force", "drive_torque", "acceleration", "profile_curvature", "contact_x")
 FULL_BUDGET_S = 600
@@ -48,10 +49,7 @@ def varied(design: Design, rng: np.random.Generator, by: float) -> dict[str, np.
 
 
 def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
-    kept = {row_at(path)[1] for path in values if path.startswith("motion")}
-    for path, row in values.items():
-        design = edited(design, path, float(row[k]), kept)
-    return design
+    return with_values(design, {path: float(row[k]) for path, row in values.items()})
 
 
 @np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite rates at dead centres

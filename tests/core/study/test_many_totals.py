@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from sampled import spread
 
-from core.design import Design, edited, get, only, put, row_at, with_only
-from core.design.camshaft import drive_at
+from core.design import Design, get, put
 from core.project import load
 from core.study import Study, batch, extremes_of, many, roller_lives
 from core.study.batch import is_batchable
 from core.study.quantity_requests import quantity_request
 from core.study.stages import clear_caches
 from core.study.stages_of_many import DesignBlock
+from core.varying import with_values
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 TOTALS = ("energy_j", "flywheel_inertia_kg_m2")
@@ -34,13 +34,7 @@ def near(design: Design, paths: tuple[str, ...], count: int, seed: int) -> dict[
 
 
 def one_of(design: Design, values: Mapping[str, np.ndarray], k: int) -> Design:
-    """As a user types the numbers, each drive's in the drive."""
-    for path, row in values.items():
-        at, inner = drive_at(path) or (0, path)
-        kept = {row_at(inner)[1]} if inner.startswith("motion") else set()
-        changed = edited(only(design, at), inner, float(row[k]), kept) if inner != path or not design.listed else None
-        design = put(design, path, float(row[k])) if changed is None else with_only(design, at, changed)
-    return design
+    return with_values(design, {path: float(row[k]) for path, row in values.items()})
 
 
 @pytest.mark.parametrize(

@@ -121,6 +121,23 @@ def test_values_put_into_a_motion_take_from_what_is_not_varied(lift) -> None:  #
     assert sum(segment.span_deg for segment in made.drive.motion.segments) == pytest.approx(360.0, abs=1e-12)
 
 
+def test_other_spans_make_up_for_varied_ones_in_proportion_but_fixed_ones() -> None:
+    """Of what is neither varied nor fixed a tenth goes to the rise, 31.85 of 318.5 deg; of the two that are left a quarter."""
+    lift = load(example("transfer_lift"))
+    path = "motion.segments[1].span_deg"
+    made = with_values(lift, {path: 41.5 + 31.85})
+    assert [s.span_deg for s in made.drive.motion.segments] == [31.5, 73.35, 186.3, 37.35, 31.5]
+    fixed = edited(edited(lift, "motion.segments[0].fixed", True), "motion.segments[3].fixed", True)
+    made = with_values(fixed, {path: 41.5 + 242.0 / 4.0})
+    assert [s.span_deg for s in made.drive.motion.segments] == [35.0, 102.0, 155.25, 41.5, 26.25]
+    unit = load(example("transfer_unit"))
+    at = {f"drives[{i}].motion.segments[0].span_deg": 50.0 for i in (0, 1)} | {"drives[1].phase_deg": 240.0}
+    made = with_values(unit, at | {"shaft.speed_rpm": 22.0})
+    assert [get(made, path) for path in at] == [50.0, 50.0, 240.0]
+    assert [sum(s.span_deg for s in drive.motion.segments) for drive in made.drives] == [360.0] * 4
+    assert made.shaft.speed_rpm == 22.0
+
+
 def with_tolerances(design, **widths):  # type: ignore[no-untyped-def]
     paths = {"x": X, "y": Y, "base": BASE}
     return replace(design, tolerances=tuple(Tolerance(paths[name], width) for name, width in widths.items()))

@@ -1,5 +1,7 @@
 """The motion in the inspector: in every task the chosen segment's law, span and rise, wherever it was chosen."""
 
+from pathlib import Path
+
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
@@ -7,7 +9,8 @@ from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
 from core.design import get
-from kindyna_gui.forms.number_box import NumberBox
+from core.project import load
+from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import ParametersView
 from kindyna_gui.motion.inspector import MotionPage
 from kindyna_gui.motion.law_picker import LawBox
@@ -141,3 +144,22 @@ def test_motions_that_cannot_be_typed_and_designs_without_one(same_window: Open)
     assert user.session.choose_drive(2)
     settle()
     assert next(iter(page(user).fields)) == "motion.start_mm"
+
+
+def test_a_process_window_is_marked_in_the_form_and_undone(user: User, tmp_path: Path) -> None:
+    user.session.choose_segment(1)
+    path = "motion.segments[1].fixed"
+    box = page(user).fields[path].editor
+    assert isinstance(box, WordBox)
+    assert [box.itemText(i) for i in range(box.count())] == ["no", "yes"]
+    box.setFocus()
+    user.press(Qt.Key.Key_Down)
+    assert [s.fixed for s in user.design.drive.motion.segments] == [False, True, False, False]
+    assert user.steps == ["Make segment 2 a process window"]
+    user.session.save(tmp_path / "window.toml")
+    assert (tmp_path / "window.toml").read_text().count("fixed = true\n") == 1
+    assert "fixed = false" not in (tmp_path / "window.toml").read_text()
+    assert load(tmp_path / "window.toml").drive.motion.segments[1].fixed
+    user.session.stack.undo()
+    assert not get(user.design, path)
+    assert box.currentText() == "no"
