@@ -32,6 +32,7 @@ NO_SIZES = "Find calculates a cam and its follower within limits; this design ha
 NO_FORCES = "No forces: no masses and no forces are given."
 NO_RANKING = "No quantity to rank by: torque and forces need a cam and loads."
 NOT_PINNED = "Nothing is pinned. Pin the current design, then change it: this table shows what the change does."
+NO_VALVE_SPRINGS = "This drive has no valve spring. Add one to its loads, by wire, coils and lengths."
 NO_SERVO = "No servo drives this motion. Add one to compare it with the cam."
 ONE_DRIVE_TORQUE = "One drive only: see the Torque plot. With several drives this shows their total."
 ONE_DRIVE = "One drive only. It can be the first of several on one shaft."
@@ -67,6 +68,7 @@ SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
         NO_SIZES: (BEGIN, ROLLER, DRIVER),
         NO_FORCES: (OPEN_LOADS,),
         NO_RANKING: (OPEN_LOADS,),
+        NO_VALVE_SPRINGS: (OPEN_LOADS,),
         NOT_PINNED: (Suggestion("Pin this variant", "pin"),),
         NO_SERVO: (Suggestion("Add a servo", "designing.give_servo"),),
         ONE_DRIVE_TORQUE: (TO_SHAFT,),

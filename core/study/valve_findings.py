@@ -82,18 +82,27 @@ def spring_findings(study: Study) -> Iterator[Finding]:
     yield from _surge_findings(study)
 
 
-def _surge_findings(study: Study) -> Iterator[Finding]:
-    """The true force of the springs leaves the follower where the static one holds it on the cam."""
+def least_surging_contact(study: Study) -> Extreme | None:
+    """Refined least contact force of an open valve with the surge of its springs [N].
+
+    None where that cannot be calculated, or where the static springs do not hold the follower on the cam either.
+    """
     if not study.has_disk or study.is_form_closed or study.jam is not None:
-        return
-    if extremes_beyond_lash(study, "contact_force").low.value <= 0.0:  # reported as separation
-        return
+        return None
+    if extremes_beyond_lash(study, "contact_force").low.value <= 0.0:
+        return None
 
     def compute() -> Extreme:
         return find_extremes(lambda angles: {"": surging_contact_force(study.at(angles))}, study.program)[""].low
 
     least: Extreme = memory.get("surge", study.depends_on("dynamics"), compute)
-    if least.value <= 0.0:
+    return least
+
+
+def _surge_findings(study: Study) -> Iterator[Finding]:
+    """The true force of the springs leaves the follower where the static one holds it on the cam."""
+    least = least_surging_contact(study)
+    if least is not None and least.value <= 0.0:
         slowest = min(range(len(springs_of(study.design))), key=lambda i: springs_of(study.design)[i].natural)
         values = {"force_n": least.value, "natural_hz": springs_of(study.design)[slowest].natural / (2.0 * pi)}
         yield Finding(

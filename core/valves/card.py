@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, nose_deg
-from core.design.engine import CRANK_PER_CAM
 from core.dynamics import HelicalSpring
 from core.errors import KindynaError, NoSolution
 from core.motion import program
@@ -17,8 +16,9 @@ from core.number_text import fixed_text, result_text
 from core.study import Study, extremes_of, quantities_of
 from core.study.piston import crank_at
 from core.study.valve_findings import greatest_lift, least_clearance
-from core.study.valve_springs import lift_harmonics, springs_of
+from core.study.valve_springs import springs_of
 from core.valves.pairs import valve_pairs
+from core.valves.spring_speeds import Resonance, float_rpm, resonances
 from core.valves.timing import LOBE, MM, VALVE, ValveTiming
 
 INTENSITY = (0.1016, 0.1524, 0.508)
@@ -137,12 +137,10 @@ def _train_figures(study: Study) -> dict[str, Any]:
     if "rocker_ratio" in quantities_of(study, "linkage"):
         ratio = extremes_of(study, "linkage", ("rocker_ratio",))["rocker_ratio"]
         figures["rocker_ratio"] = [ratio.low.value, ratio.high.value]
-    if not study.design.drive.cam.form.holds and not study.loading.is_empty and study.lift_off is not None:
-        figures["float_rpm"] = CRANK_PER_CAM * study.lift_off.omega * 30.0 / pi
+    figures |= _present(float_rpm=float_rpm(study))
     if springs := springs_of(study.design):
         lift = greatest_lift(study)
-        harmonics = 2.0 * MM * np.abs(lift_harmonics(study)[1 : SHOWN_HARMONICS + 1])
-        figures["springs"] = [_spring(spring, lift, harmonics) for spring in springs]
+        figures["springs"] = [_spring(*pair, lift) for pair in zip(springs, resonances(study), strict=True)]
     return figures | _present(clearance=_clearance(study))
 
 
@@ -156,20 +154,18 @@ def _clearance(study: Study) -> dict[str, float] | None:
     }
 
 
-def _spring(spring: HelicalSpring, lift: float, harmonics: np.ndarray) -> dict[str, Any]:
-    """Figures of a spring up to the greatest lift [m] of the valve, with the harmonics of the lift (n,) [mm]."""
-    natural = spring.natural / (2.0 * pi)
+def _spring(spring: HelicalSpring, harmonics: Sequence[Resonance], lift: float) -> dict[str, Any]:
+    """Figures of a spring up to the greatest lift [m] of the valve, with the harmonics of the lift that it meets."""
     return _present(
         rate_n_per_mm=1e-3 * spring.rate,
         seat_n=spring.force(0.0),
         open_n=spring.force(lift),
         bind_mm=MM * (spring.room - lift),
         stress_mpa=[1e-6 * spring.stress(0.0), 1e-6 * spring.stress(lift)],
-        natural_hz=natural,
+        natural_hz=spring.natural / (2.0 * pi),
         goodman=spring.safety(lift),
         harmonics=[
-            {"n": n, "lift_mm": float(size), "resonance_rpm": CRANK_PER_CAM * 60.0 * natural / n}
-            for n, size in enumerate(harmonics, 1)
+            {"n": row.n, "lift_mm": row.lift_mm, "resonance_rpm": row.engine_rpm} for row in harmonics[:SHOWN_HARMONICS]
         ],
     )
 

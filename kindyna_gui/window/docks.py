@@ -237,6 +237,9 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "vibration": ViewRow("Response spectrum", lazily("graph.flywheel_view", "VibrationView"), RIGHT,
             "Resp&onse spectrum", "Plot the vibration of an elastic follower in its dwells, at the design speed and against speed",
             picture=True, least=(250, 262), of_cam=True, help="followers#Elastic follower", short="Spectrum"),
+        "valve_springs": ViewRow("Valve springs", lazily("valves.spring_view", "SpringView"), RIGHT,
+            "Valve sprin&gs", "Plot the force of the valve springs with surge, and the engine speeds at which they resonate",
+            picture=True, least=(250, 262), help="valves#Valve springs in Dyna", short="Springs"),
         "compare": ViewRow("What changed", lazily("compare", "CompareView"), BOTTOM,
             "&What changed", "Compare inputs and results with the pinned variant, largest change first",
             least=(480, 200), help="tour#What changed", short="Changed"),
@@ -244,7 +247,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "&Explain a number", "Show the equation of the selected value, and each symbol with its value and origin", least=(480, 330),
             help="tour#Explain a number"),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM,
-            "&Flywheel", "Calculate the flywheel that limits the speed fluctuation", least=(280, 200), help="tour#how large it must be"),
+            "Fly&wheel", "Calculate the flywheel that limits the speed fluctuation", least=(280, 200), help="tour#how large it must be"),
     }
 )  # fmt: skip
 """Every view by the name that menus and ``show_view`` use."""

@@ -21,7 +21,7 @@ Area = Qt.DockWidgetArea
 
 MOTION_CURVES = ("displacement", "velocity", "acceleration", "jerk")
 CAM_CURVES = ("pressure_angle", "curvature")
-FORCES = ("torque", "camshaft_speed", "contact_force", "contact_pressure", "contact", "vibration")
+FORCES = ("torque", "camshaft_speed", "contact_force", "contact_pressure", "contact", "vibration", "valve_springs")
 CHECKS = ("findings", "certificate")
 WIDE = 1800  # width of a window that has room for a column of docks on both sides [pixels]
 INSPECTOR = 388
@@ -225,7 +225,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.7),
                 DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(
-                    RIGHT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.25
+                    RIGHT,
+                    ("contact_force",),
+                    ("contact_pressure", "contact", "vibration", "valve_springs", "shaft_figures"),
+                    1.25,
                 ),
             ),
             MappingProxyType({**DEFAULT_SIDES, BOTTOM: DockExtent(0.31, 226)}),
@@ -237,7 +240,10 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                     LEFT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed", "motion", "find"), 1.15
                 ),
                 DockGroup(
-                    LEFT, ("contact_force",), ("contact_pressure", "contact", "vibration", "shaft_figures"), 1.15
+                    LEFT,
+                    ("contact_force",),
+                    ("contact_pressure", "contact", "vibration", "valve_springs", "shaft_figures"),
+                    1.15,
                 ),
                 DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),

@@ -113,6 +113,7 @@ class Dots:
     size : diameter [pixels]
     hollow : draw circles without fill
     behind : draw them behind the curves
+    texts : text above each point, empty for none; () for no texts at all
     """
 
     x: np.ndarray
@@ -121,6 +122,7 @@ class Dots:
     size: float = 9.0
     hollow: bool = False
     behind: bool = False
+    texts: Sequence[str] = ()
 
 
 @frozen
@@ -273,6 +275,12 @@ class XYPlot(FixedPlot):
         for group in dots:
             item = pg.ScatterPlotItem(group.x, group.y, size=group.size, antialias=True, **self._dot_style(group))
             self._add(item, Z_BEHIND if group.behind else Z_DOTS)
+            for x, y, text in zip(group.x.tolist(), group.y.tolist(), group.texts, strict=False):
+                if text:
+                    tag = Tag(text, self._theme.ink, self._theme, lean=(0.5, 1.0))
+                    tag.setPos(x, y)
+                    tag.shift(0.0, -0.5 * group.size)
+                    self._add(tag, Z_DOTS)
         self._message_text = ""
         self._lay()
 
