@@ -206,6 +206,7 @@ def run_scale(arguments: ScaleArguments, painter: Painter | None) -> int:
     """Write the scaled design to a file, and print what was scaled."""
     if arguments.out.resolve() == arguments.design.resolve():
         raise KindynaError(f"--out {arguments.out}: is the design that is read; choose another file")
-    save(rescaled(load(arguments.design), arguments.factor, masses=arguments.masses), arguments.out)
-    print(scale_text(arguments.factor, arguments.masses))
+    design = load(arguments.design)
+    save(rescaled(design, arguments.factor, masses=arguments.masses), arguments.out)
+    print(scale_text(design, arguments.factor, arguments.masses))
     return DONE

@@ -576,8 +576,8 @@ def rescaled(design: Design, factor: float, *, masses: bool = True) -> Design:
     """Design with every length multiplied by a factor, also in a motion in mm; angles stay.
 
     With ``masses`` the masses grow with the third power and the moments of inertia with the fifth, as for similar parts of
-    the same material. Forces, torques, springs, stiffnesses, dampings, speeds and gravity stay. The products are those of
-    the decimal numbers, rounded once: 1302.162 times 0.1 is 130.2162.
+    the same material. Forces, torques, springs, stiffnesses, dampings, speeds and gravity stay; valve springs follow their
+    dimensions. The products are those of the decimal numbers, rounded once: 1302.162 times 0.1 is 130.2162.
 
     Raises
     ------
@@ -593,15 +593,19 @@ def rescaled(design: Design, factor: float, *, masses: bool = True) -> Design:
     return scaled
 
 
-def scale_text(factor: float, masses: bool) -> str:
-    """Effect of a scale on the values of a design, in two sentences."""
+def scale_text(design: Design, factor: float, masses: bool) -> str:
+    """Effect of a scale on the values of a design, in two sentences, or three with valve springs."""
     weights = (
         f"masses × {result_text(factor**3)}, moments of inertia × {result_text(factor**5)}"
         if masses
         else "masses and moments of inertia stay"
     )
     stay = "Angles, speeds, forces, torques, springs (rates and preloads), stiffnesses and dampings stay as they are."
-    return f"Lengths × {result_text(factor)}, {weights}. {stay}"
+    text = f"Lengths × {result_text(factor)}, {weights}. {stay}"
+    if any(getattr(drive.loads, "valve_springs", ()) for drive in design.drives):
+        forces = f"rates × {result_text(factor)}, forces × {result_text(factor**2)}"
+        text += f" Valve springs follow their dimensions: {forces}, and stresses stay."
+    return text
 
 
 def _rescaled(part: Any, factor: Decimal, powers: Mapping[Unit, int]) -> Any:

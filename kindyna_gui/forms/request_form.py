@@ -508,9 +508,10 @@ class RequestDialog(QDialog):
 class ScaleDialog(QDialog):
     """The scale factor, whether masses are scaled, and the effect in words."""
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QWidget, design: Design) -> None:
         super().__init__(parent)
         self.setWindowTitle("Scale the design")
+        self.design = design
         self.factor = described(LiveBox(FACTOR), name=FACTOR.label, tip=sentence(FACTOR.help))
         self.factor.set_number(1.0)
         self.masses = QCheckBox(MASSES.label)
@@ -541,7 +542,7 @@ class ScaleDialog(QDialog):
         for button in (self.scale_button, self.copy):
             button.setEnabled(is_valid)
         if is_valid:
-            self.text.show_message(scale_text(self.factor.number or 1.0, self.masses.isChecked()))
+            self.text.show_message(scale_text(self.design, self.factor.number or 1.0, self.masses.isChecked()))
 
     def accept(self) -> None:
         """Accept the factor as it is typed, confirmed or not."""
@@ -550,9 +551,9 @@ class ScaleDialog(QDialog):
             super().accept()
 
 
-def ask_scale(parent: QWidget) -> tuple[float, bool] | None:
-    """Ask for a scale factor and whether masses are scaled too; None where the user cancels."""
-    dialog = ScaleDialog(parent)
+def ask_scale(parent: QWidget, design: Design) -> tuple[float, bool] | None:
+    """Ask for the scale factor of a design and whether masses are scaled too; None where the user cancels."""
+    dialog = ScaleDialog(parent, design)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     scale = dialog.factor.value or 1.0, dialog.masses.isChecked()
     dialog.deleteLater()

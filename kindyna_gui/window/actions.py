@@ -359,7 +359,7 @@ class DesignActions(QObject):
         from kindyna_gui.forms.request_form import ask_scale
 
         self._window.documents.settle()
-        choice = ask_scale(self._window)
+        choice = ask_scale(self._window, self._session.typed_full_design)
         if choice is not None:
             factor, masses = choice
             text = f"Scale the design by {shortest(factor)}{'' if masses else ', masses kept'}"

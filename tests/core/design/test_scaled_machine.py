@@ -1,11 +1,13 @@
 """A machine of another size: what is measured in mm grows by the factor, angles and what is chosen or given stay."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from sampled import spread
 
+from core.__main__ import main
 from core.design import all_paths, faults, get, only, rescaled, split_unit
 from core.errors import DesignError
 from core.output.channels import channels, existing
@@ -59,6 +61,44 @@ def test_masses_grow_by_the_third_power_inertias_by_the_fifth_and_forces_stay() 
                 assert get(scaled, path) == value * 2.0**power, path
 
 
+def test_a_valve_train_of_another_size_has_springs_and_piston_of_that_size(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The rate grows by the factor, forces by its square, stresses stay; durations and overlap stay, lifts and clearance grow."""
+    train, out = str(next(path for path in EXAMPLES if path.stem == "valve_train")), tmp_path / "double.toml"
+    cards = []
+    assert main(["scale", train, "2", "--out", str(out)]) == 0
+    assert "Valve springs follow their dimensions: rates × 2, forces × 4" in capsys.readouterr().out
+    for path, lifts in ((train, "0.15,1.27"), (str(out), "0.3,2.54")):
+        assert main(["valve", path, "--json", "--at", lifts]) == 0
+        cards.append(json.loads(capsys.readouterr().out))
+    for one, other in zip(*(card["valves"] for card in cards), strict=True):
+        for key in (
+            "lobe_lift_mm",
+            "valve_lift_mm",
+            "lift_at_tdc_mm",
+            "convex_radius_mm",
+            "concave_radius_mm",
+            "lash_mm",
+        ):
+            assert other[key] == pytest.approx(2.0 * one[key], rel=1e-9), key
+        assert other["rocker_ratio"] == pytest.approx(one["rocker_ratio"], rel=1e-9)
+        assert other["clearance"]["least_mm"] == pytest.approx(2.0 * one["clearance"]["least_mm"], rel=1e-9)
+        for before, after in zip(one["events"], other["events"], strict=True):
+            ends = ("opens_deg", "closes_deg")
+            assert [after[end] for end in ends] == pytest.approx([before[end] for end in ends], abs=1e-9)
+        for before, after in zip(one["springs"], other["springs"], strict=True):
+            powers = {"rate_n_per_mm": 1, "seat_n": 2, "open_n": 2, "bind_mm": 1, "natural_hz": -1, "goodman": 0}
+            for key, power in powers.items():
+                assert after[key] == pytest.approx(before[key] * 2.0**power, rel=1e-9), key
+            assert after["stress_mpa"] == pytest.approx(before["stress_mpa"], rel=1e-9)
+    areas = [card["pairs"][0]["overlap_area_mm_deg"] for card in cards]
+    assert areas[1] == pytest.approx(2.0 * areas[0], rel=1e-9)
+    assert main(["scale", str(out), "0.5", "--out", str(tmp_path / "same.toml")]) == 0
+    assert load(tmp_path / "same.toml") == load(train)
+    assert (tmp_path / "same.toml").read_text("utf-8") == Path(train).read_text("utf-8")
+
+
 @pytest.mark.parametrize("factor", [0.0, -1.0, float("nan")])
 def test_a_factor_is_above_zero(factor: float) -> None:
     with pytest.raises(DesignError, match="factor"):
@@ -66,8 +106,6 @@ def test_a_factor_is_above_zero(factor: float) -> None:
 
 
 def test_the_command_writes_the_scaled_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from core.__main__ import main
-
     lift, out = str(next(path for path in EXAMPLES if path.stem == "transfer_lift")), tmp_path / "small.toml"
     assert main(["scale", lift, "0.1", "--out", str(out)]) == 0
     assert load(out) == rescaled(LIFT, 0.1)

@@ -293,7 +293,11 @@ def test_a_dialog_copies_the_command_that_asks_for_the_same(user: User, tmp_path
         (InspectionDialog(window, design), lambda dialog: None, {}),
         (TablesDialog(window, tmp_path, study), lambda d: d.form.show_value("samples", 36), {"samples": 36}),
         (ReportDialog(window), report, {"customer": "Kim & Co", "without": ["papers"]}),
-        (ScaleDialog(window), lambda dialog: dialog.masses.setChecked(False), {"masses": False, "factor": 1.0}),
+        (
+            ScaleDialog(window, window.session.design),
+            lambda dialog: dialog.masses.setChecked(False),
+            {"masses": False, "factor": 1.0},
+        ),
     ):
         change(made)
         program, headless, *words = click_copy(made)
