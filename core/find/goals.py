@@ -73,6 +73,9 @@ SMALLEST, LARGEST, LEAST_PRESSURE, NARROWEST = "smallest", "largest", "least pre
 LEAST_PRELOAD, LEAST_RATE, LIFT_OFF = "least preload", "least rate", "lift-off speed"
 PRELOADS = ("loads.preload_n", "loads.preload_nm")
 SPRING_RATES = ("loads.spring_rate_n_per_mm", "loads.spring_rate_nm_per_rad")
+VALVE_SPRING = "loads.valve_springs[0]"
+INSTALLED, WIRE = f"{VALVE_SPRING}.installed_mm", f"{VALVE_SPRING}.wire_mm"
+"""Fields of the first valve spring that set its preload and its rate."""
 ENDS = ("_min", "_max")
 NEAR = np.linspace(-0.4, 0.4, 25)  # of the logarithm: trial values near the present one, and far from it
 FAR = np.linspace(-4.6, 4.6, 36)
@@ -225,6 +228,12 @@ def _first(paths: tuple[str, ...]) -> Callable[[Design, Box], tuple[str, ...]]:
     return lambda design, box: (next((path for path in paths if has(design, path)), paths[0]),)
 
 
+def _closing_spring(of_valve: str, paths: tuple[str, ...]) -> Callable[[Design, Box], tuple[str, ...]]:
+    """The field of a typed valve spring, else the first of these fields that the design has."""
+    plain = _first(paths)
+    return lambda design, box: (of_valve,) if has(design, of_valve) else plain(design, box)
+
+
 def speed_path(design: Design) -> str:
     """Path of the shaft's speed."""
     return next((path for path in SPEEDS if has(design, path)), SPEEDS[0])
@@ -270,14 +279,15 @@ CAM_SEARCHES: Mapping[str, SearchRow] = MappingProxyType(
             help="the arm length of least pressure angle within its bounds",
         ),
         "preload": SearchRow(
-            "Least preload", _first(PRELOADS), LEAST_PRELOAD, _no_trials, (),
+            "Least preload", _closing_spring(INSTALLED, PRELOADS), LEAST_PRELOAD, _no_trials, (),
             "the least preload of the closing spring that keeps loads.least_contact_force_n_min up to "
-            "shaft.speed_rpm_max",
+            "shaft.speed_rpm_max; of a typed valve spring its greatest installed length",
             seeks_contact=True,
         ),
         "spring": SearchRow(
-            "Least spring rate", _first(SPRING_RATES), LEAST_RATE, _no_trials, (),
-            "the least rate of the closing spring that keeps this force, with the current preload",
+            "Least spring rate", _closing_spring(WIRE, SPRING_RATES), LEAST_RATE, _no_trials, (),
+            "the least rate of the closing spring that keeps this force, with the current preload; of a typed valve "
+            "spring its thinnest wire, with the current lengths",
             seeks_contact=True,
         ),
         "lift-off-speed": SearchRow(

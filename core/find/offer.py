@@ -10,7 +10,7 @@ import numpy as np
 
 from core.design import Design, Info, Limits, get, info_of, split_unit
 from core.errors import KindynaError, NoSolution
-from core.find.goals import CAM_SEARCHES, ENDS, LEAST_PRESSURE, LIFT_OFF, PRELOADS, SPRING_RATES, SearchRow, has
+from core.find.goals import CAM_SEARCHES, ENDS, LEAST_PRESSURE, LIFT_OFF, SearchRow, has
 from core.find.trial import RPM, ContactLimit
 from core.frozen import frozen
 from core.motion.extremes import piecewise_angles
@@ -44,17 +44,12 @@ LIMIT_RANGES: Mapping[str, Info] = MappingProxyType(
 
 
 def available_searches(design: Design) -> tuple[str, ...]:
-    """Keys of ``CAM_SEARCHES`` whose fields the design has; none where it has no cam, none of a rate or preload of valve springs."""
+    """Keys of ``CAM_SEARCHES`` whose fields the design has; none where it has no cam."""
     if not design.drive.has_disk:
         return ()
     has_form_closure = design.drive.cam.form.holds
     rows = ((what, row) for what, row in CAM_SEARCHES.items() if not (row.seeks_contact and has_form_closure))
-    in_springs = (*PRELOADS, *SPRING_RATES) if getattr(design.drive.loads, "valve_springs", ()) else ()
-    return tuple(
-        what
-        for what, row in rows
-        if all(has(design, path) and path not in in_springs for path in row.fields(design, {}))
-    )
+    return tuple(what for what, row in rows if all(has(design, path) for path in row.fields(design, {})))
 
 
 def varied_fields(design: Design, what: str, choice: str = "") -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from core.design import Design, drive_in, edited, get, only, path_in
 from core.dynamics import ContactForce, LeastForce, loading_of
 from core.errors import KindynaError
 from core.find import search
-from core.find.goals import CAM_SEARCHES, LIFT_OFF, PRELOADS, SPRING_RATES, has, speed_path
+from core.find.goals import CAM_SEARCHES, INSTALLED, LIFT_OFF, PRELOADS, SPRING_RATES, WIRE, has, speed_path
 from core.find.offer import StatedLimits, available_searches, search_request
 from core.find.rounding import rounded, rounded_flywheel
 from core.find.shaft import SHAFT_SEARCHES, available_shaft_searches, find_on_shaft, with_least_flywheel
@@ -192,15 +192,28 @@ def _sampled_force(contact: ContactForce, angles: Angles) -> Callable[[float], f
 
 
 class _Springs:
-    """Designs that differ in the closing spring; values in the unit of the file."""
+    """Designs that differ in the closing spring; values in the unit of the file.
+
+    The search is for the least *effort*: preload, rate, diameter of the wire, or the compression of an installed valve spring.
+    """
 
     def __init__(self, design: Design, contact_limit: ContactLimit) -> None:
         self.design, self.contact_limit = design, contact_limit
         self.study = Study(design)
         self.program = self.study.program
-        self.preload = next((path for path in PRELOADS if has(design, path)), "")
-        self.rate = next(path for path in SPRING_RATES if has(design, path))
+        self.is_typed = has(design, INSTALLED)
+        self.preload = INSTALLED if self.is_typed else next((path for path in PRELOADS if has(design, path)), "")
+        self.rate = WIRE if self.is_typed else next(path for path in SPRING_RATES if has(design, path))
+        self._free = design.drive.loads.valve_springs[0].free_mm if self.is_typed else 0.0
         self.at = lru_cache(maxsize=4)(lambda angles: (self.study.at(angles).linkage, self.study.at(angles).cam))
+
+    def effort(self, path: str, value: float) -> float:
+        """Effort of a field's value, and the value of an effort: of the installed length the free length less this one."""
+        return self._free - value if path == INSTALLED else value
+
+    def present(self, path: str) -> float:
+        """Effort of the present design."""
+        return self.effort(path, get(self.design, path))
 
     def with_values(self, values: Mapping[str, float]) -> Design:
         design = self.design
@@ -223,17 +236,17 @@ class _Springs:
         return self.contact(values).least(self.contact_limit.high).value - self.limit(values)[0]
 
     def needed(self, path: str, others: Mapping[str, float]) -> float:
-        """Least sufficient value of a field with these values of the others; infinite where none suffices.
+        """Least sufficient effort of a field with these values of the others; infinite where none suffices.
 
-        The excess force is a concave function of the value, or nearly so: its root is computed by samples first, then
+        The excess force is a concave function of the effort, or nearly so: its root is computed by samples first, then
         refined.
         """
         near = self.rough(path, others)
         if not math.isfinite(near):
             return math.inf
 
-        def spare(value: float) -> float:
-            return self.spare({**others, path: value})
+        def spare(effort: float) -> float:
+            return self.spare({**others, path: self.effort(path, effort)})
 
         low, high, finest = near * (1.0 - ROUGH), near * (1.0 + ROUGH), 1e-12 * near
         bad, good = spare(low), spare(high)
@@ -248,14 +261,14 @@ class _Springs:
         return bracketed_root(spare, BracketEnds(low, bad, high, good), finest).b * (1.0 + SAFE) if bad < 0.0 else 0.0
 
     def rough(self, path: str, others: Mapping[str, float]) -> float:
-        """Least sufficient value of a field, by samples of the turn."""
+        """Least sufficient effort of a field, by samples of the turn."""
         angles, high = piecewise_angles(self.program), self.contact_limit.high
 
-        def spare(value: float) -> float:
-            least, largest = self.contact({**others, path: value}).sampled(angles, high)
+        def spare(effort: float) -> float:
+            least, largest = self.contact({**others, path: self.effort(path, effort)}).sampled(angles, high)
             return least - (self.contact_limit.limit(largest)[0])
 
-        bad, good, first = 0.0, abs(get(self.design, path)) or 1.0, spare(0.0)
+        bad, good, first = 0.0, abs(self.present(path)) or 1.0, spare(0.0)
         if first >= 0.0:
             return 0.0
         last = spare(good)
@@ -275,10 +288,10 @@ class _Springs:
     def stalled(self, path: str) -> LeastForce:
         """Least force with the value beyond which a larger one does not increase this force."""
 
-        def least(value: float) -> LeastForce:
-            return self.contact({path: value}).least(self.contact_limit.high)
+        def least(effort: float) -> LeastForce:
+            return self.contact({path: self.effort(path, effort)}).least(self.contact_limit.high)
 
-        value = abs(get(self.design, path)) or 1.0
+        value = abs(self.present(path)) or 1.0
         worst = least(value)
         while value <= MOST:
             value *= GROWTH
@@ -304,11 +317,15 @@ class _Springs:
 
 def _spring(design: Design, path: str, request: ContactRequest, checked: FindingsCheck) -> Solution:
     """Least preload for the present rate, or least rate for the present preload."""
-    springs, present = _Springs(design, request.contact), get(design, path)
-    needed = springs.needed(path, {})
+    springs = _Springs(design, request.contact)
+    needed, present = springs.needed(path, {}), springs.present(path)
     violations: tuple[str, ...] = ()
     next_findings: tuple[str, ...] = ()
-    value = min(max(needed, request.low), request.most)
+    low, most = sorted(springs.effort(path, bound) for bound in (request.low, request.most))
+    effort = min(max(needed, low), most)
+
+    def values_at(effort: float) -> dict[str, float]:
+        return {path: springs.effort(path, effort)}
 
     def at(values: Mapping[str, float]) -> Judgement:
         least, (limit, reason) = springs.contact(values).least(request.contact.high), springs.limit(values)
@@ -317,30 +334,34 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
         new_design = springs.with_values(values)
         return Judgement(new_design, values, {FORCE: least.value}, texts or checked.new(new_design))
 
-    def is_accepted(value: float, quick: bool = False) -> bool:
-        return springs.spare({path: value}) >= 0.0 and not checked.new(springs.with_values({path: value}), quick)
+    def is_accepted(effort: float, quick: bool = False) -> bool:
+        values = values_at(effort)
+        return springs.spare(values) >= 0.0 and not checked.new(springs.with_values(values), quick)
 
     if math.isinf(needed):  # no value is better than the present one
-        value = min(max(present, request.low), request.most)
-        violations = (_ineffective_text(springs, path, value),)
-    elif value < needed:
-        limit, reason = springs.limit({path: value})
-        least = springs.contact({path: value}).least(request.contact.high)
-        violations = (f"{_force_text(least, limit, reason)}: it requires {path} = {needed:.9g}",)
-    elif next_findings := checked.new(springs.with_values({path: value})):
+        effort = min(max(present, low), most)
+        violations = (_ineffective_text(springs, path, effort),)
+    elif effort < needed:
+        limit, reason = springs.limit(values_at(effort))
+        least = springs.contact(values_at(effort)).least(request.contact.high)
+        required = f"{path} = {values_at(needed)[path]:.9g}"
+        violations = (f"{_force_text(least, limit, reason)}: it requires {required}",)
+    elif next_findings := checked.new(springs.with_values(values_at(effort))):
         more = (
             []
             if checked.has_notes
-            else ((value or abs(present) or 1.0) * GROWTH ** (0.25 * np.arange(1, STEPS))).tolist()
+            else ((effort or abs(present) or 1.0) * GROWTH ** (0.25 * np.arange(1, STEPS))).tolist()
         )
-        good = next((x for x in (present, *more) if value < x <= request.most and is_accepted(x)), None)
+        good = next((x for x in (present, *more) if effort < x <= most and is_accepted(x)), None)
         violations = next_findings
         if good is not None:
-            value, beyond = nearest_accepted(is_accepted, value, good, checked.tolerance)
-            violations, next_findings = (), checked.new(springs.with_values({path: beyond}))
-    least, (limit, reason) = springs.contact({path: value}).least(request.contact.high), springs.limit({path: value})
-    end = f"{path} = {value:.9g}{request.why}" if (value > needed or not value) and not next_findings else ""
-    second_field = springs.rate if path == springs.preload else springs.preload
+            effort, beyond = nearest_accepted(is_accepted, effort, good, checked.tolerance)
+            violations, next_findings = (), checked.new(springs.with_values(values_at(beyond)))
+    answer = values_at(effort)
+    value = answer[path]
+    least, (limit, reason) = springs.contact(answer).least(request.contact.high), springs.limit(answer)
+    end = f"{path} = {value:.9g}{request.why}" if (effort > needed or not effort) and not next_findings else ""
+    second_field = "" if springs.is_typed else springs.rate if path == springs.preload else springs.preload
     reached = {FORCE: least.value}
     before = {FORCE: springs.contact({}).least(request.contact.high).value, speed_path(design): design.speed_rpm}
     if second_field:
@@ -352,20 +373,22 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
             )
     else:
         angles = piecewise_angles(springs.program)
-        rates = np.linspace(0.0, RATE_RANGE * max(value, present) or 1.0, RATES).tolist()
-        curve = [(x, springs.contact({path: x}).sampled(angles, request.contact.high)[0]) for x in rates]
+        efforts = np.linspace(0.0, RATE_RANGE * max(effort, present) or 1.0, RATES).tolist()
+        values = sorted(springs.effort(path, x) for x in efforts)
+        curve = [(x, springs.contact({path: x}).sampled(angles, request.contact.high)[0]) for x in values]
     finite = tuple((x, y) for x, y in curve if math.isfinite(x) and math.isfinite(y))
-    ends = [value, present, *(x for x, _ in finite)]
+    present_value = get(design, path)
+    ends = [value, present_value, *(x for x, _ in finite)]
     return Solution(
         CAM_SEARCHES["preload" if path == springs.preload else "spring"].target,
-        springs.with_values({path: value}),
-        {path: value},
+        springs.with_values(answer),
+        answer,
         reached,
         {FORCE: limit},
         finite,
         second_field or FORCE,
         (min(ends), max(ends)),
-        {path: present},
+        {path: present_value},
         before,
         violations,
         end,
@@ -375,9 +398,9 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
     )
 
 
-def _ineffective_text(springs: _Springs, path: str, value: float) -> str:
+def _ineffective_text(springs: _Springs, path: str, effort: float) -> str:
     """Text for a search in which no value suffices, with the preload that would with this rate."""
-    worst = springs.stalled(path)
+    worst, value = springs.stalled(path), springs.effort(path, effort)
     limit, _ = springs.limit({path: value})
     text = (
         f"contact force {result_text(worst.value, 5)} N at {result_text(math.degrees(worst.theta), 5)} deg, limit "
@@ -385,7 +408,7 @@ def _ineffective_text(springs: _Springs, path: str, value: float) -> str:
     )
     if path == springs.preload or not springs.preload:
         return f"{text}force does not help there"
-    needed = springs.needed(springs.preload, {path: value})
+    needed = springs.effort(springs.preload, springs.needed(springs.preload, {path: value}))
     required = f"; with this rate it requires {springs.preload} = {needed:.9g}" if math.isfinite(needed) else ""
     return f"{text}rate adds nothing where the motion is 0{required}"
 

@@ -288,6 +288,11 @@ def _upper_margin(value: float, limit: float, unit: float) -> float:
     return 1.0 - value / (unit * limit)
 
 
+def _lower_margin(negative: float, limit: float, unit: float) -> float:
+    """Excess of a value, as its negative, over a lower limit as a part of it; over the limit 0 the value itself."""
+    return (-negative - limit) / (limit or 1.0)
+
+
 def _on_face(study: Study) -> Iterator[Curve]:
     """Distance [mm] of the contact on a flat face from the face's centre."""
     for flank in study.cam.flanks:
@@ -316,7 +321,7 @@ def _quantity_curves(study: Study, key: str) -> Iterator[Curve]:
         if bounds.most:
             yield Curve(np.abs(value), _same, _upper_margin)
         else:
-            yield Curve(-value, lambda negative, _: -negative, lambda negative, limit, _: (-negative - limit) / limit)
+            yield Curve(-value, lambda negative, _: -negative, _lower_margin)
 
 
 def _missing_loads(study: Study) -> str:

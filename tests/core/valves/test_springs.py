@@ -12,9 +12,9 @@ import pytest
 from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
-from core.design import Design, Engine, Valve, get, put, with_drive
+from core.design import Design, Engine, Valve, get, only, put, with_drive
 from core.errors import DesignError
-from core.find.offer import available_searches
+from core.find import available_searches, find
 from core.project import dumps, load, loads, save
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantities_of
@@ -326,7 +326,53 @@ def test_springs_need_a_follower_that_opens_a_valve() -> None:
         )
 
 
-def test_rate_and_preload_of_valve_springs_are_not_searched() -> None:
-    assert not {"spring", "preload"} & set(available_searches(design()))
-    assert {"spring", "preload", "lift-off-speed"} <= set(available_searches(design(springs="")))
-    assert "lift-off-speed" in available_searches(design())
+# -- searches ---------------------------------------------------------------------------------------------------
+
+
+def least_force(rate: float, compression: float, mass: float, rpm: float) -> float:
+    """Least force [N] of a flat tappet on lobe A, F_0 + k y + m ω² y″, densely sampled."""
+    motion = Study(design(), samples=36_000).motion.displacement
+    return float((rate * (compression + motion[0]) + mass * (rpm * math.pi / 30.0) ** 2 * motion[2]).min())
+
+
+def test_the_preload_of_a_valve_spring_is_its_installed_length() -> None:
+    limits = {"loads.least_contact_force_n_min": 50.0, "shaft.speed_rpm_max": 3300.0}
+    solution = find(design(), "preload", limits)
+    ((path, installed),) = solution.answer.items()
+    assert path == "loads.valve_springs[0].installed_mm"
+    rate, mass = 29902.937789351854, 0.14 + THIRD
+    assert least_force(rate, (51.5 - installed) / MM, mass, 3300.0) == pytest.approx(50.0, abs=1e-3)
+    assert get(solution.design, path) == installed
+    rounded = find(design(), "preload", limits, rounding=0.5).answer[path]
+    assert rounded == math.floor(installed / 0.5) * 0.5, "a longer one has less preload"
+
+
+def test_the_rate_of_a_valve_spring_is_its_wire() -> None:
+    limits = {"loads.least_contact_force_n_min": 50.0, "shaft.speed_rpm_max": 3300.0}
+    wire = find(design(), "spring", limits).answer["loads.valve_springs[0].wire_mm"]
+    rate = 79.3e9 * (wire / MM) ** 4 / (8.0 * 0.024**3 * 5.0)
+    active = 7850.0 * math.pi**2 * (wire / MM) ** 2 * 0.024 * 5.0 / 4.0
+    assert least_force(rate, 10.5 / MM, 0.14 + active / 3.0, 3300.0) == pytest.approx(50.0, abs=1e-3)
+    assert 3.0 < wire < 3.8
+
+
+def test_a_search_says_which_spring_would_bind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    save(design(), tmp_path / "train.toml")
+    command = ["find", str(tmp_path / "train.toml"), "preload", "--limit", "shaft.speed_rpm_max=5500"]
+    assert main(command) == 2
+    assert "the valve spring binds" in capsys.readouterr().err
+
+
+def test_springs_and_typed_rates_offer_the_same_searches() -> None:
+    assert available_searches(design()) == available_searches(design(springs=""))
+    assert {"spring", "preload", "lift-off-speed"} <= set(available_searches(design()))
+
+
+@pytest.mark.parametrize("what", ["base-radius", "roller-radius"])
+def test_a_cam_is_searched_under_a_valve_with_a_piston(what: str) -> None:
+    train = only(load(EXAMPLES / "valve_train.toml"), 0)
+    solution = find(train, what, {})
+    assert solution.is_valid
+    assert solution.before["piston_clearance_mm"] == pytest.approx(
+        MM * extremes_of(Study(train), "linkage")["piston_clearance"].low.value, rel=1e-9
+    )

@@ -318,3 +318,28 @@ def test_many_values_are_taken_over_under_the_name_of_what_was_sought(open_user:
     view = see(user)
     press(seek(view, "span").take)
     assert user.steps == ["Take over shortest span of a rise"]
+
+
+def test_the_closing_spring_of_a_valve_is_sought_by_its_wire_and_its_installed_length(open_user: Open) -> None:
+    user = open_user()
+    user.choose("File", "Examples", "Valve train")
+    user.choose("Dyna", "Find closing spring")
+    view = user.window.view("find")
+    assert isinstance(view, FindView)
+    rested(view)
+    assert view.what.currentData() == "spring"
+    before = user.design
+    for what, path in (
+        ("spring", "loads.valve_springs[0].wire_mm"),
+        ("preload", "loads.valve_springs[0].installed_mm"),
+    ):
+        seek(view, what)
+        solution = find(before, what, {}, rounding=0.0)
+        assert set(solution.answer) == {path}
+        assert (view.plot.dots[0].x[0], view.plot.dots[0].y[0]) == pytest.approx(
+            (solution.answer[path], solution.reached["loads.least_contact_force_n"]), rel=1e-9
+        )
+    press(view.take)
+    assert get(user.design, path) == solution.answer[path]
+    user.session.stack.undo()
+    assert user.design == before
