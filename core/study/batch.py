@@ -58,7 +58,7 @@ BLOCK_POINTS = 240_000  # nodes of a block, which needs far less than 256 MiB
 
 _MOTION = "motion."
 _VARIABLE = ("follower.", "linkage.", "cam.", "loads.", "shaft.", _MOTION)
-_SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)|loads\.valve_springs")
+_SWITCHES = re.compile(r"loads\.process\[\d+\]\.(cam_|position_|points)")
 """When a process force acts, which cuts the turn into pieces; and the dimensions of valve springs."""
 _NEEDS_CENTRES = frozenset({"instant_centre", "instant_centre_x", "instant_centre_y", "instant_centre_velocity"})
 
@@ -89,10 +89,7 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
         return False
-    valve = design.drive.valve
-    if valve is not None and (
-        valve.lash_mm or valve.link is not None
-    ):  # cuts the turn; closed where the motion is lowest
+    if not _keeps_its_lash(design, paths):
         return False
     if request.name in OF_STEADY_SPEED:
         return design.drive.loads_shaft
@@ -102,9 +99,18 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
     row = quantity(request.name)
     return (
         row.stage in ("motion", "linkage", "cam", "dynamics")
-        and request.name not in OF_MOTOR | _NEEDS_CENTRES | {"valve_spring_force", "valve_spring_stress"}
+        and request.name not in OF_MOTOR | _NEEDS_CENTRES | {"valve_spring_force"}
         and not row.needs.startswith("elastic")
     )
+
+
+def _keeps_its_lash(design: Design, paths: Sequence[str]) -> bool:
+    """Whether the motion at which a valve opens, which cuts the turn, is common to designs that differ at these paths."""
+    valve = design.drive.valve
+    if valve is None or (valve.link is None and not valve.lash_mm):
+        return True
+    fixed = ("loads.", "shaft.", *(("follower.", "cam.") if design.drive.is_valve_motion else ()))
+    return valve.link is None and all(path.startswith(fixed) for path in paths)
 
 
 @np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some designs, at dead centres

@@ -118,7 +118,7 @@ class DesignBlock:
         with collecting_failures(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
-            self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism)
+            self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism, Study(self.plain).lash)
         if self.mechanism.ranged:
             is_drawn = drive.linkage.drawn is not None or bool(drive.linkage.drivers)  # solved one by one
             self.separate = self.separate | ~self._path.simple | is_reversed | is_drawn

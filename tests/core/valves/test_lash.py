@@ -11,7 +11,7 @@ import pytest
 from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
-from core.design import Design, Engine, Valve, get, put, with_drive
+from core.design import Design, Engine, Valve, get, put, split_unit, with_drive
 from core.project import load, loads, save
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantities_of
@@ -132,12 +132,34 @@ def test_balances_hold_where_the_train_is_loose() -> None:
             assert not value(study, name)[loose].any(), name
 
 
-def test_many_designs_with_lash_are_those_one_by_one() -> None:
-    design, rates = direct(), np.array([20.0, 30.0, 40.0])
-    result = many(design, {"loads.spring_rate_n_per_mm": rates}, ["contact_force_n:max"])
-    designs = [put(design, "loads.spring_rate_n_per_mm", rate) for rate in rates]
-    single = [extremes_of(Study(each), "dynamics", ("contact_force",))["contact_force"].high.value for each in designs]
-    assert result.value["contact_force_n:max"] == pytest.approx(single, rel=1e-9)
+@pytest.mark.parametrize("name", ["direct", "finger_follower.toml", "pushrod_train.toml"])
+@pytest.mark.parametrize(
+    ("path", "factors"),
+    [
+        ("loads.spring_rate_n_per_mm", (0.8, 1.0, 1.2)),
+        ("loads.valve_springs[0].wire_mm", (0.95, 1.0, 1.05)),
+        ("shaft.speed_rpm", (0.5, 1.0, 1.2)),
+        ("cam.base_radius_mm", (0.995, 1.0, 1.005)),
+        ("valve.lash_mm", (0.5, 1.0, 1.3)),
+    ],
+)
+def test_many_designs_with_lash_are_those_one_by_one(name: str, path: str, factors: tuple[float, ...]) -> None:
+    design = direct() if name == "direct" else trained(name, 0.15)
+    if "valve_springs" in path:
+        design = put(put(design, "loads.spring_rate_n_per_mm", 0.0), "loads.preload_n", 0.0)
+        design = put(design, "loads.valve_springs", load(EXAMPLES / "valve_train.toml").drives[0].loads.valve_springs)
+    values = np.array(factors) * get(design, path)
+    ends = {"contact_force": "n", "drive_torque": "nm", "valve_lift": "mm"}
+    if "valve_springs" in path:
+        ends["valve_spring_stress"] = "mpa"
+    keys = {key: f"{key}_{unit}:max" for key, unit in ends.items()}
+    result = many(design, {path: values}, list(keys.values()))
+    for i, number in enumerate(values.tolist()):
+        study = Study(put(design, path, number))
+        for key, column in keys.items():
+            row = quantities_of(study)[key]
+            high = extremes_of(study, row.stage, (key,))[key].high.value
+            assert result.value[column][i] == pytest.approx(high / split_unit(row.slug)[1].factor, rel=1e-9), column
 
 
 # -- opening and seating ----------------------------------------------------------------------------------------
