@@ -170,6 +170,7 @@ class FreeFollower:
         scheduled = tuple(e for e in loading.others if isinstance(e, ScheduledForce) and e.is_active)
         steady = Loading(loading.masses, tuple(e for e in loading.others if e not in scheduled))
         self._scheduled = Loading((), scheduled) if scheduled else None
+        loading = replace(loading, contact_window=None)  # the valve ends a flight on its seat
         x = chebyshev.chebpts1(NODES)
         kinematics = self._kinematics(0.5 * (low + high) + 0.5 * (high - low) * x, np.zeros(NODES))
         solve = partial(newton_euler, kinematics, None)
@@ -225,7 +226,8 @@ def flights(
     """The flights of the follower of an open cam.
 
     Where F_c falls below zero, or the motion's velocity drops, the follower flies by M y'' + ... = 0, with friction in
-    its pairs. It lands where its position returns to the motion s(θ), with the relative speed y' - s'. It rebounds with
+    its pairs. It lands where its position returns to the motion s(θ), with the relative speed y' - s', and a valve with
+    lash on its seat where s(θ) is lower. It rebounds with
     ``restitution`` times that speed, and rests where the rebound is negligible and the cam presses it. Both events are
     roots.
 
@@ -312,6 +314,8 @@ class _Flyer:
         self._low, self._high = float(y.min()), float(y.max())
         self._stroke = self._high - self._low or 1e-3
         self._fade = FADE * omega * (float(np.abs(slope).max()) or self._stroke)
+        window = loading.contact_window
+        self._seat = -math.inf if window is None else window.low  # motion at which a valve with lash is on its seat
         self._free = self._free_follower(MARGIN)
 
     def _free_follower(self, margin: float) -> FreeFollower:
@@ -324,7 +328,7 @@ class _Flyer:
         return [j.theta % TURN for j in self._program.joins if j.jumps[1] and self._away * j.jump[1] < 0.0]
 
     def motion(self, theta: np.ndarray, order: int = 0) -> np.ndarray:
-        """Motion s or its derivative s' at cam angles that increase over the turns.
+        """Motion s, or that of a valve on its seat where the cam is below, or its derivative at increasing cam angles.
 
         Parameters
         ----------
@@ -335,14 +339,18 @@ class _Flyer:
         -------
         ndarray (n,) [m or rad]
         """
-        return np.asarray(self._program.state(self._program.angles(np.mod(theta, TURN))).displacement[order])
+        return self._motion(self._program.angles(np.mod(theta, TURN)), order)
+
+    def _motion(self, angles: Angles, order: int) -> np.ndarray:
+        displacement = self._program.state(angles).displacement
+        return np.where(displacement[0] < self._seat, 0.0 if order else self._seat, displacement[order])
 
     def _before(self, theta: float) -> tuple[float, float]:
         """Motion s and slope s' at an angle, from its left."""
         angle = theta % TURN or TURN
         piece = max(int(np.searchsorted(self._program.starts, angle - SAME, side="right")) - 1, 0)
-        rows = self._program.state(Angles(np.array([angle]), np.array([piece]))).displacement
-        return float(rows[0][0]), float(rows[1][0])
+        angles = Angles(np.array([angle]), np.array([piece]))
+        return float(self._motion(angles, 0)[0]), float(self._motion(angles, 1)[0])
 
     def fly(self, theta: float, speed: float | None, end: float) -> tuple[Flight | None, float]:
         """Flight from an angle with the slope dy/dθ (None: that of the cam), and s' at its landing.

@@ -100,6 +100,26 @@ def test_a_follower_that_flies_leaves_the_open_lobe_and_lands_on_it() -> None:
     assert flight.height > 0.0
 
 
+@pytest.mark.parametrize(("rpm", "on_seat"), [(4200.0, False), (9000.0, True)])
+def test_a_flight_with_lash_is_that_of_the_spring_and_ends_on_the_lobe_or_on_the_seat(
+    rpm: float, on_seat: bool
+) -> None:
+    """y oscillates about λ - F_0/k with ω_n = √(k/m) until it returns to the lobe, or to λ where the lobe is lower."""
+    study, omega = Study(direct(rpm=rpm)), rpm * math.pi / 30.0
+    flight = study.flights(2.0).flights[0]
+    natural, middle = math.sqrt(3e4 / 0.14), 0.15e-3 - 300.0 / 3e4
+    start = study.at_theta(np.array([flight.lift % (2.0 * math.pi)])).motion.displacement
+    y0, v0 = float(start[0][0]) - middle, float(start[1][0]) * omega
+    turned = natural * (flight.theta - flight.lift) / omega
+    y = middle + y0 * np.cos(turned) + v0 / natural * np.sin(turned)
+    assert flight.y == pytest.approx(y, abs=1e-9)
+    lobe = study.at_theta(np.array([flight.land % (2.0 * math.pi)])).motion.displacement
+    falls = y0 * natural * math.sin(turned[-1]) - v0 * math.cos(turned[-1])
+    assert (float(lobe[0][0]) < 0.15e-3) == on_seat
+    assert y[-1] == pytest.approx(0.15e-3 if on_seat else float(lobe[0][0]), abs=1e-9)
+    assert flight.speed == pytest.approx(falls + (0.0 if on_seat else float(lobe[1][0]) * omega), rel=1e-6)
+
+
 def test_a_pushrod_train_is_loose_below_the_lash_at_its_valve() -> None:
     design = trained("pushrod_train.toml", 0.25)
     loose, tight = Study(design), Study(with_drive(design, valve=Valve(centre_deg=108.0)))
