@@ -21,10 +21,11 @@ from core.numerics.lazy import checkpoint
 from core.study import many
 from core.study.batch import design_block, is_batchable
 from core.study.highest import clenshaw_curtis_nodes
-from core.study.quantity_requests import QuantityRequest, quantity_request
+from core.study.quantity_requests import QuantityRequest, quantity_request, request_columns
 from core.study.stages_of_many import DesignBlock
 from core.varying.in_step import Ask, in_step
-from core.varying.request import Goal, StudyOfMany, StudyQuantity
+from core.varying.linear import LinearLimit, linear_limits
+from core.varying.request import Goal, StudyLimit, StudyOfMany, StudyQuantity
 from core.varying.space import Axis, constant_column
 from core.varying.tolerances import bounds_of
 
@@ -138,6 +139,7 @@ class Term:
     ----------
     row : StudyQuantity
     request : QuantityRequest
+        Of a value with a ``line`` only its name.
     side : float
         +1 for an upper limit or a minimised goal, else -1.
     bound : float or None
@@ -146,14 +148,17 @@ class Term:
         Signs of the quantity whose peaks over the turn are all constrained; empty where a single value is.
     radius : float [mm]
         Roller radius r, for the curvature of a profile; else 0.
+    line : (float, ndarray (k,)) or None
+        Constant and slopes of a value that is linear in the coordinates; None for a figure.
     """
 
     row: StudyQuantity
     request: QuantityRequest
     side: float
     bound: float | None
-    peaks: tuple[float, ...]
+    peaks: tuple[float, ...] = ()
     radius: float = 0.0
+    line: tuple[float, np.ndarray] | None = None
 
     def smoothed(self, value: Any) -> Any:
         """A value in a form without poles: of a profile's curvature κ that of the pitch curve, κ/(1 + κ r), 1/r at a cusp."""
@@ -161,6 +166,12 @@ class Term:
             return value
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(np.isinf(value), 1.0 / self.radius, value / (1.0 + value * self.radius))
+
+    def on_line(self, u: np.ndarray) -> np.ndarray:
+        """``side`` times a linear value at coordinates u (k, m), as (m,)."""
+        assert self.line is not None, "a linear value"
+        constant, slopes = self.line
+        return np.asarray(self.side * (constant + slopes @ u))
 
     def original(self, value: Any) -> Any:
         """The value of which ``smoothed`` returns this one."""
@@ -247,8 +258,11 @@ class Descent:
         ends = [(min(axis.listed), max(axis.listed)) if axis.listed else (axis.low, axis.high) for axis in numbers]
         self.low, self.high = (np.array([end[i] for end in ends], dtype=float) for i in (0, 1))
         self.terms = [self._term(row, side, bound) for row, side, bound in self._limits(margins)]
-        goals = study.file.goals
-        self.goals = [self._term(goal, goal_sign(goal), None) for goal in goals]
+        self.terms += [self._linear_term(row) for row in linear_limits(design, self.paths, self.high - self.low)]
+        self.goals = [
+            self._field_term(goal) if goal.field else self._term(goal, goal_sign(goal), None)
+            for goal in study.file.goals
+        ]
         self.nominal = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
 
     def _limits(self, margins: Mapping[str, float]) -> Iterator[tuple[StudyQuantity, float, float]]:
@@ -264,6 +278,21 @@ class Descent:
             signs = ()
         face = self.design.drives[request.drive or 0].face if request.name == "profile_curvature" else None
         return Term(row, request, side, bound, signs, float(getattr(face, "radius_mm", 0.0)))
+
+    def _field_term(self, goal: Goal) -> Term:
+        """Goal that is a varied number; a whole one is constant in this search."""
+        request, side = QuantityRequest(goal.key, "", "", 1.0), goal_sign(goal)
+        if goal.field in self.words:
+            return Term(goal, request, side, None, line=(float(self.words[goal.field]), np.zeros(len(self.paths))))
+        i = self.paths.index(goal.field)
+        slopes = (self.high - self.low)[i] * np.eye(len(self.paths))[i]
+        return Term(goal, request, side, None, line=(float(self.low[i]), slopes))
+
+    def _linear_term(self, limit: LinearLimit) -> Term:
+        """Least value of a linear function of the numbers."""
+        row = StudyLimit(limit.name, min=limit.least)
+        line = (limit.constant + float(limit.slopes @ self.low), limit.slopes * (self.high - self.low))
+        return Term(row, QuantityRequest(limit.name, "", "", 1.0), -1.0, -limit.least, line=line)
 
     def _has_common_angles(self, request: QuantityRequest) -> bool:
         """Whether designs can be evaluated in a block, at common cam angles."""
@@ -401,17 +430,25 @@ class Descent:
     def _figures(self, questions: Sequence[Figures], polish: bool = True) -> list[tuple[np.ndarray, np.ndarray]]:
         """``side`` times the figures of the terms of every question (t, m), and the mask (m,) of designs that can be built."""
         result: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        keys = [tuple(dict.fromkeys(term.row.key for term in q.terms)) for q in questions]
+        keys = [tuple(dict.fromkeys(term.row.key for term in q.terms if term.line is None)) for q in questions]
         for group in dict.fromkeys(keys):
             which = [i for i, row in enumerate(keys) if row == group]
             u = np.hstack([questions[i].u for i in which])
             numbers = dict(zip(self.paths, self._numbers(u), strict=True)) or constant_column(self.design, u.shape[1])
-            figures, last = many(self.design, numbers, group, polish=polish), 0
+            figures, last = many(self.design, numbers, group or self.any_figure, polish=polish), 0
             for i in which:
                 part = slice(last, last + questions[i].u.shape[1])
-                rows = np.array([term.side * figures.value[term.row.key][part] for term in questions[i].terms])
+                rows = np.array([
+                    term.side * figures.value[term.row.key][part] if term.line is None else term.on_line(questions[i].u)
+                    for term in questions[i].terms
+                ])  # fmt: skip
                 result[i], last = (rows, np.asarray(figures.reason[part] == "")), part.stop
         return [result[i] for i in range(len(questions))]
+
+    @cached_property
+    def any_figure(self) -> tuple[str]:
+        """A figure that tells whether designs can be built, where no figure is a goal or limited."""
+        return (f"{request_columns(self.design)[int(self.design.listed)]}:max",)
 
     # -- several starts -----------------------------------------------------------------------------------
 
@@ -467,7 +504,8 @@ class LocalSearch:
     def __init__(self, descent: Descent, terms: Sequence[Term], goal: Term, ask: Ask, number: int = 0) -> None:
         self.descent, self.terms, self.goal, self.ask, self.number = descent, terms, goal, ask, number
         self.peaked = [term for term in terms if term.peaks]
-        self.single = [term for term in terms if not term.peaks]
+        self.single = [term for term in terms if not term.peaks and term.line is None]
+        self.lines = [term for term in terms if term.line is not None]
         self.peaks: Peaks = {}
         self._memory: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
@@ -529,7 +567,7 @@ class LocalSearch:
 
     def _owners(self) -> list[Term]:
         """Term of every row: at each of its peaks, or of its single value."""
-        return [*(term for p, term in enumerate(self.peaked) for _ in self.peaks[p]), *self.single]
+        return [*(term for p, term in enumerate(self.peaked) for _ in self.peaks[p]), *self.single, *self.lines]
 
     def _rows(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (c,) of all terms at the peaks, or of their single values, and slopes (c, k), at a point (k,)."""
@@ -566,6 +604,9 @@ class LocalSearch:
             for term, row in zip(self.single, figures, strict=True):
                 f = term.side * term.smoothed(term.side * row)
                 result.append((term, f[:1], (f[1 : k + 1] - f[k + 1 :])[None] / (2.0 * SEARCH_STEP)))
+        for term in self.lines:
+            assert term.line is not None, "a linear value"
+            result.append((term, term.on_line(u[:, None]), term.side * term.line[1][None]))
         return result
 
     # -- peaks --------------------------------------------------------------------------------------------

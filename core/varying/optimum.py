@@ -256,7 +256,7 @@ class _Search(Descent):
 
     def _none_built(self, u: np.ndarray) -> str:
         """Message that no design u (k, m) can be built, with the most frequent reason."""
-        keys = [goal.row.key for goal in self.goals]
+        keys = [goal.row.key for goal in self.goals if goal.line is None] or self.any_figure
         numbers = dict(zip(self.paths, self._numbers(u), strict=True))
         (code, often), *_ = Counter(many(self.design, numbers, keys, polish=False).reason.tolist()).most_common(1)
         return none_built_text(u.shape[1], code or "no value", often)
@@ -464,8 +464,11 @@ def with_flywheel(
 
 def _nominal_goals(study: StudyOfMany) -> dict[str, float]:
     """Goals of the design of the study; NaN where it has none."""
-    results = many(study.base, constant_column(study.base, 1), [goal.key for goal in study.file.goals])
-    return {goal.key: float(results.value[goal.key][0]) for goal in study.file.goals}
+    keys = [goal.key for goal in study.file.goals if not goal.field]
+    values = many(study.base, constant_column(study.base, 1), keys).value if keys else {}
+    return {
+        goal.key: float(get(study.base, goal.field) if goal.field else values[goal.key][0]) for goal in study.file.goals
+    }
 
 
 def _undominated(points: Sequence[Mapping[str, Any]], goals: Sequence[Goal]) -> list[Mapping[str, Any]]:
@@ -548,6 +551,8 @@ def _violated_limits(study: StudyOfMany, optimum: Optimum) -> Iterator[str]:
 
 def _fixed_torque(optimum: Optimum, goal: Goal) -> str:
     """Sentence about the part of a peak torque by the force on the follower, T_F = -F y', which no length changes."""
+    if goal.field:
+        return ""
     request = quantity_request(optimum.design, goal.key)
     if request.name != TORQUE or request.statistic not in PEAKS or not goal.minimise:
         return ""
@@ -577,7 +582,7 @@ def _better_law(study: StudyOfMany, optimum: Optimum) -> str:
     goal, design = study.file.goals[0], optimum.design
     laws = [path for path in all_paths(design) if path.endswith(".law")]
     moving = [path for path in laws if get(design, path) != DWELL]
-    if not moving or any(row.field in laws for row in study.file.vary):
+    if goal.field or not moving or any(row.field in laws for row in study.file.vary):
         return ""
     side, best = goal_sign(goal), optimum.goals[goal.key]
     check, least = FindingsCheck(design, waived=waived(study.file)), side * best - MIN_GAIN * abs(best)

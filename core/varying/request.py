@@ -72,11 +72,23 @@ class StudyLimit(StudyQuantity):
 
 @frozen
 class Goal(StudyQuantity):
-    """A figure to be minimised or maximised."""
+    """A figure, or a varied field in place of it, to be minimised or maximised."""
 
-    FILE_ORDER = ("quantity", "of", "minimise")
+    FILE_ORDER = ("quantity", "of", "field", "minimise")
 
+    quantity: str = placed(FileLayout(brief=True), "")
+    field: str = placed(FileLayout(brief=True), "")
     minimise: bool = flag("Minimise", default=True)
+
+    @property
+    def key(self) -> str:
+        """Key of the figure for ``core.study.many``, or the path of the field."""
+        return self.field or super().key
+
+    @property
+    def column(self) -> str:
+        """Column of the figure in tables, or the path of the field."""
+        return self.field or super().column
 
 
 @frozen(kw_only=True)
@@ -111,7 +123,7 @@ class StudyOfMany:
     @cached_property
     def quantities(self) -> tuple[StudyQuantity, ...]:
         """Figures of every design, without repetition: the quantities, then those of limits and goals."""
-        rows = (*self.file.quantities, *self.file.limits, *self.file.goals)
+        rows = (*self.file.quantities, *self.file.limits, *(goal for goal in self.file.goals if not goal.field))
         return tuple({row.key: row for row in reversed(rows)}[key] for key in dict.fromkeys(row.key for row in rows))
 
     @cached_property
@@ -198,6 +210,8 @@ def _design_faults(file: StudyFile, design: Design, faults: Sequence[Fault]) -> 
             if row.field in seen:
                 new.append(Fault(f"{path}.field", row.field, "varied twice", "every field once"))
             seen.add(row.field)
+        elif isinstance(row, Goal) and row.field:
+            new += _goal_field_faults(row, path, file, design)
         else:
             new += _quantity_faults(row, path, design)
     if file.robust is not None and not design.tolerances:
@@ -241,6 +255,15 @@ def _limit_faults(row: StudyLimit, path: str) -> Iterator[Fault]:
         yield Fault(f"{path}.max", row.max, "bounds are reversed", f">= {row.min:g}")
 
 
+def _goal_faults(row: Goal, path: str) -> Iterator[Fault]:
+    if row.field and (row.quantity or row.of is not None):
+        yield Fault(f"{path}.field", row.field, "cannot be combined with a quantity", "field, or quantity and of")
+    elif not (row.field or row.quantity):
+        yield Fault(
+            f"{path}.quantity", MISSING, "missing", "a column, as pressure_angle_deg, a total, or field = a path"
+        )
+
+
 def _list_faults(file: StudyFile) -> Iterator[Fault]:
     """Different numbers of points, since the fields share one sequence, and too many goals."""
     stated = [(i, row.points) for i, row in enumerate(file.vary) if row.points is not None]
@@ -256,7 +279,7 @@ _ROW_FAULTS: Mapping[type, Any] = {
     VariedField: _field_row_faults,
     StudyLimit: _limit_faults,
     StudyQuantity: _no_faults,
-    Goal: _no_faults,
+    Goal: _goal_faults,
 }
 
 
@@ -298,6 +321,17 @@ def _field_faults(row: VariedField, path: str, design: Design) -> Iterator[Fault
             yield Fault(at, value, "must be a whole number", info.allowed(unit))
         elif not info.admits(int(value) if info.whole else value):
             yield Fault(at, value, info.problem, info.allowed(unit))
+
+
+def _goal_field_faults(row: Goal, path: str, file: StudyFile, design: Design) -> Iterator[Fault]:
+    """A goal field that is not varied, or a word."""
+    numbers = [vary.field for vary in file.vary if not vary.choices]
+    allowed = " | ".join(numbers) or "a number under [[vary]]"
+    if row.field not in (vary.field for vary in file.vary):
+        problem = f"is not varied{did_you_mean(row.field, numbers)}"
+        yield Fault(f"{path}.field", row.field, problem, allowed)
+    elif (info := field_info(design, row.field)) is not None and info.choices:
+        yield Fault(f"{path}.field", row.field, "is a word, which has no greatest or least", allowed)
 
 
 def _quantity_faults(row: StudyQuantity, path: str, design: Design) -> Iterator[Fault]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.design import Design, varied
+from core.design import Design, get, varied
 from core.find import rounded_values
 from core.find.rounding import NO_ROUNDING, rounded_flywheel
 from core.find.trial import FindingsCheck
@@ -64,10 +64,11 @@ def rounded_optimum(study: StudyOfMany, optimum: Optimum, step: float = 0.0) -> 
 
 
 def _reached(study: StudyOfMany, design: Design) -> Mapping[str, float]:
-    """Figures of the goals and limits of a study."""
+    """Figures of the goals and limits of a study, and its goals that are fields."""
     keys = [row.key for row in study.quantities]
-    results = many(design, constant_column(design, 1), keys)
-    return {key: float(np.asarray(results.value[key])[0]) for key in keys}
+    value = many(design, constant_column(design, 1), keys).value if keys else {}
+    fields = {goal.field: float(get(design, goal.field)) for goal in study.file.goals if goal.field}
+    return {key: float(np.asarray(value[key])[0]) for key in keys} | fields
 
 
 def _with_share(study: StudyOfMany, optimum: Optimum) -> Optimum | None:

@@ -376,7 +376,7 @@ class Question:
     figures : mapping of str -> Limits
         Key of a figure -> its least and greatest allowed value.
     goals : mapping of str -> bool
-        Key of a goal, at most two -> whether it is minimised.
+        Key of a goal, a figure or the path of a varied number, at most two -> whether it is minimised.
     robust : float or None
         Share of machines that must keep the limits.
     typed : mapping of str -> VariedField
@@ -406,6 +406,7 @@ def span_of(row: VariedField) -> Span:
 
 def file_of_question(question: Question, design: str = "") -> StudyFile:
     """Study file of a question; ``design`` is the file of the design, relative to that of the study."""
+    varied_paths = {span.path for span in question.spans}
     return StudyFile(
         design=design,
         seed=question.seed,
@@ -416,7 +417,10 @@ def file_of_question(question: Question, design: str = "") -> StudyFile:
         ),
         quantities=tuple(StudyQuantity(*split_key(key)) for key in question.figures),
         limits=_limit_rows(question.figures),
-        goals=tuple(Goal(*split_key(key), minimise=small) for key, small in question.goals.items()),
+        goals=tuple(
+            Goal(field=key, minimise=small) if key in varied_paths else Goal(*split_key(key), minimise=small)
+            for key, small in question.goals.items()
+        ),
     )
 
 
@@ -430,7 +434,7 @@ def question_of_file(file: StudyFile) -> Question:
             words[row.field] = row.choices
         else:
             spans.append(span_of(row))
-    for figure in (*file.limits, *file.quantities, *file.goals):
+    for figure in (*file.limits, *file.quantities, *(goal for goal in file.goals if not goal.field)):
         least, greatest = figures.get(figure.key, (None, None))
         figures[figure.key] = (
             _stricter(max, least, getattr(figure, "min", None)),

@@ -53,7 +53,7 @@ class BestPage(QWidget):
 
     A search continues while the page is hidden; it ends by itself or with *Stop*.
 
-    Signals: ``goals_changed`` (dict of key of a figure to True if it is minimised); ``robust_changed`` (float or
+    Signals: ``goals_changed`` (dict of key of a goal to True if it is minimised); ``robust_changed`` (float or
     None), the share of machines that must keep the limits; ``search_requested``; ``stepped``, the path has changed;
     ``finished``; ``take_over`` (Design), apply the result.
     """
@@ -125,7 +125,7 @@ class BestPage(QWidget):
     def show_goals(
         self, design: Design, figures: Iterable[str], goals: Mapping[str, bool], robust: float | None
     ) -> None:
-        """Offer the figures of a design as goals; show the goals, and the share of machines for a robust design."""
+        """Offer figures and varied numbers of a design as goals; show the goals, and the share of machines for a robust design."""
         names = {key: figure_label(design, key) for key in figures}
         rows = [*goals.items(), *((NONE, True),) * 2][:2]
         for (key, is_minimised), direction, word in zip(rows, self.directions, self.goals, strict=True):
@@ -191,7 +191,7 @@ class BestPage(QWidget):
         if len(self.path) > before and self.study is not None:
             _, goal, start = self.path[-1]
             first = self.study.file.goals[0]
-            name = label_of(self.study.base, first.quantity)
+            name = label_of(self.study.base, first.field or first.quantity)
             self.progress.setText(f"Start {start}, step {len(self.path)}: {name} {value_text(first.key, goal)}")
             self.stepped.emit()
 

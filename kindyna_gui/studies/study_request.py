@@ -37,7 +37,7 @@ class StudyRequest(QObject):
     figures : dict of str to Limits
         Key of a figure and its least and greatest allowed value.
     goals : dict of str to bool
-        Key of a figure, and True if it is minimised.
+        Key of a figure or path of a varied number, and True if it is minimised.
     robust : float or None
         Share of machines that must keep the limits.
     shown : str
@@ -77,7 +77,7 @@ class StudyRequest(QObject):
         self.spans = {span.path: span for span in question.spans}
         self.words, self._typed, self.seed = dict(question.words), question.typed, question.seed
         self.figures, self.goals, self.robust = dict(question.figures), dict(question.goals), question.robust
-        self.shown = next(iter(self.goals), next(iter(self.figures), ""))
+        self.shown = next((key for key in self.goals if key in self.figures), next(iter(self.figures), ""))
 
     def restrict_to(self, design: Design, fields: tuple[str, ...]) -> None:
         """Remove the numbers, words, figures and goals that a design does not have; fields: those that can be varied."""
@@ -85,7 +85,9 @@ class StudyRequest(QObject):
         self.spans = {path: span for path, span in self.spans.items() if path in fields}
         self.words = {path: words for path, words in self.words.items() if self.valid_words(design, path)}
         self.figures = {key: limits for key, limits in self.figures.items() if key.partition(":")[0] in keys}
-        self.goals = {key: minimised for key, minimised in self.goals.items() if key in self.figures}
+        self.goals = {
+            key: minimised for key, minimised in self.goals.items() if key in self.figures or key in self.spans
+        }
         if self.shown not in self.figures:
             self.shown = next(iter(self.figures), "")
 
@@ -126,6 +128,7 @@ class StudyRequest(QObject):
     def keep_fixed(self, path: str) -> None:
         """Vary this number or word no longer."""
         self.spans.pop(path, None)
+        self.goals.pop(path, None)
         self.words.pop(path, None)
         self.changed.emit()
 
@@ -173,7 +176,7 @@ class StudyRequest(QObject):
     # -- goals --------------------------------------------------------------------------------------------
 
     def set_goals(self, goals: dict[str, bool]) -> None:
-        """Replace the goals: key of a figure, and True if it is minimised."""
+        """Replace the goals: key of a figure or path of a varied number, and True if it is minimised."""
         self.goals = goals
         self.changed.emit()
 

@@ -264,7 +264,7 @@ class StudyView(BackgroundView):
         )
         self.figure_rows.show_figures(design, request.figures, request.shown)
         self.tolerances.show_design(design)
-        self.best.show_goals(design, request.figures, request.goals, request.robust)
+        self.best.show_goals(design, (*request.figures, *request.spans), request.goals, request.robust)
         self.save.setEnabled(bool(request.spans or request.words) and bool(request.figures))
         self.board.setVisible(bool(request.spans) or bool(self.board.cards))
         if not request.spans or not request.figures:
@@ -433,7 +433,7 @@ class StudyView(BackgroundView):
         if not self.request.spans and not self.request.words:
             self.best.refuse("Nothing is varied: right-click a value and choose “Vary this”, or open a study.")
         elif not self.request.goals:
-            self.best.refuse("Choose one of the quantities as the goal.")
+            self.best.refuse("Choose one of the quantities, or of the varied numbers, as the goal.")
         else:
             try:
                 self.best.search(study_of(file_of_question(self.request.question()), self._design))

@@ -13,6 +13,7 @@ from core.number_text import COMPARED_DIGITS, MOST_DIGITS, count_text
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying import Optimum, StudyOfMany, ToleranceResult
+from core.varying.linear import SPANS
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
 from kindyna_gui.labels import SECTION_NAMES, sentence
@@ -97,8 +98,15 @@ def group_of(design: Design, slug: str) -> str:
     return stage if request.drive is None else f"{design.drives[request.drive].name}: {in_sentence(stage)}"
 
 
+def is_field(key: str) -> bool:
+    """Whether the key of a goal is the path of a varied number, not that of a figure."""
+    return "." in key and ":" not in key
+
+
 def label_of(design: Design, slug: str) -> str:
-    """Return the name of a quantity without its statistic."""
+    """Return the name of a quantity without its statistic, or of a number."""
+    if is_field(slug) and entry_at(design, slug) is not None:
+        return name_of(design, slug)
     if slug in _TOTALS:
         return _TOTALS[slug][0]
     request = quantity_request(design, f"{slug}:max")
@@ -118,8 +126,10 @@ def unit_of(key: str) -> Unit:
 
 
 def survey_quantity(design: Design, key: str, least: float | None, most: float | None) -> SurveyQuantity:
-    """Return a figure with its limits as plots show it."""
+    """Return a figure, or a number that is a goal, with its limits as plots show it."""
     slug = key.partition(":")[0]
+    if is_field(key):
+        return SurveyQuantity(key, figure_label(design, key), unit_of(key).symbol, SCREEN.quiet, least, most)
     name = quantity_request(design, key).name
     family = _TOTALS[slug][1] if slug in _TOTALS else quantity(name).family if name else "torque"
     colour = SCREEN.family(family)
@@ -148,6 +158,8 @@ def column_text(design: Design, column: str) -> str:
     slug, _, statistic = column.rpartition("_")
     if statistic in STATISTICS and slug and not column.endswith(("_kg_m2", "_j", "_hours")):
         return figure_label(design, f"{slug}:{statistic}")
+    if column.endswith(SPANS):
+        return "the rest of the turn for other segments"
     return label_of(design, column) if column in TOTALS else name_of(design, column)
 
 
@@ -220,7 +232,7 @@ def optimum_html(design: Design, study: StudyOfMany, optimum: Optimum) -> str:
     for goal in study.file.goals:
         now, before = optimum.goals[goal.key], optimum.before[goal.key]
         change = f" ({signed(100.0 * (now / before - 1.0), 3)} %)" if before and before == before and now == now else ""
-        name = escape(label_of(design, goal.quantity))
+        name = escape(label_of(design, goal.field or goal.quantity))
         lines.append(
             f"<b>{name} {escape(value_text(goal.key, now))}</b>, before {escape(value_text(goal.key, before))}{change}"
         )
