@@ -1,7 +1,8 @@
 """Studies of many designs: STUDY.toml, surveys, tolerances, the best design, and tables of results."""
 
-from core.varying.bands import READY, drive_bands, motor_bands, ready_study, shaft_bands, valid_words
+from core.varying.bands import drive_bands, motor_bands, shaft_bands
 from core.varying.optimum import Binding, Optimum, optimise, remarks
+from core.varying.ready import READY, ready_study, valid_words
 from core.varying.request import (
     Goal,
     StudyFile,
