@@ -168,7 +168,17 @@ class Term:
             return np.where(np.isinf(value), 1.0 / self.radius, value / (1.0 + value * self.radius))
 
     def on_line(self, u: np.ndarray) -> np.ndarray:
-        """``side`` times a linear value at coordinates u (k, m), as (m,)."""
+        """``side`` times a linear value.
+
+        Parameters
+        ----------
+        u : ndarray (k, m), dimensionless
+            Coordinates of m designs.
+
+        Returns
+        -------
+        ndarray (m,) [unit of the value]
+        """
         assert self.line is not None, "a linear value"
         constant, slopes = self.line
         return np.asarray(self.side * (constant + slopes @ u))

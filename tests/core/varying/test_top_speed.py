@@ -106,7 +106,7 @@ def test_a_file_with_such_a_goal_is_optimised_written_and_read_back(
 ) -> None:
     save(flat_follower(), tmp_path / "tappet.toml")
     path = tmp_path / "study.toml"
-    path.write_text(STUDY)
+    path.write_text(STUDY, "utf-8")
     assert main(["optimise", str(path), "--into", str(tmp_path / "fast.toml"), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["goal"] == data["answer"][SPEED] == get(load(tmp_path / "fast.toml"), SPEED)
@@ -119,7 +119,7 @@ def test_a_file_with_such_a_goal_is_optimised_written_and_read_back(
     study = load_study(path)
     save_study(study.file, tmp_path / "again.toml")
     assert load_study(tmp_path / "again.toml").file == study.file
-    assert 'field = "shaft.speed_rpm"\nminimise = false\n' in (tmp_path / "again.toml").read_text()
+    assert 'field = "shaft.speed_rpm"\nminimise = false\n' in (tmp_path / "again.toml").read_text("utf-8")
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_a_goal_that_no_study_can_have_is_one_line(
 ) -> None:
     save(flat_follower(), tmp_path / "tappet.toml")
     path = tmp_path / "study.toml"
-    path.write_text(STUDY.partition("[[goals]]")[0] + f"[[goals]]\n{goal}\n")
+    path.write_text(STUDY.partition("[[goals]]")[0] + f"[[goals]]\n{goal}\n", "utf-8")
     assert main(["optimise", str(path)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1

@@ -157,8 +157,8 @@ def test_a_process_window_is_marked_in_the_form_and_undone(user: User, tmp_path:
     assert [s.fixed for s in user.design.drive.motion.segments] == [False, True, False, False]
     assert user.steps == ["Make segment 2 a process window"]
     user.session.save(tmp_path / "window.toml")
-    assert (tmp_path / "window.toml").read_text().count("fixed = true\n") == 1
-    assert "fixed = false" not in (tmp_path / "window.toml").read_text()
+    assert (tmp_path / "window.toml").read_text("utf-8").count("fixed = true\n") == 1
+    assert "fixed = false" not in (tmp_path / "window.toml").read_text("utf-8")
     assert load(tmp_path / "window.toml").drive.motion.segments[1].fixed
     user.session.stack.undo()
     assert not get(user.design, path)
