@@ -22,15 +22,17 @@ from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
 from linkages import chain
 
-from core.design import Design, OptimalCurve, Segment, put
+from core.design import Design, OptimalCurve, Segment, get, only, put
 from core.design.curves import segment_shape
 from core.design.engine import Lobe, LobeRow
 from core.design.lobe import lobe_sides
 from core.mechanism.drivers import with_drawn_pose
 from core.mechanism.unfinished import mobility
+from core.motion.tables import lobe_to_segments
 from core.process import keep_freed_memory
 from core.project import load
-from core.study import Study, findings_of
+from core.study import Study, certificate_of, findings_of
+from core.valves import LIFTS, valve_data, valve_timings
 
 FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times what it takes today: of a row that does not keep its limit yet, too much
@@ -43,9 +45,15 @@ START = "start with the lift, settled, by an empty window"
 RANK = "rank of a drawing: twelve links"
 FINDINGS = "findings: a new lift"
 LOBE = "lobe: a new duration, by a law"
+VALVES = "valve: two drives, by their check"
+DRAGGED = "chain after a dragged duration, by a dragged join"
 OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
 DURATIONS = count(1)  # solved lobes and laws are remembered
-EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml"
+DURATION = "motion.lobe.duration[1].crank_deg"
+JOIN = ("motion.segments[0].span_deg", "motion.segments[1].span_deg")  # of a dwell and the run-up
+EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
+EXAMPLE = EXAMPLES / "transfer_lift.toml"
+VALVE_TRAIN = EXAMPLES / "valve_train.toml"
 
 Limits = Mapping[str, Mapping[str, Any]]
 """Row -> its limit; of one that does not keep it yet also what it takes today, and why."""
@@ -66,6 +74,8 @@ def keys() -> dict[str, Callable[[], float]]:
         RANK: look_at_rank,
         FINDINGS: look_at_findings,
         LOBE: look_at_lobe,
+        VALVES: look_at_valves,
+        DRAGGED: look_at_dragged_duration,
         OPTIMUM: look_at_optimum,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
@@ -134,6 +144,43 @@ def look_at_lobe(seconds: float = SECONDS) -> float:
 
     ours = Fresh(lambda: partial(lobe_sides, another()))
     told = measure({"ours": ours, "rival": partial(laws.ours, laws.KERNEL.grid(3600), None)}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_valves(seconds: float = 2.0 * SECONDS) -> float:
+    """Figures of both valves of a train, of other durations each time, by its findings and certificate."""
+    train = load(VALVE_TRAIN)
+
+    def another() -> Design:
+        longer = 1e-6 * next(DURATIONS)
+        return put(put(train, f"drives[0].{DURATION}", 210.0 + longer), f"drives[1].{DURATION}", 206.0 + longer)
+
+    def check(design: Design) -> None:
+        study = Study(design)
+        findings_of(study)
+        certificate_of(study)
+
+    ours = Fresh(lambda: partial(lambda design: valve_data(valve_timings(design), LIFTS), another()))
+    told = measure({"ours": ours, "rival": Fresh(lambda: partial(check, another()))}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_dragged_duration(seconds: float = SECONDS) -> float:
+    """Forces and cam of a valve train after another duration of its lobe, by those after another join of the same segments."""
+    train = only(load(VALVE_TRAIN), 0)
+    segments = lobe_to_segments(train)
+    first, second = (get(segments, path) for path in JOIN)
+
+    def dragged(longer: float) -> Design:
+        return put(put(segments, JOIN[0], first + longer), JOIN[1], second - longer)
+
+    def chain(design: Design) -> None:
+        study = Study(design)
+        _ = study.dynamics.contact, study.dynamics.torque, study.cam.flank.profile
+
+    ours = Fresh(lambda: partial(chain, put(train, DURATION, 210.0 + 1e-6 * next(DURATIONS))))
+    theirs = Fresh(lambda: partial(chain, dragged(1e-6 * next(DURATIONS))))
+    told = measure({"ours": ours, "rival": theirs}, seconds).seconds
     return told["ours"] / told["rival"]
 
 
