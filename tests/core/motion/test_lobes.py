@@ -221,6 +221,22 @@ def test_a_closing_side_of_its_own() -> None:
     assert motion.motion.segments[2].span_deg == pytest.approx(closing.span, abs=1e-12)
 
 
+@pytest.mark.parametrize("flats", ["", "flank_flat = 0.4\nnose_flat = 0.7\n"])
+def test_a_closing_side_is_the_quadrature_of_its_acceleration(flats: str) -> None:
+    """By an own search of the side that reaches 1.27 mm in 108° with the nose's acceleration of the opening side."""
+    motion = lobed(A + ROWS + CLOSING + flats)
+    opening, closing = lobe_sides(motion.motion.lobe)
+    own = CLOSING.partition("]\n")[2] + flats
+    side = searched(f"lift_mm = 9.0\nramp_runup_deg = 8.0\nnose_acceleration_mm_per_deg2 = {opening.nose_acceleration!r}\n{own}")
+    span = sum(width for width, *_ in side)
+    assert closing.span == pytest.approx(span, abs=1e-9)
+    x = np.linspace(0.01, span - 0.01, 40)
+    expected = np.array([by_quadrature(side, float(each)) for each in x])
+    state = motion.state(motion.angles(np.deg2rad(180.0 + span - x)))
+    got = (state.y[:3] / 1e-3 * np.deg2rad(1.0) ** np.arange(3)[:, None]).T * [1.0, -1.0, 1.0]
+    assert (np.abs(got - expected).max(axis=0) <= 1e-12 * np.abs(expected).max(axis=0)).all()
+
+
 SMOOTH = {name: lobe for name, lobe in CASES.items() if "constant" not in name} | {"closing": A + ROWS + CLOSING}
 
 
