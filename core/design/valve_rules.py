@@ -7,7 +7,15 @@ from collections.abc import Iterator
 
 from core.design.design import Design
 from core.design.edits import stroke
+from core.design.motions import Motion
 from core.errors import MISSING, Fault
+
+
+def _lift(motion: Motion) -> float:
+    """Greatest lift [mm] of a motion; infinite where it is an angle, or incomplete."""
+    if motion.lobe is not None:
+        return motion.lobe.lift_mm if motion.lobe.lift_mm > 0.0 else math.inf
+    return stroke(motion) if motion.unit == "mm" and motion.segments else math.inf
 
 
 def valve_faults(design: Design) -> Iterator[Fault]:
@@ -20,7 +28,7 @@ def valve_faults(design: Design) -> Iterator[Fault]:
     if drive.motion is None:
         yield Fault("valve", "[valve]", "has no motion that opens it", "a design with [motion]")
         return
-    if valve.lash_mm > (lift := stroke(drive.motion) if drive.motion.unit == "mm" else math.inf):
+    if valve.lash_mm > (lift := _lift(drive.motion)):
         yield Fault("valve.lash_mm", valve.lash_mm, "larger than the lift: the valve stays closed", f"<= {lift:g} mm")
     sliders = {slider.link for slider in drive.linkage.sliders} if drive.is_linkage else set()
     names = " | ".join(map(str, sorted(sliders))) or "a linkage with a slider"

@@ -103,11 +103,14 @@ class ValveTiming:
 
     @lazy
     def train_error(self) -> KindynaError | None:
-        """Why the train between the motion and the valve does not open it; None where it does."""
-        if self.design.drive.is_valve_motion:
+        """Why the train does not open the valve; None where it does."""
+        if self.design.drive.is_alone:
             return None
         try:
-            self.travel.lash  # noqa: B018
+            if self.design.drive.is_valve_motion:
+                _ = [self.travel.at(y) for y in self.compiled.position_range]
+            else:
+                self.travel.lash  # noqa: B018
         except KindynaError as error:
             return error
         return None
@@ -115,7 +118,7 @@ class ValveTiming:
     @property
     def has_valve_lift(self) -> bool:
         """Whether the motion is that of the valve, or the train between them opens it."""
-        return self.train_error is None
+        return self.design.drive.is_valve_motion or self.train_error is None
 
     def lobe_lift_at(self, travel: float) -> float:
         """Lobe lift [mm] at which the valve has moved by a travel [mm], the lash included; infinite where it never does."""

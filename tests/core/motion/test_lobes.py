@@ -227,7 +227,9 @@ def test_a_closing_side_is_the_quadrature_of_its_acceleration(flats: str) -> Non
     motion = lobed(A + ROWS + CLOSING + flats)
     opening, closing = lobe_sides(motion.motion.lobe)
     own = CLOSING.partition("]\n")[2] + flats
-    side = searched(f"lift_mm = 9.0\nramp_runup_deg = 8.0\nnose_acceleration_mm_per_deg2 = {opening.nose_acceleration!r}\n{own}")
+    side = searched(
+        f"lift_mm = 9.0\nramp_runup_deg = 8.0\nnose_acceleration_mm_per_deg2 = {opening.nose_acceleration!r}\n{own}"
+    )
     span = sum(width for width, *_ in side)
     assert closing.span == pytest.approx(span, abs=1e-9)
     x = np.linspace(0.01, span - 0.01, 40)

@@ -227,10 +227,12 @@ def test_a_valve_that_its_train_does_not_open_is_refused(tmp_path: Path, capsys:
     backwards = put(trained_linkage(0.2), "linkage.sliders[1].angle_deg", 90.0)
     short = put(trained("pushrod_train.toml", 0.2), "follower.pad_mm", 4.0)
     closed = put(short, "valve.lash_mm", 3.0)  # of a tappet that lifts 7 mm, and a valve that would lift 1.1 mm
+    upside_down = put(trained("finger_follower.toml", 0.1), "follower.valve_direction_deg", 90.0)
     for design, field, words in (
         (backwards, "valve.link", "slide of link 6"),
         (put(backwards, "valve.lash_mm", 0.0), "valve.link", "turn angle_deg of this slider by 180°"),
         (closed, "valve.lash_mm", "its lash is 3 mm, and the train moves it by 1.1"),
+        (upside_down, "follower.valve_direction_deg", "would open while the roller moves towards the cam"),
     ):
         save(design, tmp_path / "train.toml")
         for command in (["check"], ["valve"], ["export", "--out", str(tmp_path / "out")]):

@@ -275,6 +275,26 @@ def test_bad_values_are_one_line_with_the_field(
     assert words in lines[0]
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ("[1.27, 210.0]]", "[9.5, 210.0]]", "motion.lobe.duration[1]"),
+        (", [1.27, 210.0]]", "]", "motion.lobe"),
+        ("lift_mm = 9.0", "lift_mm = -9.0", "motion.lobe.lift_mm"),
+        ("ramp_mm = 0.2", "ramp_mm = 0.03", "motion.lobe.ramp_runup_deg"),
+    ],
+)
+def test_a_lobe_with_a_fault_has_a_lift_above_the_lash(
+    old: str, new: str, field: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A lobe that cannot be solved is one fault, and no second one about the lash."""
+    path = tmp_path / "bad.toml"
+    path.write_text(text(valve="lash_mm = 0.1\n").replace(old, new, 1), encoding="utf-8")
+    assert main(["check", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"drives[0].{field}")
+
+
 def test_a_valve_of_a_linkage_is_one_of_its_sliders() -> None:
     def example(name: str) -> str:
         return (Path(__file__).parents[3] / "resources" / "examples" / f"{name}.toml").read_text("utf-8") + ENGINE
