@@ -17,7 +17,7 @@ from core.output.summary import to_json
 from core.project import load, load_one
 from core.project.files import write_all
 from core.requests import option, text_option
-from core.valves import LIFTS, lift_table, valve_data, valve_timings
+from core.valves import LIFTS, lift_table, require_opening, valve_data, valve_timings
 from core.valves.card import INCH, valve_text
 
 UNITS = {"": 1.0, "mm": 1.0, "in": INCH, "thou": INCH / 1000.0}
@@ -76,8 +76,7 @@ def run_valve(arguments: ValveArguments, painter: Painter | None) -> int:
         timings = tuple(timing for timing in timings if timing.name == name)
         if not timings:
             raise KindynaError(f"drive {arguments.drive!r}: it moves no valve; allowed: a drive with [drives.valve]")
-    for error in filter(None, (timing.train_error for timing in timings)):
-        raise error
+    require_opening(timings)
     data = valve_data(timings, arguments.at)
     print(to_json(data) if arguments.json else valve_text(data), end="")
     return DONE

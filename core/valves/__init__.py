@@ -3,7 +3,7 @@
 from core.valves.card import crank_text, lift_table, valve_data
 from core.valves.edges import LobeEdge, lobe_edges
 from core.valves.pairs import ValvePair, valve_pairs
-from core.valves.timing import LIFTS, Event, ValveTiming, valve_timings
+from core.valves.timing import LIFTS, Event, ValveTiming, require_opening, valve_timings
 
 __all__ = [
     "LIFTS",
@@ -14,6 +14,7 @@ __all__ = [
     "crank_text",
     "lift_table",
     "lobe_edges",
+    "require_opening",
     "valve_data",
     "valve_pairs",
     "valve_timings",

@@ -5,6 +5,7 @@ Lobe lift is the motion of the drive above its lowest position; valve lift is th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees
 from typing import TYPE_CHECKING
 
@@ -262,3 +263,9 @@ def valve_timings(design: Design) -> tuple[ValveTiming, ...]:
     if not rows:
         raise KindynaError("valve: no drive of this design moves a valve; allowed: one with [valve] and [engine]")
     return tuple(rows)
+
+
+def require_opening(timings: Sequence[ValveTiming]) -> None:
+    """Require that the trains open their valves. Raises KindynaError for the first one that does not."""
+    for error in filter(None, (timing.train_error for timing in timings)):
+        raise error

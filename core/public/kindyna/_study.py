@@ -388,6 +388,45 @@ class StudyResults(Generic[D]):
         path = None if out is None else path_to_write("out", out)
         return ecam_table(self._columns.full, text("controller", controller), path, options)
 
+    @names_arguments
+    def valves(self, at_mm: ArrayLike | None = None) -> dict[str, Any]:
+        """Compute the figures of the valves of an engine: events over the crank, lifts, springs, clearance, and overlap.
+
+        Parameters
+        ----------
+        at_mm : ndarray (n,) [mm], optional
+            Lifts of the events; by default those of a cam card: 0.1524, 1.27 and 1 mm.
+
+        Returns
+        -------
+        dict
+            As ``valve --json``: ``valves``, and ``pairs`` of inlet and exhaust.
+
+        Raises
+        ------
+        ValueError
+            A lift is not positive.
+        KindynaError
+            No drive moves a valve, or a train does not open it.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> figures = kd.example("valve_train").study().valves([1.27])
+        >>> figures["pairs"][0]["separation_deg"]
+        109.0
+        >>> round(figures["valves"][0]["clearance"]["least_mm"], 3)
+        4.857
+        """
+        from core.valves import LIFTS, require_opening, valve_data, valve_timings  # few designs have valves
+
+        lifts = LIFTS if at_mm is None else tuple(vector("at_mm", at_mm).tolist())
+        if min(lifts) <= 0.0:
+            raise ValueError(f"at_mm = {min(lifts):g}: a lift above 0 is needed")
+        timings = valve_timings(self._columns.full.design)
+        require_opening(timings)
+        return valve_data(timings, lifts)
+
     def _repr_html_(self) -> str:
         from kindyna._html import study_html  # only notebooks need it
 

@@ -201,6 +201,21 @@ def test_an_explanation_is_that_of_the_command(tmp_path: Path, capsys: pytest.Ca
         assert [list(explanation.equation), list(explanation.symbols)] == [row["equation"], row["symbols"]]
 
 
+def test_figures_of_valves_are_those_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    train = tmp_path / "train.toml"
+    kd.example("valve_train").save(train)
+    study = kd.open(train).study()
+    for words, lifts in (([], None), (["--at", "0.15,2mm"], np.array([0.15, 2.0]))):
+        assert main(["valve", str(train), "--json", *words]) == 0
+        printed = json.loads(capsys.readouterr().out)
+        assert study.valves(lifts) == printed
+        assert study.drives["Exhaust"].valves(lifts)["valves"][0]["events"] == printed["valves"][1]["events"]
+    with pytest.raises(ValueError, match="at_mm = -1"):
+        study.valves([1.0, -1.0])
+    with pytest.raises(kd.KindynaError, match="no drive of this design moves a valve"):
+        kd.example("four_bar").study().valves()
+
+
 def test_many_designs_are_those_edited_one_by_one() -> None:
     radii, quantities = [380.0, 400.0, 430.0], ["pressure_angle_deg:max", "drive_torque_nm:abs"]
     result = LIFT.many({"cam.base_radius_mm": radii}, quantities)
