@@ -466,12 +466,14 @@ class Residual:
     derived : bound of its rounding error
     left_out : number of cases that the residual does not cover
     cases : number and kind of all cases, ``1984 triples``
+    remark : what limits the proof, ``local``
     """
 
     value: float
     derived: float
     left_out: int = 0
     cases: str = ""
+    remark: str = ""
 
     @property
     def bound(self) -> float:
@@ -485,5 +487,5 @@ class Residual:
 
     @property
     def note(self) -> str:
-        """The number of cases left out, in words."""
-        return f"{self.left_out} of {self.cases} left out" if self.left_out else ""
+        """The number of cases left out, in words, or the remark."""
+        return f"{self.left_out} of {self.cases} left out" if self.left_out else self.remark

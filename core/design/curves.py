@@ -37,7 +37,9 @@ from core.numerics.lazy import part_mapper
 from core.numerics.roots import BracketEnds, bracketed_root
 
 if TYPE_CHECKING:
-    from core.laws.optimal import NoOptimalLaw, OptimalTask
+    from core.laws.knots import OptimalTask
+    from core.laws.local import LocalLaw
+    from core.laws.optimal import NoOptimalLaw
 
 # -- curve of a segment as pieces -------------------------------------------------------------------------------
 
@@ -158,13 +160,36 @@ ORDERS_LIMITED = ("velocity", "acceleration", "jerk")
 def _optimal(curve: OptimalCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
     from core.laws.optimal import NoOptimalLaw, optimal_law  # imported here to save start-up time
 
-    task = optimal_task(curve, segment, whole_turn)
     try:
-        pieces = optimal_law(task).pieces
+        if curve.needs_machine:
+            pieces = machine_law(segment, whole_turn, path).pieces
+        else:
+            pieces = optimal_law(optimal_task(curve, segment, whole_turn)).pieces
     except NoOptimalLaw as error:
         raise DesignError([_no_optimal_law(error, curve, path)]) from None
     shape = _split_at_reversals(pieces)
     return CurveShape(shape.pieces, segment.rise, tuple(w * np.sign(segment.rise) for w in shape.velocity_signs))
+
+
+MachineSolver = Callable[[Segment, bool], "LocalLaw"]
+"""Law of a segment that is optimal in its machine; whether the motion has no other segment."""
+_solvers: list[MachineSolver] = []
+
+
+def solve_machines_by(solver: MachineSolver) -> None:
+    """Set the function that computes laws which are optimal in their machine: it solves studies, which are above this room."""
+    _solvers[:] = [solver]
+
+
+def machine_law(segment: Segment, whole_turn: bool, path: str) -> LocalLaw:
+    """Law that is optimal in its machine. Raises NoOptimalLaw; DesignError where its motion belongs to no design."""
+    curve = segment.curve
+    if not _solvers or not isinstance(curve, OptimalCurve) or curve.machine is None:
+        problem = "a motion without a machine has no such law"
+        raise DesignError(
+            [Fault(f"{path}.minimise", getattr(curve, "minimise", ""), problem, "a design, or another aim")]
+        )
+    return _solvers[0](segment, whole_turn)
 
 
 def has_optimal_laws(motion: Motion) -> bool:
@@ -183,7 +208,7 @@ def optimal_task(curve: OptimalCurve, segment: Segment, whole_turn: bool) -> Opt
 
     Its ends have an acceleration of 0 only where the jerk is minimised or limited: else the acceleration may jump.
     """
-    from core.laws.optimal import OptimalTask  # imported here to save start-up time
+    from core.laws.knots import OptimalTask  # imported here to save start-up time
 
     order, rms = MINIMISED[curve.minimise]
     limits = tuple(
@@ -212,12 +237,30 @@ def optimal_task(curve: OptimalCurve, segment: Segment, whole_turn: bool) -> Opt
     )
 
 
+def least_limit(motion: Motion, index: int, name: str) -> float | None:
+    """Least limit of a derivative that an optimal law keeps together with its other limits, normalised to span 1 and rise 1.
+
+    ``name`` is the derivative's: velocity, acceleration, jerk. None where no law keeps the other limits.
+    """
+    from core.laws.optimal import least_limit  # imported here to save start-up time
+
+    segment = with_joined_ends(motion, index)
+    assert isinstance(segment.curve, OptimalCurve)
+    task = optimal_task(segment.curve, segment, len(motion.segments) == 1)
+    least = least_limit(task, 1 + ORDERS_LIMITED.index(name))
+    return None if least is None else _rounded_up(least)
+
+
+def _rounded_up(least: float) -> float:
+    """A limit with five digits, from the safe side."""
+    digit = 10.0 ** (floor(log10(least)) - 4)
+    return float(f"{ceil(least / digit) * digit:.6g}")
+
+
 def _no_optimal_law(error: NoOptimalLaw, curve: OptimalCurve, path: str) -> Fault:
     if error.order:
         name = ORDERS_LIMITED[error.order - 1]
-        digit = 10.0 ** (floor(log10(error.least)) - 4)
-        least = float(f"{ceil(error.least / digit) * digit:.6g}")
-        limit = getattr(curve.limits, name)
+        least, limit = _rounded_up(error.least), getattr(curve.limits, name)
         return Fault(
             f"{path}.limits.{name}", limit, "no law keeps this limit together with the others", f">= {least:g}"
         )

@@ -282,6 +282,19 @@ class Design:
     waviness: Waviness | None = None
     engine: Engine | None = None
 
+    def __post_init__(self) -> None:
+        if any(drive.motion is not None and drive.motion.needs_machine for drive in self.drives):
+            vars(self)["drives"] = tuple(map(self._with_machines, self.drives))
+
+    def _with_machines(self, drive: Drive) -> Drive:
+        """A drive whose optimal laws know the parts of their machine."""
+
+        def machine(motion: Motion) -> Design:
+            part = replace(drive, motion=motion, limits=NO_LIMITS)
+            return Design("", self.shaft, (part,), engine=self.engine)
+
+        return drive if drive.motion is None else replace(drive, motion=drive.motion.in_machine(machine))
+
     @property
     def listed(self) -> bool:
         """Whether its file has a list of named drives."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from math import fsum
 from types import MappingProxyType
@@ -129,9 +130,19 @@ MINIMISED: Mapping[str, tuple[int, bool]] = MappingProxyType(
         "velocity": (1, False),
         "rms_acceleration": (2, True),
         "rms_jerk": (3, True),
+        "torque": (2, False),
+        "contact_force": (2, False),
+        "motor_rms": (2, True),
     }
 )
-"""What an optimal law minimises -> order of the derivative, and whether its root mean square and not its peak."""
+"""What an optimal law minimises -> order of the derivative, and whether its root mean square and not its peak.
+
+Of what depends on the machine it is the order of the highest derivative on which it depends.
+"""
+OF_MACHINE = ("torque", "contact_force", "motor_rms")
+"""What an optimal law minimises in its machine: torque and force that its segment causes, torque of the servo's motor."""
+PLAIN = "rms_acceleration"
+"""What is minimised in place of it where the machine has no solution."""
 
 
 @frozen
@@ -165,6 +176,7 @@ class OptimalCurve(SplineCurve):
     vibration_free : cycles a span of undamped followers that are at rest after it
     intervals : number of equal intervals of the law
     points : as of a spline
+    machine : machine in which it is optimal, where it minimises an effect there; None elsewhere
     """
 
     FILE_ORDER: ClassVar[tuple[str, ...]] = (
@@ -180,6 +192,26 @@ class OptimalCurve(SplineCurve):
     above: tuple[CurveBound, ...] = placed(FileLayout(CurveBound, whole=True, rows=True), ())
     intervals: int = whole("Intervals", 1, 400, default=60, help="more of them approach the true optimum")
     points: tuple[SplinePoint, ...] = placed(FileLayout(SplinePoint, whole=True), ())
+    machine: Machine | None = placed(FileLayout(in_file=False), None)
+
+    @property
+    def needs_machine(self) -> bool:
+        """Whether it minimises an effect in its machine."""
+        return self.minimise in OF_MACHINE
+
+
+@frozen
+class Machine:
+    """The machine of an optimal law.
+
+    Attributes
+    ----------
+    design : design of one drive, whose laws of least effect are those of least ``PLAIN``
+    segment : number of the segment with the law
+    """
+
+    design: Any
+    segment: int
 
 
 @frozen
@@ -200,6 +232,11 @@ CURVES: Mapping[str, type[SccaCurve | PolynomialCurve | SplineCurve]] = MappingP
 def is_joined(curve: Curve, end: str) -> bool:
     """Whether velocity and acceleration at the ``start`` or ``end`` of a curve are those of the neighbour."""
     return isinstance(curve, TableCurve | OptimalCurve) and getattr(curve, end) == JOINED
+
+
+def needs_machine(curve: Curve) -> bool:
+    """Whether a curve is optimal in its machine."""
+    return isinstance(curve, OptimalCurve) and curve.needs_machine
 
 
 def curve_of(law: str) -> Curve:
@@ -414,6 +451,29 @@ class Motion:
     def derived(self) -> tuple[str, ...]:
         """Fields that follow from others, and that a file does not contain."""
         return () if self.lobe is None else ("segments",)
+
+    @property
+    def needs_machine(self) -> bool:
+        """Whether a segment has a law that is optimal in its machine; linked motions keep the machine of their file."""
+        return not self.is_computed and any(needs_machine(segment.curve) for segment in self.segments)
+
+    @property
+    def typed(self) -> Motion:
+        """The motion without the machines of its laws, which follow from the design."""
+        return self.with_curves(lambda i, curve: replace(curve, machine=None)) if self.needs_machine else self
+
+    def in_machine(self, machine: Callable[[Motion], Any]) -> Motion:
+        """The motion in the machine that a function makes of it, where its laws need one."""
+        if not self.needs_machine:
+            return self
+        design = machine(self.with_curves(lambda i, curve: replace(curve, minimise=PLAIN, machine=None)))
+        return self.with_curves(lambda i, curve: replace(curve, machine=Machine(design, i)))
+
+    def with_curves(self, change: Callable[[int, OptimalCurve], OptimalCurve]) -> Motion:
+        """The motion with changed laws, of those that are optimal in its machine."""
+        rows = enumerate(self.segments)
+        segments = (replace(s, curve=change(i, s.curve)) if needs_machine(s.curve) else s for i, s in rows)  # type: ignore[arg-type]
+        return replace(self, segments=tuple(segments))
 
     @property
     def gain(self) -> float:

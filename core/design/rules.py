@@ -20,6 +20,7 @@ from core.design.linkage_rules import DRIVE_RULES
 from core.design.load_rules import element_faults
 from core.design.motions import (
     JOINED,
+    MINIMISED,
     TABLE_ENDS,
     LobeSegments,
     Motion,
@@ -432,8 +433,24 @@ def _drive_faults(design: Design) -> list[Fault]:
         *_form_agrees(design),
         *_speeds_agree(design),
         *servo,
+        *_laws_have_effects(design.drive),
         *_valve_faults(design),
     ]
+
+
+def _laws_have_effects(drive: Drive) -> Iterator[Fault]:
+    """The machine of an optimal law has the torque or force that it minimises."""
+    if drive.motion is None or not drive.motion.needs_machine:
+        return
+    turns = drive.cam is not None or drive.motion.unit == "deg" or drive.servo is not None
+    has = {"torque": turns, "contact_force": drive.cam is not None, "motor_rms": drive.servo is not None}
+    needs = {"torque": "a cam, a motion in degrees, or [servo]", "contact_force": "a cam", "motor_rms": "[servo]"}
+    for i, segment in enumerate(drive.motion.segments):
+        aim = segment.curve.minimise if isinstance(segment.curve, OptimalCurve) else ""
+        if not has.get(aim, True):
+            problem = f"needs {needs[aim]}, which this design does not have"
+            allowed = " | ".join(word for word in MINIMISED if has.get(word, True))
+            yield Fault(f"motion.segments[{i}].minimise", aim, problem, allowed)
 
 
 def _valve_faults(design: Design) -> list[Fault]:

@@ -143,6 +143,8 @@ def merged(base: Design, mine: Design, theirs: Design) -> Design:
 
 
 def _merged(base: Any, mine: Any, theirs: Any) -> Any:
+    if {type(part) for part in (base, mine, theirs)} == {Motion}:
+        base, mine, theirs = base.typed, mine.typed, theirs.typed
     if mine == base:
         return theirs
     if theirs == base:

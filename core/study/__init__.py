@@ -9,6 +9,7 @@ from core.study.drive_forces import roller_lives
 from core.study.drive_study import SAMPLES
 from core.study.extremes import cam_extremes, extremes_of, undercut_on
 from core.study.findings import findings_of
+from core.study.machine_laws import law_in_machine
 from core.study.many import Many, many
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantities_of, quantity
 from core.study.quantity_requests import TOTALS
@@ -24,6 +25,6 @@ else:
 
 __all__ = [
     "QUANTITIES", "SAMPLES", "STAGES", "TOTALS", "Camshaft", "Many", "Quantity", "Study", "at_speeds", "cam_extremes",
-    "certificate_of", "clear_caches", "evaluations", "extremes_of", "findings_of", "many", "names_of", "quantities_of", "quantity",
-    "roller_lives", "sensitivity", "undercut_on",
+    "certificate_of", "clear_caches", "evaluations", "extremes_of", "findings_of", "law_in_machine", "many", "names_of", "quantities_of",
+    "quantity", "roller_lives", "sensitivity", "undercut_on",
 ]  # fmt: skip

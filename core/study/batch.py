@@ -83,6 +83,8 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
                 for i in _loading_drives(design)
             )
         )
+    if design.drive.motion is not None and design.drive.motion.needs_machine:  # each design has its own laws
+        return False
     if design.drive.links and any(step.kind in (GROUP, INPUT) for step, _ in plan_of(design.drive.linkage).steps):
         return False
     if not all(path.startswith(_VARIABLE) and not _SWITCHES.match(path) for path in paths):

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from math import inf
 
 import numpy as np
 
 from core import cam, dynamics, shaft
-from core.design import Motion, OptimalCurve
+from core.design import Motion, OptimalCurve, Segment
 from core.design.curves import optimal_task, segment_shape, with_joined_ends
 from core.errors import NoStability
 from core.findings import LEAST_BOUND, Residual
@@ -23,6 +24,7 @@ from core.motion.extremes import find_extremes
 from core.numerics.roots import gauss
 from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on
+from core.study.machine_laws import law_in_machine
 from core.study.study import Study
 
 OPTIMUM_GAP = 1e-3  # bound of the gap between a law and the best one
@@ -75,6 +77,15 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
     return proof
 
 
+def _local_gap(segment: Segment, whole_turn: bool) -> Residual:
+    """Effect of a law in its machine over the least one of the linearised effect near it, less 1."""
+    law = law_in_machine(segment, whole_turn)
+    gap = law.value / law.least - 1.0 if 0.0 < law.value < inf else 0.0
+    assert isinstance(segment.curve, OptimalCurve)
+    remark = f"local: best of {len(law.starts)} starts, {segment.curve.intervals} intervals"
+    return Residual(max(gap, 0.0), OPTIMUM_GAP, remark=remark)
+
+
 class _SpanPieces:
     """Pieces of a law over its span 0 ... 1, whose extremes are searched in place of those of a turn."""
 
@@ -90,6 +101,9 @@ def _optimum_gaps(motion: Motion) -> Iterator[tuple[str, Residual]]:
         if isinstance(segment.curve, OptimalCurve):
             from core.laws.optimal import optimal_law  # imported here to save start-up time
 
+            if segment.curve.needs_machine:
+                yield f"optimum_gap_{i + 1}", _local_gap(segment, whole_turn)
+                continue
             task = optimal_task(segment.curve, segment, whole_turn)
             table = PieceTable(segment_shape(segment, whole_turn, f"motion.segments[{i}]").pieces)
             reached = (_root_mean_square if task.rms else _peak)(table, task.order)
