@@ -30,6 +30,7 @@ from kindyna_gui.view import AFTER_DRAG_MS
 
 PAUSE_MS = 150  # after a change, before the findings are counted
 STAY_MS = 6000  # how long a message is shown
+NOT_CHECKED = "limits not checked"
 MARGIN = 12  # around a message [pixels]
 
 
@@ -49,7 +50,6 @@ class StatusLine(QStatusBar):
         self._session, self._player = session, player
         self._refusal = self._question = self._entry = ""
         self.findings = QToolButton(autoRaise=True, toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.findings.setText("limits not checked")
         self.findings.clicked.connect(lambda: show_findings())
         self.faults = text_button("Log", flat=True)
         self.faults.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
@@ -99,6 +99,7 @@ class StatusLine(QStatusBar):
         self._search = Background(self)
         self._search.result.connect(self._show_count)
         self._is_counted = True
+        self._document = -1  # number of the document whose findings are shown
         self._checked: tuple[Study | None, tuple[str, ...]] = (None, ())  # a design, and its stages that were checked
         connect_all(
             (self.messageChanged, self._ask_again),
@@ -249,7 +250,7 @@ class StatusLine(QStatusBar):
         stages = self._checked_stages()
         try:
             findings = findings_of(self._session.full_study, stages) if stages else ()
-            text, severity = counted(findings) if stages else ("limits not checked", NOTE)
+            text, severity = counted(findings) if stages else (NOT_CHECKED, NOTE)
             checked = f"Checked: {', '.join(stages)}" if stages else "No view is open, so no limit has been checked"
             tip = f"{checked}. Click to show all findings."
         except KindynaError as error:
@@ -260,6 +261,11 @@ class StatusLine(QStatusBar):
         call_soon(self, lambda: self._show_long(self.currentMessage()))  # the buttons next to it may have become wider
 
     def _design_changed(self) -> None:
+        if self._session.document != self._document:  # the findings of another file are no findings of this one
+            self._document = self._session.document
+            self.findings.setText(NOT_CHECKED)
+            self.findings.setIcon(sign(NOTE))
+            self.findings.setToolTip("Click to show all findings.")
         number = len(self._session.full_design.assumed)
         self.assumed.setText(f"{number} assumed")
         self.assumed.setVisible(number > 0)

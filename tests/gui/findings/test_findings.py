@@ -248,6 +248,15 @@ def test_the_status_line_counts(user: User) -> None:
     assert view.on_screen()
 
 
+def test_the_count_of_one_file_is_not_shown_for_another(user: User) -> None:
+    status = user.window.status
+    user.enter("cam.base_radius_mm", "200")
+    wait_for(lambda: status.findings.text() == "1 error, 1 warning")
+    user.session.open(example("rocker_cam"))
+    assert status.findings.text() == "limits not checked"
+    wait_for(lambda: status.findings.text() == "no findings")
+
+
 def test_the_status_line_counts_only_what_is_on_screen(open_user: Open) -> None:
     user = open_user()
     user.enter("cam.base_radius_mm", "200")
