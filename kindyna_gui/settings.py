@@ -26,6 +26,7 @@ from core.process import user_folder
 from core.units import Unit, unit_kind
 
 DIGITS = 10  # of a number in another unit than that of files
+TYPED_DIGITS = 8  # most digits of such a number that was typed in this unit; one with more was converted
 
 
 class _DisplayUnits(QObject):
@@ -107,9 +108,11 @@ def typed(text: str) -> str:
 
 
 def number_text(value: float, unit: Unit) -> str:
-    """Return a number as it is shown and typed, with all digits, or ``DIGITS`` digits in another unit."""
+    """Return a number as it was typed, with all digits; six where it was converted to another unit."""
     size = size_of(unit.symbol)
-    text = shortest(value) if size == 1.0 else shortest(float(f"{value / size:.{DIGITS}g}"))
+    text = shortest(value if size == 1.0 else float(f"{value / size:.{DIGITS}g}"))
+    if size != 1.0 and sum(map(str.isdigit, text.partition("e")[0].lstrip("-0."))) > TYPED_DIGITS:
+        text = shortest(float(f"{value / size:.{MOST_DIGITS}g}"))
     return text.replace(".", point())
 
 

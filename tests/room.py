@@ -23,9 +23,9 @@ from PySide6.QtWidgets import (
 
 from kindyna_gui.pictures.plots.plot import FixedPlot
 from kindyna_gui.rebuilt import is_in_sight
+from kindyna_gui.tab_bars import TabList
 from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
-from kindyna_gui.window.tabs import TabList
 
 PLOT, MECHANISM = QSize(160, 80), QSize(240, 180)
 PARAMETERS, NEAR = 388, 6

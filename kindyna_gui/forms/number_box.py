@@ -390,6 +390,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     @property
     def number(self) -> float | None:
         """The number that the text means, confirmed or not; None where it is none."""
+        if not self.pending:
+            return self._as_whole(self._value)
         return self._as_whole(parsed(self.text(), self._unit, in_file_units=self.in_file_units))
 
     def _as_whole(self, number: float | None) -> float | None:
@@ -448,6 +450,14 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             return ""
         shown = value / self._size
         return rounded_to(shown, lambda text: metrics.horizontalAdvance(text) <= width).replace(".", point())
+
+    def _exact_text(self) -> str:
+        """Number with all digits, in the unit of files; '' where the box shows them."""
+        if self._value is None or self.pending:
+            return ""
+        shown = parsed(self.text(), self._unit, in_file_units=self.in_file_units)
+        is_exact = shown is not None and math.isclose(shown, self._value, rel_tol=10.0 ** (1 - DIGITS))
+        return "" if is_exact and not self.shortened else value_text(float(self._value), self._unit, in_file_units=True)
 
     @property
     def is_typing(self) -> bool:
@@ -594,10 +604,9 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     def event(self, event: QEvent) -> bool:
         """Leave the undo keys to the window unless a text is being typed, and show all digits in the tip.
 
-        The line edit would claim the undo keys always. The tip begins with all digits of a number that is painted rounded.
+        The line edit would claim the undo keys always. The tip begins with all digits of a number that is shown rounded.
         """
-        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self.shortened:
-            full = value_text(self._value or 0.0, self._unit)
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and (full := self._exact_text()):
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
             return True
         return not leaves_undo(self, event) and super().event(event)

@@ -10,7 +10,7 @@ from weakref import WeakSet
 
 from PySide6.QtCore import QSize, Qt, Signal, SignalInstance
 from PySide6.QtGui import QIcon
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QScrollBar, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QScrollBar, QVBoxLayout, QWidget
 
 from core.design import Design
 from core.findings import ERROR
@@ -30,6 +30,7 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon, fill
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import in_units, size_of
+from kindyna_gui.tab_bars import FittingTabs
 from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:
@@ -106,7 +107,7 @@ class ParametersView(View):
             coloured(QLabel(f"<span style='color:{SCREEN.assumed}'>∗</span> assumed"), SCREEN.quiet),
             tip="Not taken from a source",
         )
-        self.tabs = QTabWidget(documentMode=True)
+        self.tabs = FittingTabs()
         self.tabs.setMinimumSize(*LEAST)
         side = self.tabs.fontMetrics().height() - 2
         self.tabs.setIconSize(QSize(side, side))  # no higher than the text: the mark of a wrong value moves no field
@@ -167,8 +168,7 @@ class ParametersView(View):
         for section, form in self.forms.items():
             design = self.session.typed_full_design if section == SHAFT else typed
             present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
-            if present != self.tabs.isTabVisible(tab):  # Qt lays out the window again even where nothing changes
-                self.tabs.setTabVisible(tab, present)
+            self.tabs.set_present(tab, present)
             if not present:
                 continue
             if section == LOADS:
@@ -212,7 +212,7 @@ class ParametersView(View):
         current = next((name for name, page in self.pages.items() if page is self.tabs.currentWidget()), "")
         if words and not matches.get(current):
             for section, count in matches.items():
-                if count and self.tabs.isTabVisible(self.tabs.indexOf(self.pages[section])):
+                if count and self.tabs.is_present(self.tabs.indexOf(self.pages[section])):
                     self.tabs.setCurrentWidget(self.pages[section])
                     break
 
@@ -263,7 +263,7 @@ class ParametersView(View):
 
     def show_section(self, section: str) -> None:
         """Bring the page of a section to the front, where the design has one."""
-        if section in self.pages and self.tabs.isTabVisible(self.tabs.indexOf(self.pages[section])):
+        if section in self.pages and self.tabs.is_present(self.tabs.indexOf(self.pages[section])):
             self.tabs.setCurrentWidget(self.pages[section])
 
     def focus_field(self, path: str) -> bool:

@@ -23,6 +23,7 @@ from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QSty
 
 from core.design import Info
 from core.frozen import frozen
+from core.number_text import shortest
 from core.units import Unit
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.session import Session
@@ -30,7 +31,7 @@ from kindyna_gui.forms.number_box import NumberBox, parsed
 from kindyna_gui.labels import value_text
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import call_soon, connect_all, single_shot
-from kindyna_gui.settings import DISPLAY, number_text, symbol_of
+from kindyna_gui.settings import DISPLAY, symbol_of
 from kindyna_gui.view import ExplainableNumber
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -210,7 +211,7 @@ class CellModel(QAbstractTableModel):
 
         def use(value: float) -> None:
             self._session.end_gesture()
-            self.setData(self.index(row, column), number_text(value, unit))
+            self.setData(self.index(row, column), f"{shortest(value)} {unit.symbol}")
             self._session.end_gesture()
 
         nearest, valid = self.nearest(row, column, number), self.value(row, column)

@@ -54,6 +54,7 @@ FIRST_TICKED = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
 WIDE = 900  # pixels: from this width on the plots are in a column next to the table, else two by two below it
 AROUND_PLOTS = 16  # pixels of margins and gaps of a column of plots
 LEAST_NAME_WIDTH = 160  # pixels for the names of laws
+LEAST_ROWS = 3  # of the table in sight
 TABLE_WIDTH, TABLE_SHARE = 560, 0.42  # pixels next to the plots, share of the height above them
 
 # -- columns and rows ------------------------------------------------------------------------------------
@@ -330,6 +331,11 @@ class LawsTable(QTableView):
         for column in range(NAME + 1, ENDS + 1):
             self.horizontalHeader().resizeSection(column, number)
 
+    def minimumSizeHint(self) -> QSize:
+        rows = LEAST_ROWS * self.verticalHeader().defaultSectionSize()
+        height = self.horizontalHeader().sizeHint().height() + rows + 2 * self.frameWidth()
+        return QSize(super().minimumSizeHint().width(), height)
+
     @property
     def slug(self) -> str:
         """Law of the current row; empty without one."""
@@ -387,7 +393,6 @@ class LawsView(View):
         self._splitter = QSplitter(childrenCollapsible=False)
         self._splitter.addWidget(self.table)
         self._splitter.addWidget(self._plot_pages())
-        self._splitter.setStretchFactor(1, 1)
         self.set_column(self._tools(), self._splitter, grows=self._splitter)
         for slug in FIRST_TICKED:
             self.model.tick(slug, True)
@@ -564,6 +569,7 @@ class LawsView(View):
             plot.show_numbers(order == 3 or (not is_wide and order == 2))
         for row in range(1, 5):
             self._grid.setRowStretch(row, 1 if is_wide or row < 3 else 0)
+        self._splitter.setStretchFactor(1, 1 if is_wide else 0)  # 0: both parts keep their share
         if is_wide:
             self._splitter.setOrientation(Qt.Orientation.Horizontal)
             self._splitter.setSizes([TABLE_WIDTH, self.width() - TABLE_WIDTH])

@@ -36,6 +36,7 @@ LEFT, RIGHT, TOP, BOTTOM = (
     Area.TopDockWidgetArea,
     Area.BottomDockWidgetArea,
 )
+COLUMNS, ROWS = (LEFT, RIGHT), (TOP, BOTTOM)
 CENTRE = Area.NoDockWidgetArea  # no dock: a page in the middle of the window
 TAB = 26  # width of a tab beyond its text [pixels]
 ANY_HEIGHT = (1 << 24) - 1  # Qt's QWIDGETSIZE_MAX
@@ -51,6 +52,8 @@ class Need:
     ----------
     width, height : int
         Least size.
+    row_height : int
+        Least height in a row above or below the middle, where its sentences have fewer lines; 0: the same.
     most : int
         Height above which it shows nothing more.
     tab : int
@@ -61,6 +64,11 @@ class Need:
     height: int
     most: int = ANY_HEIGHT
     tab: int = 0
+    row_height: int = 0
+
+    def height_at(self, area: Area) -> int:
+        """Least height at a side of the window."""
+        return self.row_height or self.height if area in ROWS else self.height
 
 
 PLOT = (250, 140)
@@ -283,7 +291,11 @@ class Dock(QDockWidget):
         """Full title; the window title, which its tab shows, may be shorter."""
         self.view: View | None = None  # None while it has not been created
         self._paused = False
-        self._least, self._height = row.least, (0, False)
+        self._least = row.least
+        self._heights = {
+            True: (0, False),
+            False: (0, False),
+        }  # of the content in a row, and in a column, once laid out there
         self._missed: Need | None = None  # what there was no room for, when the content last changed
         self._soon = single_shot(self, self.wake)
         self.visibilityChanged.connect(self._visibility_changed)
@@ -299,19 +311,30 @@ class Dock(QDockWidget):
 
     def _note_height(self, least: int, is_all: bool) -> None:
         """Note the height that the content needs, and that it needs no more where this shows all of it."""
-        if (least, is_all) != self._height:
-            self._height = least, is_all
+        if (least, is_all) != self._heights[self._is_in_row]:
+            self._heights[self._is_in_row] = least, is_all
             self.need_changed.emit()
+
+    @property
+    def _is_in_row(self) -> bool:
+        window = self.parent()
+        return isinstance(window, QMainWindow) and window.dockWidgetArea(self) in ROWS
 
     def need(self) -> Need:
         """Return the size that the view needs."""
-        width, height = least_size((self._least[0], self._height[0] or self._least[1]), self.view)
-        return Need(width, height, height if self._height[1] else ANY_HEIGHT, self._tab_width())
+        in_row, in_column = (self._heights[place] for place in (True, False))
+        width, height = least_size((self._least[0], in_column[0] or in_row[0] or self._least[1]), self.view)
+        row_height = least_size((0, in_row[0] or in_column[0] or self._least[1]), self.view)[1]
+        most = ANY_HEIGHT
+        if self._heights[self._is_in_row][1]:
+            most = row_height if self._is_in_row else height
+        return Need(width, height, most, self._tab_width(), row_height)
 
     def event(self, event: QEvent) -> bool:
         if event.type() == QEvent.Type.LayoutRequest and self.view is not None and is_in_sight(self):
             need = self.need()
-            is_small = need.width > self.view.width() or need.height > self.view.height()
+            height = need.row_height if self._is_in_row else need.height
+            is_small = need.width > self.view.width() or height > self.view.height()
             if is_small and need != self._missed:
                 self._missed = need  # once: there may be no room for it
                 self.need_changed.emit()

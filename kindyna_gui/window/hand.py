@@ -10,8 +10,7 @@ from PySide6.QtWidgets import QTabBar
 
 from kindyna_gui.view import is_in_sight
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, TOP, Dock
-from kindyna_gui.window.room import COLUMNS
+from kindyna_gui.window.docks import BOTTOM, COLUMNS, LEFT, RIGHT, TOP, Dock
 from kindyna_gui.window.tasks import Area, DockExtent, DockGroup, Task
 
 NEAR = 8  # largest gap between a tab bar and its dock [pixels]

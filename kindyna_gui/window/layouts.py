@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtWidgets import QApplication, QToolBar
@@ -18,8 +19,8 @@ from kindyna_gui.rebuilt import is_in_sight, single_shot
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
-from kindyna_gui.window.room import COLUMNS, Plan, plan_docks
+from kindyna_gui.window.docks import CENTRE, COLUMNS, VIEWS, Dock
+from kindyna_gui.window.room import Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, TASKS, Task
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
@@ -281,11 +282,16 @@ class Layouts(QObject):
         rows = ([name for name in names if name in members] for _, members in self._row.all_docks)
         return [row[0] for row in rows if row]
 
-    def _apply(self, names: Iterable[str], fronts: Collection[str], called: str = "") -> None:
-        """Open these docks, with room for the one, or the page in the middle, that has just been called."""
+    def _apply(
+        self, names: Iterable[str], fronts: Collection[str], called: str = "", before: Plan | None = None
+    ) -> None:
+        """Open these docks, with room for the one, or the page in the middle, that has just been called.
+
+        ``before``: the plan that is kept as long as everything has room in it.
+        """
         pages, page = self._centre.open_pages
         wanted = self._pages_behind.get(self.current, page) if page == "mechanism" else page
-        plan = self._plan(names, fronts, called, wanted)
+        plan = self._plan(names, fronts, called, wanted, before)
         if not plan.fits and called in self._docks:
             self._pages_behind[self.current], wanted = wanted, "mechanism"  # it needs least room
             plan = self._plan(names, fronts, called, wanted)
@@ -297,10 +303,14 @@ class Layouts(QObject):
             self._plans[self.current] = plan
             self._resize()
 
-    def _plan(self, names: Iterable[str], fronts: Collection[str], called: str, page: str) -> Plan:
+    def _plan(
+        self, names: Iterable[str], fronts: Collection[str], called: str, page: str, before: Plan | None = None
+    ) -> Plan:
         needs, opened = {name: dock.need() for name, dock in self._docks.items()}, tuple(dict.fromkeys(names))
         least, size, forms = self._centre.least_with(page), self._size(), self._inspector
-        return plan_docks(self._row, needs, least, size, opened, in_front=fronts, called=called, forms=forms)
+        return plan_docks(
+            self._row, needs, least, size, opened, in_front=fronts, called=called, forms=forms, before=before
+        )
 
     def _size(self) -> tuple[int, int]:
         """Size of docks and middle: of the window without menus, toolbars and status line."""
@@ -383,7 +393,7 @@ class Layouts(QObject):
             for g in plan.groups
         ]
         fronts = fronts if self._is_furnished else list(plan.fronts)
-        self._apply((*self._names_now(plan.task, names), *shown), fronts, next(iter(shown), called))
+        self._apply((*self._names_now(plan.task, names), *shown), fronts, next(iter(shown), called), before=plan)
 
     def _names_now(self, then: Task, names: Sequence[str]) -> list[str]:
         """Open docks of a task, with those that a window of this width opens at first in place of those of its width then."""
@@ -407,12 +417,14 @@ class Layouts(QObject):
             self._raise_fronts(self._plans[self.current])
 
     def open(self, dock: Dock) -> None:
-        """Show a dock where it has room."""
+        """Show a dock where it has room; one that is open stays where it is, and in front whatever room it needs then."""
+        name, plan = dock.objectName(), self._plans.get(self.current)
         if dock.isHidden() and dock.isFloating():
             dock.show()
         elif dock.isHidden():
-            name = dock.objectName()
             self._apply((*self._opened, name), self._in_front, called=name)
+        elif plan is not None and name in plan.names:
+            self._plans[self.current] = replace(plan, called=name)
 
     def _make_room(self) -> None:
         """Give the middle the size that the page needs which has come to the front."""

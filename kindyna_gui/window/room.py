@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 from core.frozen import frozen
-from kindyna_gui.window.docks import ANY_HEIGHT, BOTTOM, LEFT, RIGHT, TOP, Need
+from kindyna_gui.window.docks import ANY_HEIGHT, COLUMNS, LEFT, RIGHT, ROWS, Need
 from kindyna_gui.window.tasks import INSPECTOR, SEPARATOR, Area, Task
 
 HEAD = 26  # height of a title, or of the tabs in its place
-COLUMNS, ROWS = (LEFT, RIGHT), (TOP, BOTTOM)
 NEAR = 6  # by which the parameters may differ from their width
 FORMS = "parameters"
 
@@ -58,6 +57,8 @@ class Plan:
         Whether nothing is below its least size.
     called : str
         Dock or page that was called.
+    size, page : tuple of int
+        Size for the docks and the middle, and least size of the middle.
     """
 
     task: Task
@@ -66,6 +67,8 @@ class Plan:
     extents: Mapping[Area, int]
     fits: bool
     called: str = ""
+    size: tuple[int, int] = (0, 0)
+    page: tuple[int, int] = (0, 0)
 
     @property
     def fronts(self) -> tuple[str, ...]:
@@ -92,6 +95,7 @@ def plan_docks(
     in_front: Collection[str] = (),
     called: str = "",
     forms: int = INSPECTOR,
+    before: Plan | None = None,
 ) -> Plan:
     """Return positions and sizes of the open docks of a task.
 
@@ -116,8 +120,11 @@ def plan_docks(
         Dock or page that the user has just called; empty: none.
     forms : int
         Width of the parameters.
+    before : Plan, optional
+        The present plan. Its docks stay in their groups as long as they have room there, where nothing was opened, closed
+        or called since and the window and its middle have the same size.
     """
-    return _Room(task, needs, page, size, forms).plan(opened, in_front, called)
+    return _Room(task, needs, page, size, forms).plan(opened, in_front, called, before)
 
 
 class _Room:
@@ -129,14 +136,8 @@ class _Room:
         self._task, self._needs, self._page, self._size, self._forms = task, needs, page, size, forms
         self._homes = {name: index for index, (_, names) in enumerate(task.all_docks) for name in names}
 
-    def plan(self, opened: Sequence[str], in_front: Collection[str], called: str) -> Plan:
-        large = self._task.large
-        firsts = (FORMS, large) if called and called not in self._homes else (large, FORMS)
-        behind = sorted(opened, key=lambda name: name not in in_front)
-        for order in ((*firsts, *in_front, called, *behind), (*firsts, called, *behind)):
-            placed = self._placed([name for name in dict.fromkeys(order) if name in opened], called)
-            if self._fits(placed, False) and (called not in self._homes or any(called in names for names in placed)):
-                break  # else what is in front has to make room for what is called
+    def plan(self, opened: Sequence[str], in_front: Collection[str], called: str, before: Plan | None) -> Plan:
+        placed = self._kept(before, opened, called) or self._placed_anew(opened, in_front, called)
         extents = {**self._widths(placed), **self._heights(placed)}
         groups: list[PlacedGroup] = []
         for area in (*COLUMNS, *ROWS):
@@ -145,7 +146,30 @@ class _Room:
                 names = placed[index]
                 front = called if called in names else next((n for n in names if n in in_front), names[0])
                 groups.append(PlacedGroup(index, area, self._in_order(names, index), front, length))
-        return Plan(self._task, tuple(opened), tuple(groups), extents, self._fits(placed, False), called)
+        fits = self._fits(placed, False)
+        return Plan(self._task, tuple(opened), tuple(groups), extents, fits, called, self._size, self._page)
+
+    def _kept(self, before: Plan | None, opened: Sequence[str], called: str) -> list[Names]:
+        """Names at each group as before; empty where they have to be placed anew."""
+        now = (self._task, {*opened}, called, self._size, self._page)
+        if before is None or now != (before.task, {*before.names}, before.called, before.size, before.page):
+            return []
+        placed: list[Names] = [() for _ in self._task.groups]
+        for group in before.groups:
+            placed[group.index] = group.names
+        has_all = {*opened} == {name for names in placed for name in names}
+        return placed if has_all and self._fits(placed, False) else []
+
+    def _placed_anew(self, opened: Sequence[str], in_front: Collection[str], called: str) -> list[Names]:
+        """Names at each group, with room for what is called."""
+        large = self._task.large
+        firsts = (FORMS, large) if called and called not in self._homes else (large, FORMS)
+        behind = sorted(opened, key=lambda name: name not in in_front)
+        for order in ((*firsts, *in_front, called, *behind), (*firsts, called, *behind)):
+            placed = self._placed([name for name in dict.fromkeys(order) if name in opened], called)
+            if self._fits(placed, False) and (called not in self._homes or any(called in names for names in placed)):
+                break  # else what is in front has to make room for what is called
+        return placed
 
     def _in_order(self, names: Names, index: int) -> Names:
         """Names of a group in the order of the task, those at home first: no tab moves when another view is called."""
@@ -187,7 +211,7 @@ class _Room:
         needs = [self._needs[name] for name in names]
         tabs = sum(need.tab for need in needs) if with_tabs and len(needs) > 1 else 0
         width = max(tabs, *(need.width for need in needs))
-        height = HEAD + max(need.height for need in needs)
+        height = HEAD + max(need.height_at(area) for need in needs)
         return (width, height) if area in COLUMNS else (height, width)
 
     def _side(self, placed: list[Names], area: Area) -> tuple[int, int]:

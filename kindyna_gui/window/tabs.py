@@ -6,65 +6,17 @@ Qt would cut the names, or move tabs behind arrows.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
-from PySide6.QtCore import QChildEvent, QEvent, QObject, Qt
-from PySide6.QtWidgets import QMenu, QTabBar, QToolButton
+from PySide6.QtCore import QChildEvent, QEvent, QObject
+from PySide6.QtWidgets import QTabBar
 from shiboken6 import isValid
 
-from kindyna_gui.look import described
-from kindyna_gui.rebuilt import add_entry, clear_menu, single_shot
+from kindyna_gui.rebuilt import single_shot
+from kindyna_gui.tab_bars import TabList, fitting_tabs
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS, Dock
 
 RELAID = (QEvent.Type.Resize, QEvent.Type.Show, QEvent.Type.LayoutRequest, QEvent.Type.FontChange)
-LIST_WIDTH = 76  # pixels of the button of the list
-
-
-def fitting_tabs(widths: Sequence[int], room: int, front: int) -> list[int]:
-    """Return the numbers of the tabs that have room: all, or the one in front and as many as leave room for the list."""
-    if sum(widths) <= room:
-        return list(range(len(widths)))
-    shown, left = [front], room - LIST_WIDTH - widths[front]
-    for number, width in enumerate(widths):
-        if number == front:
-            continue
-        if width > left:
-            break
-        shown.append(number)
-        left -= width
-    return sorted(shown)
-
-
-class TabList(QToolButton):
-    """Button at the right end of a bar, with a menu of the tabs for which it has no room."""
-
-    def __init__(self, bar: QTabBar) -> None:
-        super().__init__(bar, popupMode=QToolButton.ToolButtonPopupMode.InstantPopup)
-        described(self, tip="List the views whose tabs have no room")
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._bar, self._menu = bar, QMenu(self)
-        self._menu.aboutToShow.connect(self._fill)
-        self.setMenu(self._menu)
-
-    def show_number(self, hidden: int) -> None:
-        """Show how many tabs have no room; 0: the button is hidden."""
-        self.setVisible(hidden > 0)
-        self.setText(f"{hidden} more")
-        self.setGeometry(self._bar.width() - LIST_WIDTH, 0, LIST_WIDTH, self._bar.height())
-
-    def _fill(self) -> None:
-        clear_menu(self._menu)
-        for number in range(self._bar.count()):
-            if not self._bar.isTabVisible(number):
-                add_entry(self._menu, self._bar.tabToolTip(number), partial(self._show_tab, number))
-
-    def _show_tab(self, number: int) -> None:
-        self._bar.setTabVisible(number, True)
-        self._bar.setCurrentIndex(number)
-
-
-# -- bars ------------------------------------------------------------------------------------------------
 
 
 def widths_of(bar: QTabBar) -> list[int]:
@@ -150,11 +102,12 @@ class WindowTabs(QObject):
                 bar.setTabToolTip(number, titles[number])
             if bar.isTabVisible(number) != (number in shown):
                 bar.setTabVisible(number, number in shown)
-        hidden, tabs = bar.count() - len(shown), self._lists[bar]
+        hidden = {number: titles[number] for number in range(bar.count()) if number not in shown}
+        tabs = self._lists[bar]
         if hidden and tabs is None:
             tabs = self._lists[bar] = TabList(bar)
         if tabs is not None:
-            tabs.show_number(hidden)
+            tabs.list_tabs(hidden)
 
 
-__all__ = ["TabList", "WindowTabs", "fitting_tabs"]
+__all__ = ["WindowTabs"]

@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
+from room import unreadable
 from sampled import spread
 from window_user import Open, User, settle, wait_for
 
@@ -20,6 +21,8 @@ from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import SECTIONS
 from kindyna_gui.places import example
+from kindyna_gui.screenshots import rest
+from kindyna_gui.tab_bars import TabList
 
 ROD, ARM, X = "follower.rod_mm", "follower.roller_arm_mm", "follower.pivot_x_mm"
 LIFT = load(example("transfer_lift"))
@@ -88,6 +91,37 @@ def test_a_page_has_fields_from_when_it_is_shown_or_refuses_a_value(open_user: O
     assert not shown.tabs.tabIcon(shown.tabs.indexOf(shown.pages["cam"])).isNull(), "the page is marked"
     assert shown.forms["cam"].fields["cam.base_radius_mm"].trouble
     assert boxes()["shaft"] == 0
+
+
+def test_all_tabs_can_be_read_and_those_without_room_are_in_a_list(open_user: Open) -> None:
+    """A valve train has eight sections; wrong values make tabs wider by a sign."""
+    user = open_user(example("valve_train"), (1440, 900), whole=True)
+    window, shown = user.window, user.parameters()
+    rest(window, 1.0)
+    tabs, bar = shown.tabs, shown.tabs.tabBar()
+    present = [i for i in range(tabs.count()) if tabs.is_present(i)]
+    assert [i for i in present if tabs.isTabVisible(i)] == present
+    assert len(present) == 8
+    assert unreadable(window) == []
+    for path in ("cam.base_radius_mm", "engine.stroke_mm"):
+        user.enter(path, "-5")
+    settle()
+    hidden = [i for i in present if not tabs.isTabVisible(i)]
+    assert hidden == present[-len(hidden) :] != []
+    assert unreadable(window) == []
+    assert max(bar.tabRect(i).right() for i in present if i not in hidden) < tabs.findChild(TabList).x()
+    menu = tabs.findChild(TabList).menu()
+    menu.aboutToShow.emit()
+    assert [entry.text() for entry in menu.actions()] == [tabs.tabText(i) for i in hidden]
+    menu.actions()[-1].trigger()
+    settle()
+    assert tabs.currentIndex() == hidden[-1]
+    assert tabs.isTabVisible(hidden[-1])
+    assert unreadable(window) == []
+    for path in ("engine.stroke_mm", "cam.base_radius_mm"):
+        shown.field(path).editor.withdraw()
+    settle()
+    assert [i for i in present if tabs.isTabVisible(i)] == present
 
 
 def test_fields_follow_undo_and_other_files(user: User) -> None:

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtGui import QHelpEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -15,6 +16,7 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QLabel,
     QPushButton,
+    QToolTip,
     QWidget,
 )
 from sampled import stressed
@@ -68,13 +70,28 @@ def in_inches(dialog: PreferencesDialog) -> None:
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
 
+def tip_of(editor: QWidget) -> str:
+    """The tip at the mouse over an editor; "" where there is none but that of the editor."""
+    QToolTip.hideText()
+    QApplication.sendEvent(editor, QHelpEvent(QEvent.Type.ToolTip, QPoint(5, 5), editor.mapToGlobal(QPoint(5, 5))))
+    text: str = QToolTip.text()
+    QToolTip.hideText()
+    return text
+
+
 def test_a_field_shows_and_takes_the_unit_that_is_preferred(user: User) -> None:
     field = user.field("cam.base_radius_mm")
     assert (field.editor.text(), field.unit.text()) == ("400", "mm")
     prefer(user, in_inches)
     field = user.field("cam.base_radius_mm")
-    assert (field.editor.text(), field.unit.text()) == ("15.7480315", "in")
-    assert user.steps == []
+    assert (field.editor.text(), field.unit.text()) == ("15.748", "in")
+    assert tip_of(field.editor).startswith("400 mm<br>"), "all digits are in the tip"
+    user.press(Qt.Key.Key_Return)
+    assert user.steps == [], "a number that was converted is not typed"
+    user.enter("cam.base_radius_mm", "15.748031")
+    assert field.editor.text() == "15.748031", "as typed"
+    assert not tip_of(field.editor).startswith("400")
+    user.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
     user.enter("cam.base_radius_mm", "16.5")
     assert user.design.drive.cam.base_radius_mm == 419.1
     assert user.steps == ["Change base radius Br to 16.5 in"]

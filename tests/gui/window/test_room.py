@@ -13,9 +13,9 @@ from kindyna_gui.look import apply_preferences
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
 from kindyna_gui.settings import INCH, Preferences
+from kindyna_gui.tab_bars import TabList
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS, Need
 from kindyna_gui.window.room import Plan, plan_docks
-from kindyna_gui.window.tabs import TabList
 from kindyna_gui.window.tasks import INSPECTOR, SEPARATOR, TASKS
 
 SIZES = (1280, 720), (1440, 900), (1920, 1080)
@@ -179,6 +179,24 @@ def test_all_tasks_can_be_read_with_a_view_called_after_any_order_of_tasks(
 def test_explain_is_read_in_make_and_the_parameters_keep_their_width(open_user: Open) -> None:
     user = open_user(size=SIZES[0], whole=True)
     assert walk(user, SIZES[0], ("make", "kine"), ("explain", "timing")) == {}
+
+
+def test_long_sentences_come_to_rest_where_they_have_room(open_user: Open) -> None:
+    """In a row they have fewer lines than in a column: what is laid in the row must not go back for that."""
+    user = open_user(example("lecture_six_bar"), size=SIZES[0], whole=True)
+    window = user.window
+    assert walk(user, SIZES[0], ("make",), ("velocity", "findings", "laws")) == {}
+    assert walk(user, SIZES[0], ("kine",), ("",)) == {}
+    areas = set()
+    for _ in range(6):
+        settle()
+        areas.add(window.dockWidgetArea(window.docks["findings"]))
+    assert len(areas) == 1
+
+
+def test_an_open_view_called_stays_in_front_when_its_content_needs_more_room(open_user: Open) -> None:
+    user = open_user(example("lecture_six_bar"), size=SIZES[0], whole=True)
+    assert walk(user, SIZES[0], ("make",), ("findings",)) == {}
 
 
 def test_a_page_called_comes_to_the_front_over_a_dock_called_before(open_user: Open) -> None:
