@@ -188,9 +188,16 @@ class EndField(CurveField):
 
 
 class LimitField(EndField):
-    """Field of a limit, which may be left out."""
+    """Field of a limit, which may be left out; where no law keeps it, a button takes the least one."""
 
     hint = "none"
+
+    def _show_refusals(self) -> None:
+        super()._show_refusals()
+        if self._misfit and not self._refusals and not self.is_obsolete:
+            from kindyna_gui.motion.optimal_form import refusal_of_limit  # imported here to save start-up time
+
+            self.message.show_refusal(*refusal_of_limit(self.session, self.session.typed, self.spec.path))
 
 
 def name_in_sentence(design: Design, path: str) -> str:

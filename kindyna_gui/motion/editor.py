@@ -27,7 +27,6 @@ from core.motion.split import shift_motion
 from core.number_text import shortest
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.labels import law_label
 from kindyna_gui.motion.diagram import (
     ANGLE_STEP,
@@ -46,6 +45,7 @@ from kindyna_gui.motion.diagram import (
     step_join,
     step_name,
 )
+from kindyna_gui.motion.limit_plot import LimitPlot, limit_lines
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import fill
@@ -88,11 +88,11 @@ class DerivativePlots(QWidget):
     angle_moved = Signal(float)
     visibility_changed = Signal()
 
-    def __init__(self, diagram: MotionDiagram) -> None:
+    def __init__(self, diagram: MotionEditor, session: Session) -> None:
         super().__init__(autoFillBackground=True)
         self.setBackgroundRole(QPalette.ColorRole.Base)
         self._diagram = diagram
-        self.plots = tuple(LivePlot(names=False) for _ in QUANTITIES)
+        self.plots = tuple(LimitPlot(session, order) for order in range(1, len(QUANTITIES) + 1))
         self.shown = 0
         """Number of plots that are shown."""
         self._column = fill(QVBoxLayout(self), (diagram, DIAGRAM), margins=0, spacing=0)
@@ -109,7 +109,17 @@ class DerivativePlots(QWidget):
         """Draw velocity, acceleration and jerk of a study; companions: returns what is drawn next to a quantity."""
         for plot, quantity in zip(self.plots[: self.shown], QUANTITIES, strict=False):
             rows = rows_of(study, (quantity,))
+            self._show_limits(plot, study, rows[0])
             plot.set_curves(study, rows, read=False, **companions(rows))
+
+    def show_limits(self, study: Study) -> None:
+        """Show the limits of optimal laws, after another segment was selected."""
+        for plot, quantity in zip(self.plots[: self.shown], QUANTITIES, strict=False):
+            self._show_limits(plot, study, rows_of(study, (quantity,))[0])
+
+    def _show_limits(self, plot: LimitPlot, study: Study, channel: Quantity) -> None:
+        plot.locked = self._diagram.locked
+        plot.show_limits(limit_lines(study, channel, plot.order, self._diagram.chosen))
 
     def lacking(self, study: Study) -> tuple[Quantity, ...]:
         """Channels of the plots whose extremes are not marked yet."""

@@ -10,12 +10,13 @@ from typing import Any
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QLineEdit, QScrollArea, QVBoxLayout, QWidget
 
-from core.design import NO_UNIT, CurveBound, Design, entries, get, put
+from core.design import NO_UNIT, CurveBound, Design, entries, get, put, require_motion
+from core.design.curves import least_limit
 from core.number_text import shortest
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import parsed, row_height
-from kindyna_gui.forms.refusal import NO_REMEDIES, FloatingRefusal
+from kindyna_gui.forms.refusal import NO_REMEDIES, FloatingRefusal, Remedies
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import described
 from kindyna_gui.rebuilt import fill
@@ -36,6 +37,27 @@ LISTS: tuple[tuple[str, str, int, int, int, str], ...] = (
      "Obstacles that the law passes above: from, to and least of the rise, as fractions, such as 0.6 1 0.7; several with semicolons"),
 )  # fmt: skip
 """Key of a list, its name, numbers a row, row and half of the grid, and its tip."""
+
+
+def limit_step(path: str, limit: float) -> str:
+    """Name of the undo step that changes a limit."""
+    return f"Change {path.rpartition('.')[2]} limit of segment {(segment_of(path) or 0) + 1} to {shortest(limit)}"
+
+
+def refusal_of_limit(session: Session, typed: Design, path: str) -> tuple[str, Remedies]:
+    """Why no law keeps a limit of a typed design, and a button that takes the least one; empty where a law keeps it."""
+    index, name = segment_of(path) or 0, path.rpartition(".")[2]
+    limit, least = get(typed, path), least_limit(require_motion(typed), index, name)
+    if limit is None or least is None or least <= limit:
+        return "", NO_REMEDIES
+
+    def use() -> None:
+        session.end_gesture()
+        session.edit(path, least, limit_step(path, least))
+        session.end_gesture()
+
+    text = f"No law keeps a {name} limit of {shortest(limit)} together with the other limits; the least one is {shortest(least)}"
+    return text, {f"Use {shortest(least)}": use}
 
 
 def scrolled_grid(paper: QWidget) -> QGridLayout:

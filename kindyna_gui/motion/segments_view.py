@@ -318,7 +318,7 @@ class SegmentsView(MarkedView):
         self.model = SegmentsModel(session, self)
         self.table = SegmentsTable(session, self.model)
         self.diagram = MotionEditor(session, player)
-        self.derivatives = DerivativePlots(self.diagram)
+        self.derivatives = DerivativePlots(self.diagram, session)
         self.curve = SegmentCurveForm(session, player)
         self.header = MotionHeader(session)
         self.incomplete_bar = IncompleteBar()
@@ -596,6 +596,8 @@ class SegmentsView(MarkedView):
             self.diagram.chosen = self.chosen
             self.diagram.update_highlight()
             self._show_chosen()
+            if self._has_derivatives and not self.in_trouble:
+                self.derivatives.show_limits(self.session.study)
 
     def _show_chosen(self) -> None:
         """Show the curve of the selected segment, and enable its actions."""
