@@ -32,6 +32,7 @@ NO_SIZES = "Find calculates a cam and its follower within limits; this design ha
 NO_FORCES = "No forces: no masses and no forces are given."
 NO_RANKING = "No quantity to rank by: torque and forces need a cam and loads."
 NOT_PINNED = "Nothing is pinned. Pin the current design, then change it: this table shows what the change does."
+NO_VALVE = "No drive of this design moves a valve. File > New by type > Valve train begins with inlet and exhaust."
 NO_VALVE_SPRINGS = "This drive has no valve spring. Add one to its loads, by wire, coils and lengths."
 NO_SERVO = "No servo drives this motion. Add one to compare it with the cam."
 ONE_DRIVE_TORQUE = "One drive only: see the Torque plot. With several drives this shows their total."

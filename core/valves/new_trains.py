@@ -135,9 +135,20 @@ class TrainCard:
     def motion_mm(self, valve: ValveCard, lift_mm: float) -> float:
         """Height of the motion at a lift of the card: of the valve where the motion is the valve's, else of the tappet."""
         if self.of == LOBE:
-            return _rounded(lift_mm * self.rocker_ratio) if self.row.moves_valve else lift_mm
+            return _rounded(lift_mm * self._motion_per_lobe)
         gross = lift_mm + valve.lash_mm
         return _rounded(gross if self.row.moves_valve else gross / self.rocker_ratio)
+
+    def card_mm(self, lash_mm: float, motion_mm: float) -> float:
+        """Lift of the card at a height of the motion, the inverse of ``motion_mm``."""
+        if self.of == LOBE:
+            return _rounded(motion_mm / self._motion_per_lobe)
+        return _rounded((motion_mm if self.row.moves_valve else motion_mm * self.rocker_ratio) - lash_mm)
+
+    @property
+    def _motion_per_lobe(self) -> float:
+        """Height of the motion over the lift of the lobe."""
+        return self.rocker_ratio if self.row.moves_valve else 1.0
 
     def ramp_mm(self, valve: ValveCard) -> float:
         """Height of the motion at which the ramp ends: as typed, else above the lash, so that the valve seats on the ramp."""
@@ -446,11 +457,17 @@ def card_of(design: Design) -> TrainCard:
     row = TRAINS[trains[0]]
     card = TrainCard(
         train=trains[0],
-        of=row.of,
+        of=row.of if all(map(_opens_at_rows, drives)) else LOBE,
         ratio=_rounded(_ratio(drives[0], row.arm)) if row.arm else None,
     )
     inlet, exhaust = (_valve_of(drive, card, sense) for drive, sense in zip(drives, (1.0, -1.0), strict=True))
     return replace(card, inlet=inlet, exhaust=exhaust)
+
+
+def _opens_at_rows(drive: Drive) -> bool:
+    """Whether the lash is taken up below all typed lifts of a lobe, so that they are lifts of the valve too."""
+    lobe = drive.motion.lobe if drive.motion is not None else None
+    return lobe is None or drive.valve is None or all(row.at_mm > drive.valve.lash_mm for row in lobe.duration)
 
 
 def _train_of(drive: Drive) -> str | None:
@@ -470,11 +487,10 @@ def _valve_of(drive: Drive, card: TrainCard, sense: float) -> ValveCard:
         )
     lash = drive.valve.lash_mm
     lift, (low, high) = lobe.lift_mm, sorted(lobe.duration, key=lambda row: row.at_mm)
-    off = lash if card.of == VALVE else 0.0
     valve = ValveCard(
-        lift_mm=_rounded(lift - off), lash_mm=lash,
-        first_at_mm=_rounded(low.at_mm - off), first_deg=low.crank_deg,
-        second_at_mm=_rounded(high.at_mm - off), second_deg=high.crank_deg,
+        lift_mm=card.card_mm(lash, lift), lash_mm=lash,
+        first_at_mm=card.card_mm(lash, low.at_mm), first_deg=low.crank_deg,
+        second_at_mm=card.card_mm(lash, high.at_mm), second_deg=high.crank_deg,
         centre_deg=sense * drive.valve.centre_deg,
     )  # fmt: skip
     ramp = card.ramp_mm(valve)

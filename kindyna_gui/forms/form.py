@@ -12,7 +12,17 @@ from typing import Any
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from core.design import ELEMENT_LISTS, Design, Entry, by_weight, entries, get, is_assumed
 from kindyna_gui.documents.edits import Refusal
@@ -21,9 +31,9 @@ from kindyna_gui.documents.texts import BACK
 from kindyna_gui.forms.fields import COLUMNS, Field, FieldSpec
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import entry_label, heading_of
-from kindyna_gui.look import coloured, text_button
+from kindyna_gui.look import coloured, described, text_button
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.rebuilt import ContentArea, fill, remove_part
+from kindyna_gui.rebuilt import STRETCH, ContentArea, fill, remove_part
 
 LAST_VALID = "The drawing and the plots still show the last valid values."
 MOST_REASONS = 3  # in the bar about values that do not fit
@@ -405,3 +415,39 @@ class Form(QScrollArea):
     def in_trouble(self) -> bool:
         """Whether a value was refused or does not fit the others."""
         return any(field.trouble for field in self._fields.values())
+
+
+# -- page with the button of the cam card -------------------------------------------------------------------
+
+EDIT_CARD = "designing.edit_valve_train"
+"""Key of the menu entry that the button calls."""
+
+
+def card_button() -> QPushButton:
+    """Return the button that opens the cam card of a design's valves."""
+    return described(
+        QPushButton("Edit valve train..."),
+        tip="Edit inlet and exhaust valve by their cam card: durations, centres, lash, ratio",
+    )
+
+
+class ValvePage(QWidget):
+    """A form of a section with the button of the cam card above it.
+
+    Signal ``card_requested``: the button is clicked.
+    """
+
+    card_requested = Signal()
+
+    def __init__(self, form: Any) -> None:
+        super().__init__()
+        self._form: Form = form
+        self.button = card_button()
+        self.button.clicked.connect(lambda: self.card_requested.emit())
+        row = fill(QHBoxLayout(), self.button, STRETCH, margins=(10, 6, 6, 0))
+        fill(QVBoxLayout(self), row, (form, 1), margins=0, spacing=0)
+
+    @property
+    def editors(self) -> list[QWidget]:
+        """Button and editors in the order of Tab."""
+        return [self.button, *self._form.editors]

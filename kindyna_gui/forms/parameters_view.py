@@ -20,7 +20,7 @@ from core.units import split_unit
 from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.documents.texts import back_text, misfit_sentences
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
-from kindyna_gui.forms.form import Form, IncompleteBar, part_of
+from kindyna_gui.forms.form import EDIT_CARD, Form, IncompleteBar, ValvePage, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, described, sign
@@ -36,7 +36,9 @@ from kindyna_gui.view import View, ViewHost
 if TYPE_CHECKING:
     from kindyna_gui.forms.nearest_fit import NearestFit
 
-LOADS, LIMITS = "loads", "limits"
+LOADS, LIMITS, MOTION = "loads", "limits", "motion"
+CARD_SECTIONS = ("engine", "valve")
+"""Sections of which the cam card of a valve train has values."""
 LEAST = 285, 116  # pixels; the pages scroll, so a full window need not grow for them
 LEAST_OVER_BAR = 84  # height of the pages over the bar about values that do not fit: the tabs, and a field [pixels]
 LEAST_HEIGHT = 185  # of the view, at which fields of a page can be read [pixels]
@@ -118,7 +120,9 @@ class ParametersView(View):
             **{section: self.loads.form if section == LOADS else Form(session, section) for section in EVERY_SECTION},
         }
         self.pages: dict[str, Any] = {
-            section: self.loads if section == LOADS else form for section, form in self.forms.items()
+            **self.forms,
+            LOADS: self.loads,
+            **{section: ValvePage(self.forms[section]) for section in CARD_SECTIONS},
         }
         for section, page in self.pages.items():
             self.tabs.addTab(page, SECTION_NAMES[section])
@@ -154,6 +158,9 @@ class ParametersView(View):
         super().belong_to(window)
         self.load_added.connect(window.add_load)
         self.load_picked.connect(window.pick_load)
+        for page in (*(self.pages[section] for section in CARD_SECTIONS), self.pages.get(MOTION)):
+            if page is not None:
+                page.card_requested.connect(partial(window.do, EDIT_CARD))
 
     def refresh(self, study: Study) -> None:
         typed = self.session.typed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from core.design import (
@@ -28,6 +29,7 @@ from core.study import Study
 from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
+from kindyna_gui.forms.form import card_button
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import described
 from kindyna_gui.rebuilt import ContentArea, fill, widget_with
@@ -98,7 +100,12 @@ class StrokeField(Field):
 
 
 class MotionHeader(QWidget):
-    """The fields that belong to no segment; built again when the motion has another unit."""
+    """The fields that belong to no segment; built again when the motion has another unit.
+
+    Signal ``card_requested``: the button that opens the cam card of a valve train is clicked.
+    """
+
+    card_requested = Signal()
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -109,7 +116,10 @@ class MotionHeader(QWidget):
         self.origin, self.unlink_button = QLabel(), QPushButton("Unlink from the files")
         self.unlink_button.setToolTip("Keep the motion as it is now, and edit it here")
         self.unlink_button.clicked.connect(self._unlink)
-        self._following = widget_with(fill(QHBoxLayout(), (self.origin, 1), self.unlink_button, margins=(10, 2, 6, 4)))
+        self.card_button = card_button()
+        self.card_button.clicked.connect(lambda: self.card_requested.emit())
+        row = fill(QHBoxLayout(), (self.origin, 1), self.card_button, self.unlink_button, margins=(10, 2, 6, 4))
+        self._following = widget_with(row)
         self._following.hide()
         self.cycle = described(
             QLabel(), tip="Figures of one turn; energy with recovery is reduced by the energy of braking"
@@ -130,6 +140,7 @@ class MotionHeader(QWidget):
         stroke_field = self.fields[f"motion.stroke_{motion.unit}"]
         stroke_field.editor.setToolTip(stroke_field.label.toolTip() if self.has_stroke else NO_STROKE)
         self._following.setVisible(motion.is_computed)
+        self.card_button.setVisible(motion.lobe is not None and design.drive.valve is not None)
         if motion.is_computed:
             text, tip = LOBE_TEXTS if motion.follows is None else origin_texts(motion.follows)
             self.origin.setText(text)

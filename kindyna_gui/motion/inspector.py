@@ -89,10 +89,11 @@ FIELDS: Mapping[str, type[SegmentField]] = MappingProxyType({"law": LawField, "f
 class MotionPage(QScrollArea):
     """Page of the motion, which is updated only while it is visible.
 
-    ``fields_changed`` is emitted when the page shows other fields.
+    ``fields_changed`` is emitted when the page shows other fields, ``card_requested`` to open the cam card of a valve train.
     """
 
     fields_changed = Signal()
+    card_requested = Signal()
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__()
@@ -136,6 +137,7 @@ class MotionPage(QScrollArea):
         connect_all(
             (self.segment.activated, session.choose_segment),
             (self.bar.action_requested, self._act),
+            (self.header.card_requested, self.card_requested),
             (session.segment_chosen, self._show_soon),
             (DISPLAY.changed, self._show_anew),
         )

@@ -43,7 +43,7 @@ from kindyna_gui.documents.edits import SAMPLES, Refusal
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import back_text, closing_text, joins_of, misfit_sentences, motion_waits, waiting_paths
 from kindyna_gui.forms.fields import Field, add_vary, in_tab_order
-from kindyna_gui.forms.form import IncompleteBar
+from kindyna_gui.forms.form import EDIT_CARD, IncompleteBar
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.labels import reason, segment_of
 from kindyna_gui.look import described, icon
@@ -388,6 +388,7 @@ class SegmentsView(MarkedView):
     def belong_to(self, window: ViewHost) -> None:
         super().belong_to(window)
         self.abilities_changed.connect(window.enable_segment_edits)
+        self.header.card_requested.connect(partial(window.do, EDIT_CARD))
         for clicked in (self.table.clicked, self.diagram.segment_chosen):
             clicked.connect(lambda _: window.show_fields("motion"))
 

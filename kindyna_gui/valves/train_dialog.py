@@ -41,6 +41,7 @@ from kindyna_gui.forms.faded_cover import FadedCover
 from kindyna_gui.forms.fields import fill_choices, in_tab_order
 from kindyna_gui.forms.refusal import RefusalLine, value_remedies
 from kindyna_gui.forms.request_form import AROUND, RequestBox
+from kindyna_gui.forms.tables import RowsTable
 from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import bold_label, described
 from kindyna_gui.pictures.painter import thumbnail
@@ -48,12 +49,13 @@ from kindyna_gui.pictures.plots.xy import XYPlot
 from kindyna_gui.pictures.units import short
 from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, single_shot, widget_with
 from kindyna_gui.settings import symbol_of
+from kindyna_gui.valves.figures import HEADINGS, figure_rows, shown_figures
 from kindyna_gui.valves.timing_diagram import TimingDiagram
 
 VALVES = ("inlet", "exhaust")
 FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 400, QSize(1240, 700), QSize(1000, 560)
-THUMB, PLOT_HEIGHT = QSize(84, 60), 110
-PAUSE_MS = 150  # from a refused value to the search for the nearest one that fits
+THUMB, PLOT_HEIGHT, FIGURES_HEIGHT = QSize(84, 60), 110, 236
+PAUSE_MS = 150  # from a value to the figures of the valves, or to the search for the nearest one that fits
 LIFT_UNITS = ("mm", "in", "thou")
 
 Place = tuple[str, str]
@@ -172,10 +174,11 @@ class ValveTrainDialog(QDialog):
         give_help(self, "camshaft#Valve trains on the crank")
         self._nearest = Background(self)
         self._pause = single_shot(self, self._search, PAUSE_MS)
+        self._later = single_shot(self, self.show_figures, PAUSE_MS)
         self.boxes: dict[Place, CardBox] = {}
         self.pictures: dict[str, QToolButton] = {}
         self.message = RefusalLine((0, 4, 0, 0))
-        self.facts, self.diagram = QLabel(wordWrap=True), TimingDiagram()
+        self.facts, self.diagram, self.figures = QLabel(wordWrap=True), TimingDiagram(), RowsTable(HEADINGS)
         self.plots = [XYPlot("", "") for _ in range(3)]
         self.buttons, self.accept_button = accept_buttons(self, "Create" if before is None else "Change")
         self._lay_out()
@@ -198,8 +201,9 @@ class ValveTrainDialog(QDialog):
         for plot in self.plots[:-1]:
             plot.show_numbers(False)
         curves = fill(QVBoxLayout(), *((plot, 1) for plot in self.plots), margins=0, spacing=2)
-        right = fill(QVBoxLayout(), (self.diagram, 1), self.facts, margins=0)
-        shown = widget_with(fill(QHBoxLayout(), (curves, 5), (right, 3), margins=0, spacing=12))
+        self.figures.setFixedHeight(FIGURES_HEIGHT)
+        right = fill(QVBoxLayout(), (self.diagram, 1), self.facts, self.figures, margins=0)
+        shown = widget_with(fill(QHBoxLayout(), (curves, 4), (right, 3), margins=0, spacing=12))
         self.cover = FadedCover(shown)
         middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
         fill(QVBoxLayout(self), (middle, 1), self.buttons, margins=(12, 10, 12, 10))
@@ -376,6 +380,13 @@ class ValveTrainDialog(QDialog):
             plot.show_plot(shown)
         self.diagram.show_card(self.card)
         self.facts.setText(self._overlap_text(pair))
+        self._later.start()
+
+    def show_figures(self) -> None:
+        """Show the figures of both valves in the table."""
+        if self.design is not None:
+            valves, _ = shown_figures(self.design)
+            self.figures.show_rows(figure_rows(valves, is_card=True))
 
     def _overlap_text(self, pair: ValvePair) -> str:
         overlaps = []
@@ -414,6 +425,7 @@ class ValveTrainDialog(QDialog):
 
     def _stop(self) -> None:
         self._pause.stop()
+        self._later.stop()
         self._nearest.close()
 
 

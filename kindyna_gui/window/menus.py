@@ -402,6 +402,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
                  "Begin with another follower, cam form or linkage, chosen from images; the motion is kept"),
             Item("V&alve train...", "designing.edit_valve_train", None, None,
                  "Edit inlet and exhaust valve by their cam card, with lift, velocity, acceleration and timing diagram"),
+            _view("valve_figures"),
             SEPARATOR,
             _field("&Follower", "follower", "Edit the dimensions of the follower"),
             _field("&Cam", "cam", "Edit base circle and roller"),

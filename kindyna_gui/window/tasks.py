@@ -189,7 +189,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 DockGroup(LEFT, more=("motion", "find", "study")),
                 DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(RIGHT, ("parameters",), part=0.6),
-                DockGroup(RIGHT, ("pressure_angle",), part=0.4),
+                DockGroup(RIGHT, ("pressure_angle",), ("valve_figures",), part=0.4),
             ),
             linkage_docks=("centres", "circle"),
         ),
@@ -221,7 +221,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "mechanism",
             (
                 DockGroup(LEFT, more=("motion", "find", "study")),
-                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.7),
+                DockGroup(RIGHT, ("parameters", "flywheel", "findings"), ("drives", "valve_figures"), 1.7),
                 DockGroup(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.7),
                 DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(
@@ -247,7 +247,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 ),
                 DockGroup(BOTTOM, more=_WIDE_VIEWS),
                 DockGroup(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
-                DockGroup(RIGHT, more=("drives",), part=0.7),
+                DockGroup(RIGHT, more=("drives", "valve_figures"), part=0.7),
             ),
             wide_sides=MappingProxyType({**DEFAULT_SIDES, BOTTOM: DockExtent(0.31, 226)}),
         ),

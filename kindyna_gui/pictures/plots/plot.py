@@ -234,6 +234,12 @@ def angle_ticks(width: float) -> list[tuple[float, str]]:
     return [(float(d), str(d)) for d in range(0, 361, angle_step(width))]
 
 
+def cycle_ticks(low: float, high: float, width: float) -> list[tuple[float, str]]:
+    """Ticks at multiples of 90, 180 or 360 degrees over several turns, as many as the width [pixels] has room for."""
+    step = next((step for step in (90, 180) if (high - low) / step * sized(LEAST_ACROSS) <= width), 360)
+    return [(float(d), number(d, 0)) for d in range(round(low), round(high) + 1, step)]
+
+
 def value_ticks(low: float, high: float, pixels: float, least: float = LEAST_VALUE_PIXELS) -> list[tuple[float, str]]:
     """Ticks at round numbers, at least ``least`` pixels from each other where two have room."""
     values, step = ticks(low, high, max(2, int(pixels / sized(least))))

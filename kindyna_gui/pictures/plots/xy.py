@@ -16,6 +16,7 @@ from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QAccessible, QBrush, QMouseEvent, QPen
 from PySide6.QtWidgets import QGraphicsItem, QWidget
 
+from core.design.engine import HALF_CYCLE
 from core.dynamics import ContactMap
 from core.frozen import frozen
 from core.output.drawing.palette import BLUE, GREEN, ORANGE, PURPLE, VERMILION
@@ -44,6 +45,7 @@ from kindyna_gui.pictures.plots.plot import (
     FixedPlot,
     Ticks,
     angle_ticks,
+    cycle_ticks,
     fitting_title,
     value_ticks,
     with_one_scale,
@@ -64,6 +66,7 @@ RULE_ROOM = 10.0  # more than its width that a text needs to the right of its ve
 Z_IMAGE, Z_BEHIND, Z_DOTS = -5.0, -1.0, Z_CURVE + 1.0
 Ends = tuple[float, float]
 WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
+CRANK_CYCLE = (-HALF_CYCLE, HALF_CYCLE)  # an axis of crank angles
 ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 """Colours of the curves of a plot in order."""
 MACHINE_ANGLE, MACHINE_TIP = "Machine angle, °", "Click or drag to set the machine angle"
@@ -435,8 +438,12 @@ class XYPlot(FixedPlot):
             self._view.setRange(xRange=x, yRange=y, padding=0.0)
         frame = self.frame()
         low, high = frame.first, frame.last
-        is_full_turn = (low, high) == WHOLE_TURN
-        across = angle_ticks(frame.width) if is_full_turn else value_ticks(low, high, frame.width, LEAST_ACROSS)
+        if (low, high) == WHOLE_TURN:
+            across = angle_ticks(frame.width)
+        elif (low, high) == CRANK_CYCLE:
+            across = cycle_ticks(low, high, frame.width)
+        else:
+            across = value_ticks(low, high, frame.width, LEAST_ACROSS)
         upwards = value_ticks(frame.low, frame.high, frame.height)
         self.draw_axes(frame, *((self._ticks or (across, upwards)) if self._filled else ((), ())))
         self.name_below(self._titles[0] if self._filled else "")

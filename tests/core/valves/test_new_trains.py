@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from core.design import edited, faults
 from core.errors import DesignError, KindynaError
 from core.findings import ERROR
-from core.project import dumps, loads
+from core.project import dumps, load, loads
 from core.study import Study, findings_of
 from core.valves import valve_data, valve_pairs, valve_timings
 from core.valves.crank_plots import crank_plots
@@ -27,6 +28,8 @@ from core.valves.new_trains import (
     separation_and_advance,
     with_card,
 )
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "valve_train.toml"
 
 
 def card(train: str = "direct", of: str = "lobe", ratio: float | None = None, **both: Any) -> TrainCard:
@@ -140,6 +143,15 @@ def test_the_card_of_a_design_is_the_card_that_made_it() -> None:
     valve = ValveCard(lift_mm=10.5, lash_mm=0.2, first_deg=276.0, second_deg=230.0, centre_deg=104.5)
     made = TrainCard(inlet=valve, exhaust=replace(valve, lash_mm=0.25, centre_deg=111.5, second_deg=233.0))
     assert card_of(loads(dumps(new_train(made)))) == made
+
+
+def test_a_lash_above_a_typed_lift_is_read_as_a_card_of_lobes() -> None:
+    """The example's exhaust has a lash of 0.18 mm and a duration at 0.15 mm, where its valve is still closed."""
+    design = load(EXAMPLE)
+    read = card_of(design)
+    assert (read.of, read.exhaust.lash_mm) == ("lobe", 0.18)
+    assert read.exhaust.first_at_mm == pytest.approx(0.15 / read.rocker_ratio, abs=1e-12)
+    assert with_card(design, read) == design
 
 
 def test_a_card_changes_lobes_centres_and_lash_and_nothing_else() -> None:

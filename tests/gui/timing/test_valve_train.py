@@ -1,5 +1,6 @@
 """File > New by type > Valve train and Compo > Valve train: a cam card typed by keys, followed by both valves."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from kindyna_gui.valves.train_dialog import CENTRES, GRID, RATIO, ValveTrainDial
 NEW = ("File", "New by type", "Valve train...")
 EDIT = ("Compo", "Valve train...")
 LEFT = Qt.MouseButton.LeftButton
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "valve_train.toml"
 
 
 @pytest.fixture
@@ -32,6 +34,12 @@ def enter(dialog: ValveTrainDialog, valve: str, name: str, text: str) -> None:
 
 def number(dialog: ValveTrainDialog, valve: str, name: str) -> float | None:
     return dialog.boxes[valve, name].number
+
+
+def figures(dialog: ValveTrainDialog) -> dict[str, str]:
+    """Figures of the inlet in the table of the card, by their words."""
+    rows = dialog.figures.rows
+    return {str(rows.data(rows.index(k, 0))): str(rows.data(rows.index(k, 1))) for k in range(rows.rowCount())}
 
 
 def tab(dialog: ValveTrainDialog, times: int = 1) -> None:
@@ -63,6 +71,10 @@ def test_a_printed_card_becomes_two_valves_in_fifteen_actions(user: User) -> Non
             assert len(plot.lines) == 2
         crank, lift = dialog.plots[0].lines[0]
         assert crank[np.argmax(lift)] == 104.0
+        wait_for(lambda: figures(dialog).get("Duration, lobe, 0.050 in") == "230.0°")
+        assert {"Duration, valve, 1 mm", "Left to coil bind", "Float speed, engine", "Piston clearance"} <= set(
+            figures(dialog)
+        )
         QTest.keyClick(dialog.focusWidget(), Qt.Key.Key_Return)
         actions.append("Enter")
 
@@ -194,6 +206,35 @@ def test_a_valve_train_is_edited_by_its_card_in_one_step(user: User) -> None:
     assert len(user.steps) == steps + 1
     user.choose("Edit", "Undo Change the valve train")
     assert user.session.full_design == created
+
+
+@pytest.mark.parametrize("section", ["engine", "valve", "motion"])
+def test_a_button_of_the_form_opens_the_card(user: User, section: str) -> None:
+    user.session.open(EXAMPLE)
+    view = user.parameters()
+    view.show_section(section)
+    settle()
+    page = view.pages[section]
+    button = page.header.card_button if section == "motion" else page.button
+    assert button.text() == "Edit valve train..."
+
+    def act(dialog: ValveTrainDialog) -> None:
+        enter(dialog, "inlet", "centre_deg", "105")
+        assert dialog.accept_button.isEnabled()
+        dialog.accept_button.click()
+
+    with answering(ValveTrainDialog, act):
+        QTest.mouseClick(button, LEFT)
+    assert user.session.full_design.drives[0].valve.centre_deg == 105.0  # type: ignore[union-attr]
+    assert user.steps[-1] == "Change the valve train"
+
+
+def test_the_motion_table_of_a_lobe_opens_the_card(user: User) -> None:
+    user.session.open(EXAMPLE)
+    button = user.motion().header.card_button
+    assert button.isVisible()
+    with answering(ValveTrainDialog, lambda dialog: dialog.reject()):
+        QTest.mouseClick(button, LEFT)
 
 
 def test_a_pushrod_train_is_chosen_by_its_picture_and_opens_by_its_ratio(user: User) -> None:
