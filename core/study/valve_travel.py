@@ -87,6 +87,8 @@ class ValveTravel:
     def motion_at(self, travel: float) -> float:
         """Motion [m or rad] at which the valve has moved a travel [m] from where it is closed; infinite where it never has."""
         opens, (low, high) = self.closed + travel, self.program.position_range
+        if travel <= 0.0:  # rounding would decide
+            return low
         if self.drive.is_valve_motion:
             return opens if opens <= high else inf
         ends = BracketEnds(low, self.at(low) - opens, high, self.at(high) - opens)

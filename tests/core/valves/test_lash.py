@@ -242,6 +242,17 @@ def test_a_valve_that_its_train_does_not_open_is_refused(tmp_path: Path, capsys:
             assert words in line
 
 
+@pytest.mark.parametrize("nose", [20.0, 71.3, 180.0, 215.8288102991798, 333.0])
+def test_a_pushrod_train_without_lash_opens_wherever_its_nose_is(
+    nose: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    design = put(trained("pushrod_train.toml", 0.0), "motion.lobe.nose_at_deg", nose)
+    for lift in (7.0, 7.3, 11.76018473):
+        train = put(design, "motion.lobe.lift_mm", lift)
+        top = MM * value(Study(train, samples=36_000), "valve_lift").max()
+        assert figures(train, tmp_path, capsys)["valve_lift_mm"] == pytest.approx(top, rel=1e-6)
+
+
 LEVER = """format = 1
 name = "Finger by its angle"
 [motion]
