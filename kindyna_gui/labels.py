@@ -272,6 +272,12 @@ def entry_name(design: Design, entry: Entry) -> str:
     return label if number is None else f"Segment {number + 1}, {label[:1].lower()}{label[1:]}"
 
 
+_CURVE_LISTS: Mapping[str, str] = MappingProxyType(
+    {"points": "point", "below": "obstacle below", "above": "obstacle above", "vibration_free": "cycles"}
+)
+"""List of a curve -> name of its rows."""
+
+
 def name_of(design: Design, path: str) -> str:
     """Name of a field: ``Rod L2``, ``Segment 3, span``; the words of its path where the design does not have it."""
     drive = drive_at(path)
@@ -281,10 +287,14 @@ def name_of(design: Design, path: str) -> str:
     prefix = "" if number is None else f"Segment {number + 1}"
     if path in SECTION_NAMES:
         return SECTION_NAMES[path]
-    curve = re.fullmatch(r"motion\.segments\[\d+\]\.(start|end|points)(?:\[(\d+)\])?(?:\.(\w+))?", path)
+    curve = re.fullmatch(
+        r"motion\.segments\[\d+\]\.(start|end|points|below|above|vibration_free)(?:\[(\d+)\])?(?:\.(\w+))?", path
+    )
     if curve is not None:
-        part = f"point {int(curve[2]) + 1}" if curve[2] is not None else curve[1]
-        key = {"at_deg": "angle"}.get(curve[3], curve[3]) if curve[3] else ""
+        noun = _CURVE_LISTS.get(curve[1], curve[1])
+        part = f"{noun} {int(curve[2]) + 1}" if curve[2] is not None else curve[1].replace("_", "-")
+        keys = {"at_deg": "angle"} if noun == "point" else {"start": "from", "end": "to"}
+        key = keys.get(curve[3], curve[3]) if curve[3] else ""
         return f"{prefix}, {part} {key}".rstrip()
     if prefix and path.endswith("]"):
         return prefix

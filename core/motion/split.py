@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from math import floor
+from math import ceil, floor
 
 import numpy as np
 
@@ -24,8 +24,10 @@ from core.design import (
     SplineCurve,
     SplinePoint,
     TableCurve,
+    get,
     join_angles,
     join_levels,
+    put,
     require_motion,
     stretched,
     with_motion,
@@ -116,6 +118,24 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
     curve = replace(segment.curve, points=tuple(sorted((*points, new_point), key=lambda p: p.at_deg)))
     segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
     return with_motion(design, replace(motion, segments=segments))
+
+
+def add_bound(design: Design, index: int, key: str, angle: float) -> Design:
+    """Add an obstacle of an optimal law that its present curve touches, so that it does not change.
+
+    The obstacle ``below`` which the law passes ends at a cam angle [deg], the one ``above`` which it passes begins there; in the
+    middle of the segment, where the angle is outside it.
+    """
+    motion = require_motion(design)
+    segment = motion.segments[index]
+    at = balance(angle, (join_angles(motion)[index],))
+    u = round((at if 0.0 < at < segment.span_deg else 0.5 * segment.span_deg) / segment.span_deg, 3)
+    is_below = key == "below"
+    rise = _state(motion, index, u * segment.span_deg)[0] / segment.rise
+    rise = (ceil(1e3 * rise) if is_below else floor(1e3 * rise)) / 1e3
+    bound = CurveBound(0.0, u, rise) if is_below else CurveBound(u, 1.0, rise)
+    path = f"motion.segments[{index}].{key}"
+    return put(design, path, (*get(design, path), bound))
 
 
 # -- shifted motion -------------------------------------------------------------------------------------------

@@ -3,32 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import Field as DataField
-from dataclasses import fields, replace
-from functools import cached_property, partial
-from math import degrees
+from dataclasses import fields
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QGridLayout,
-    QHBoxLayout,
-    QHeaderView,
     QLabel,
-    QStyleOptionViewItem,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
 from core.design import (
-    NO_UNIT,
-    UNITS,
     ComputedCurve,
     Design,
-    Info,
     Motion,
     NamedCurve,
     OptimalCurve,
@@ -36,64 +26,36 @@ from core.design import (
     PolynomialEnd,
     SccaCurve,
     SplineCurve,
-    SplinePoint,
     TableCurve,
-    Unit,
     entries,
     get,
-    info_of,
-    put,
     require_motion,
 )
 from core.laws import find_law, peaks
-from core.motion.split import add_point
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import waiting_paths
 from kindyna_gui.forms.fields import Field, FieldSpec
-from kindyna_gui.forms.number_box import NumberBox, parsed, row_height
-from kindyna_gui.forms.tables import CellDelegate, CellModel, CellTable
-from kindyna_gui.labels import law_label, name_of, no_number, segment_of, sentence, value_text
-from kindyna_gui.look import coloured, described, icon
-from kindyna_gui.motion.diagram import snap_angle
-from kindyna_gui.motion.segments_table import readable
+from kindyna_gui.forms.number_box import NumberBox, row_height
+from kindyna_gui.labels import law_label, segment_of, value_text
+from kindyna_gui.look import coloured
+from kindyna_gui.motion.curve_lists import (
+    OPTIMAL_LISTS,
+    ListsTable,
+    OptionalBox,
+    entry_info,
+    motion_unit,
+    name_in_sentence,
+)
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, ContentArea, connect_all, fill
+from kindyna_gui.rebuilt import ContentArea, connect_all, fill
 
 if TYPE_CHECKING:
-    from kindyna_gui.forms.refusal import FloatingRefusal, Remedies
-    from kindyna_gui.motion.optimal_form import ListLine
+    pass
 from kindyna_gui.settings import symbol_of
 
-PER_DEGREE = {"value": "", "velocity": "/°", "acceleration": "/°²", "jerk": "/°³"}
-STEP_AT_0 = {"at_deg": 1.0, "value": 1.0, "velocity": 0.1, "acceleration": 0.01, "jerk": 0.001}
-"""Step of an entry whose value is 0."""
 CURVE_KEYS = ("crossover", "cv_fraction", "ramp_fraction", "flat_fraction")
 END_KEYS = ("start", "end")
-Index = QModelIndex | QPersistentModelIndex
-TITLES = ("At", "Value", "v", "a")
-HELP = (
-    "angle from the start of the segment",
-    "level above the start of the segment",
-    "velocity at the point; empty = left open",
-    "acceleration at the point; empty = left open",
-)
-
 # -- fields ----------------------------------------------------------------------------------------------
-
-
-def motion_unit(name: str, motion: Motion) -> Unit:
-    """Unit of an entry of a curve; a velocity is in the motion's unit per degree."""
-    if name == "at_deg":
-        return UNITS["deg"]
-    return Unit(UNITS[motion.unit].symbol + PER_DEGREE[name], 1.0) if name in PER_DEGREE else NO_UNIT
-
-
-def entry_info(field: DataField[Any]) -> Info:
-    """Label, range and help of an entry, with a step for the value 0."""
-    info = info_of(field)
-    assert info is not None
-    return replace(info, step=info.step or STEP_AT_0.get(field.name, 0.0))
 
 
 def end_specs(motion: Motion, path: str) -> Iterator[FieldSpec]:
@@ -102,52 +64,6 @@ def end_specs(motion: Motion, path: str) -> Iterator[FieldSpec]:
         field_path = f"{path}.{field.name}"
         unit = motion_unit(field.name, motion)
         yield FieldSpec(field_path, entry_info(field), unit, partial(get, path=field_path), can_be_assumed=False)
-
-
-def point_columns(motion: Motion) -> list[tuple[str, Info, Unit]]:
-    """Name, label with range and help, and unit of each entry of a point of a spline."""
-    return [(field.name, entry_info(field), motion_unit(field.name, motion)) for field in fields(SplinePoint)]
-
-
-class OptionalBox(NumberBox):
-    """Box for a number that may be left open by an empty text.
-
-    ``emptied`` is emitted when an empty text is confirmed.
-    """
-
-    emptied = Signal()
-
-    def __init__(self, info: Info, unit: Unit = NO_UNIT, parent: QWidget | None = None, hint: str = "free") -> None:
-        self._is_open = False
-        super().__init__(info, unit, parent)
-        self.lineEdit().setPlaceholderText(hint)
-
-    def show_value(self, value: float | None) -> None:
-        self._is_open = value is None
-        super().show_value(0.0 if value is None else value)
-        if value is None:
-            self._tried = ""
-            self.lineEdit().clear()
-
-    @property
-    def pending(self) -> bool:
-        return bool(self.text()) if self._is_open else super().pending
-
-    def confirm(self) -> None:
-        if self.text().strip():
-            super().confirm()
-        elif self._is_open:
-            self.show_value(None)
-        else:
-            self._tried = self.text()
-            self.emptied.emit()
-
-    def withdraw(self) -> None:
-        if self._is_open:
-            self.show_value(None)
-            self.withdrawn.emit()
-        else:
-            super().withdraw()
 
 
 class CurveField(Field):
@@ -200,199 +116,6 @@ class LimitField(EndField):
             self.message.show_refusal(*refusal_of_limit(self.session, self.session.typed, self.spec.path))
 
 
-def name_in_sentence(design: Design, path: str) -> str:
-    """Name of an entry within a sentence."""
-    name = name_of(design, path)
-    return f"{name[:1].lower()}{name[1:]}"
-
-
-# -- points of a spline ----------------------------------------------------------------------------------
-
-
-class PointsModel(CellModel):
-    """Table model of the points of a segment."""
-
-    def __init__(self, session: Session, parent: QObject | None = None) -> None:
-        super().__init__(session, parent)
-        self.segment = 0
-        self._points: tuple[SplinePoint, ...] = ()
-        self.columns = point_columns(require_motion(session.typed))
-
-    def show(self, design: Design, segment: int) -> None:
-        """Show the points of a segment."""
-        curve = require_motion(design).segments[segment].curve
-        points = curve.points if isinstance(curve, SplineCurve) else ()
-        self.columns = point_columns(require_motion(design))
-        if (segment, len(points)) != (self.segment, len(self._points)):
-            self.beginResetModel()
-            self.segment, self._points = segment, points
-            self._wrong.clear()
-            self.endResetModel()
-        elif (points, waiting_paths(self._session)) != (self._points, self._faulty):
-            self._points = points
-            self._all_changed()
-        self._faulty = waiting_paths(self._session)
-
-    def path(self, row: int, column: int) -> str:
-        return f"motion.segments[{self.segment}].points[{row}].{self.columns[column][0]}"
-
-    def value(self, row: int, column: int) -> float | None:
-        """Value of a cell; None if it is left open."""
-        number: float | None = getattr(self._points[row], self.columns[column][0])
-        return number
-
-    def is_faulty(self, row: int, column: int) -> bool:
-        """Whether the value of a cell contradicts others."""
-        path = self.path(row, column)
-        return path in self._faulty or path.rpartition(".")[0] in self._faulty
-
-    def info_of(self, column: int) -> Info:
-        return self.columns[column][1]
-
-    def unit_of(self, column: int) -> Unit:
-        return self.columns[column][2]
-
-    def edits(self, path: str) -> bool:
-        return path.startswith(f"motion.segments[{self.segment}].points[") and bool(self._points)
-
-    # -- interface of the Qt model -----------------------------------------------------------------------
-
-    def rowCount(self, parent: Index | None = None) -> int:
-        return 0 if parent is not None and parent.isValid() else len(self._points)
-
-    def columnCount(self, parent: Index | None = None) -> int:
-        return len(TITLES)
-
-    def flags(self, index: Index) -> Qt.ItemFlag:
-        return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsEditable
-
-    def headerData(self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
-        if orientation == Qt.Orientation.Vertical:
-            return str(section + 1) if role == Qt.ItemDataRole.DisplayRole else None
-        if role == Qt.ItemDataRole.DisplayRole:
-            return f"{TITLES[section]} {symbol_of(self.columns[section][2].symbol)}"
-        if role == Qt.ItemDataRole.ToolTipRole:
-            return sentence(HELP[section])
-        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        return right if role == Qt.ItemDataRole.TextAlignmentRole else None
-
-    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
-        row, column = index.row(), index.column()
-        wrong = self._wrong[self.path(row, column)] if self.is_refused(row, column) else None
-        value = self.value(row, column)
-        if role == Qt.ItemDataRole.DisplayRole:
-            return wrong if wrong is not None else "" if value is None else readable(value, self.columns[column][2])
-        if role == Qt.ItemDataRole.EditRole:
-            return wrong if wrong is not None else value
-        if role == Qt.ItemDataRole.TextAlignmentRole:
-            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        if role == Qt.ItemDataRole.ForegroundRole and (wrong is not None or self.is_faulty(row, column)):
-            return QColor(SCREEN.limit)
-        return sentence(HELP[column]) if role == Qt.ItemDataRole.ToolTipRole else None
-
-    # -- edits -------------------------------------------------------------------------------------------
-
-    def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
-        """Enter a text; an empty one leaves the entry open."""
-        row, column = index.row(), index.column()
-        path, unit = self.path(row, column), self.columns[column][2]
-        name = name_in_sentence(self._session.typed, path)
-        self._try(row, column, str(value))
-        if not str(value).strip() and self.columns[column][1].optional:
-            return self._session.edit(path, None, f"Leave {name} open")
-        number = parsed(str(value), unit)
-        if number is None:
-            self._session.refuse(path, no_number(str(value)))
-            return False
-        return self._session.edit(path, number, f"Change {name} to {value_text(number, unit)}")
-
-
-class _Delegate(CellDelegate):
-    """Editor of a cell: a number, which may be left open."""
-
-    _model: PointsModel
-
-    def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
-        _, info, unit = self._model.columns[index.column()]
-        box = OptionalBox(info, unit, parent) if info.optional else NumberBox(info, unit, parent)
-        box.setMinimumWidth(1)
-        if isinstance(box, OptionalBox):
-            box.emptied.connect(lambda: self.commit(box))
-        return self.open_box(box, index)
-
-    def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
-        if isinstance(editor, NumberBox) and editor.pending:
-            model.setData(index, editor.text())
-
-
-class PointsTable(QWidget):
-    """Table of the points with its two buttons."""
-
-    def __init__(self, session: Session, player: Player) -> None:
-        super().__init__()
-        self._session, self._player = session, player
-        self.model = PointsModel(session, self)
-        self.table = CellTable(self.model)
-        self.table.setItemDelegate(_Delegate(session, self.model, self.table))
-        self.table.verticalHeader().hide()
-        self.table.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
-        self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
-        self.table.horizontalHeader().setHighlightSections(False)
-        self.table.setMinimumHeight(3 * (self.fontMetrics().height() + 6) + 6)
-        self.model.error_changed.connect(self._show_refusal)
-        self.table.insert_requested.connect(self.add)
-        self.table.delete_requested.connect(self.remove)
-        self.add_button = self._button(
-            "add", "Point", "Add a point on the curve at the current cam angle (Ins)", self.add
-        )
-        self.remove_button = self._button("close", "Remove", "Remove the selected point (Del)", self.remove)
-        buttons = fill(QVBoxLayout(), self.add_button, self.remove_button, STRETCH, spacing=1)
-        fill(QHBoxLayout(self), (self.table, 1), buttons, margins=0, spacing=4)
-
-    @cached_property
-    def refusal(self) -> FloatingRefusal:
-        """The refusal of a point, created with the first one."""
-        from kindyna_gui.forms.refusal import FloatingRefusal  # imported here to save start-up time
-
-        return FloatingRefusal(self.table)
-
-    def _show_refusal(self, text: str, remedies: Remedies) -> None:
-        if text or "refusal" in vars(self):
-            self.refusal.show_refusal(text, remedies)
-
-    def _button(self, name: str, text: str, tip: str, slot: Any) -> QToolButton:
-        button = described(QToolButton(autoRaise=True), tip=tip)
-        button.setIcon(icon(name))
-        button.setText(text)
-        button.clicked.connect(lambda: slot())
-        return button
-
-    def show_segment(self, design: Design, segment: int) -> None:
-        """Show the points of a segment."""
-        self.model.show(design, segment)
-        self.remove_button.setEnabled(self.model.rowCount() > 0)
-        if self.model.rowCount() and not self.table.currentIndex().isValid():
-            self.table.setCurrentIndex(self.model.index(0, 1))
-
-    def add(self) -> None:
-        """Add a point at the current cam angle, or in the longest gap if that angle is outside the segment."""
-        design, segment = self._session.typed, self.model.segment
-        angle = snap_angle(degrees(self._player.theta))
-        self._session.end_gesture()
-        self._session.lay_out(add_point(design, segment, angle), f"Add point to segment {segment + 1}")
-
-    def remove(self) -> None:
-        """Remove the selected point."""
-        row, design = self.table.currentIndex().row(), self._session.typed
-        curve = require_motion(design).segments[self.model.segment].curve
-        if row < 0 or not isinstance(curve, SplineCurve):
-            return
-        points = (*curve.points[:row], *curve.points[row + 1 :])
-        changed = put(design, f"motion.segments[{self.model.segment}].points", points)
-        self._session.end_gesture()
-        self._session.lay_out(changed, f"Remove point {row + 1} of segment {self.model.segment + 1}")
-
-
 # -- form of a curve -------------------------------------------------------------------------------------
 
 
@@ -429,8 +152,7 @@ class SegmentCurveForm(QWidget):
         self._session, self._player = session, player
         self._shown: tuple[int, type | str, tuple[str, ...]] = (-1, "", ())
         self.fields: dict[str, Field] = {}
-        self.points: PointsTable | None = None
-        self.lists: list[ListLine] = []
+        self.points: ListsTable | None = None
         self._form_area = ContentArea(session, player)
         self._column = fill(QVBoxLayout(self), self._form_area, margins=(10, 3, 6, 0), spacing=2)
         self.update_style()
@@ -449,14 +171,12 @@ class SegmentCurveForm(QWidget):
             self._build(design, index, kind)
         for field in self.fields.values():
             field.refresh(design)
-        for line in self.lists:
-            line.show_design(design)
         if self.points is not None:
             self.points.show_segment(design, index)
 
     def _build(self, design: Design, index: int, kind: type | None) -> None:
         self._paper = QWidget()
-        self.fields, self.points, self.lists = {}, None, []
+        self.fields, self.points = {}, None
         if kind is None:
             self._add_sentence(f"{law_label(require_motion(design).segments[index].curve.law)}: no further settings")
         else:
@@ -511,14 +231,13 @@ class SegmentCurveForm(QWidget):
         """Add aim, ends, limits and obstacles of an optimal law, and its points."""
         from kindyna_gui.motion.optimal_form import add_rows, scrolled_grid  # imported here to save start-up time
 
-        grid = scrolled_grid(self._paper)
-        self.lists = add_rows(
-            self._session, design, index, grid, lambda spec: self._register(LimitField(self._session, spec))
-        )
-        self._add_points(grid)
+        settings = QWidget()
+        add_rows(design, index, scrolled_grid(settings), lambda spec: self._register(LimitField(self._session, spec)))
+        self.points = ListsTable(self._session, self._player, OPTIMAL_LISTS, settings)
+        fill(QVBoxLayout(self._paper), self.points, margins=0)
 
     def _add_points(self, grid: QGridLayout) -> None:
-        self.points = PointsTable(self._session, self._player)
+        self.points = ListsTable(self._session, self._player)
         grid.addWidget(self.points, grid.rowCount(), 0, 1, -1)
 
     def _computed(self, design: Design, index: int) -> None:
@@ -547,13 +266,12 @@ class SegmentCurveForm(QWidget):
         """Show and focus the field of a path; False if the form does not have it."""
         field = self.fields.get(path)
         if field is not None:
+            if self.points is not None:
+                self.points.choose_settings()
             field.focus()
             return True
-        line = next((line for line in self.lists if path.startswith(line.path)), None)
-        if line is not None:
-            line.setFocus(Qt.FocusReason.OtherFocusReason)
-            return True
-        if self.points is not None and ".points" in path:
+        key = path.partition("]")[2].strip(".").partition("[")[0]
+        if self.points is not None and self.points.choose(key):
             self.points.table.setFocus(Qt.FocusReason.OtherFocusReason)
             return True
         return False

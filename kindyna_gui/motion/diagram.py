@@ -494,6 +494,7 @@ class MotionDiagram(CurvePlot):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         scale = self.scale_now()
         joins_at = list(join_positions(self.motion, scale))
+        self.paint_below(painter, scale)
         self._paint_chosen(painter, scale, joins_at)
         self._paint_lines(painter, scale, joins_at)
         self._paint_spline_points(painter, scale)
@@ -501,6 +502,9 @@ class MotionDiagram(CurvePlot):
         self._paint_points(painter, joins_at)
         self._paint_label(painter, scale, joins_at)
         painter.restore()
+
+    def paint_below(self, painter: QPainter, scale: DiagramScale) -> None:
+        """Paint what lines, points and marks are painted over."""
 
     def _paint_chosen(
         self, painter: QPainter, scale: DiagramScale, joins_at: Sequence[tuple[int, float, float]]

@@ -14,13 +14,14 @@ from PySide6.QtGui import (
     QHelpEvent,
     QKeyEvent,
     QMouseEvent,
+    QPainter,
     QPalette,
     QResizeEvent,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QToolTip, QVBoxLayout, QWidget
 
-from core.design import Design, move_join, require_motion
+from core.design import Design, move_join, put, require_motion
 from core.errors import KindynaError
 from core.motion.extremes import Extremes
 from core.motion.split import shift_motion
@@ -33,6 +34,7 @@ from kindyna_gui.motion.diagram import (
     LEVEL,
     LINE,
     POINT,
+    DiagramScale,
     Grip,
     GripDrag,
     JoinLabel,
@@ -46,6 +48,7 @@ from kindyna_gui.motion.diagram import (
     step_name,
 )
 from kindyna_gui.motion.limit_plot import LimitPlot, limit_lines
+from kindyna_gui.motion.obstacles import RISE, ObstacleEdge, edge_at, edge_text, edge_value, paint_obstacles
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import fill
@@ -184,6 +187,8 @@ class MotionEditor(MotionDiagram):
         self._right = False  # join 0 is dragged at 360°
         self._turning = False  # the mouse sets the cam angle
         self._shift: float | None = None  # of the whole motion by the current drag [deg]
+        self._hovered_edge: ObstacleEdge | None = None  # edge of an obstacle under the mouse
+        self._edge: ObstacleEdge | None = None  # the dragged one
         self.locked = False  # the diagram shows another motion than the table and cannot be edited
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
@@ -194,8 +199,8 @@ class MotionEditor(MotionDiagram):
 
     @property
     def is_dragging(self) -> bool:
-        """Whether the mouse drags a grip."""
-        return self._drag is not None
+        """Whether the mouse drags a grip, or the edge of an obstacle."""
+        return self._drag is not None or self._edge is not None
 
     def _begin(self, grip: Grip, right: bool = False) -> None:
         self._session.end_gesture()
@@ -221,6 +226,8 @@ class MotionEditor(MotionDiagram):
 
     @property
     def _path(self) -> str:
+        if self._edge is not None:
+            return self._edge.path
         return f"motion.joins[{self.hovered.join if self.hovered is not None else 0}]"
 
     def _show_label(self, angle: float | None, level: float | None, refused: bool = False) -> None:
@@ -235,7 +242,7 @@ class MotionEditor(MotionDiagram):
         if self._original is None:
             return
         if cancel and self._is_valid:
-            self._apply(self._original, "" if self._shift is None else "Shift the motion")
+            self._apply(self._original, "" if self._shift is None and self._edge is None else "Cancel the drag")
         self._session.withdraw(self._path)  # a refused last position, if any
         self._session.end_gesture()
         self._forget()
@@ -243,7 +250,7 @@ class MotionEditor(MotionDiagram):
 
     def _forget(self) -> None:
         """Reset the state of a drag."""
-        self._drag = self._original = self._last = self.label = self._shift = None
+        self._drag = self._original = self._last = self.label = self._shift = self._edge = None
         self._session.end_drag()
         self.fix_range(False)
         self.update_highlight()
@@ -269,6 +276,9 @@ class MotionEditor(MotionDiagram):
             self._mouse, self._shift = event.position(), 0.0
             self._session.begin_drag(self)
             return
+        if (edge := self._edge_at(event.position())) is not None and (grip is None or grip.kind != POINT):
+            self._begin_edge(edge)
+            return
         if grip is None:
             self._turning = True
             self._turn(event.position())
@@ -287,10 +297,12 @@ class MotionEditor(MotionDiagram):
             self._drag_to(event)
         elif self._shift is not None:
             self._shift_to(event.position())
+        elif self._edge is not None:
+            self._edge_to(event)
         elif self._turning and event.buttons() & Qt.MouseButton.LeftButton:
             self._turn(event.position())
         elif not event.buttons():
-            self._hover(self._grip(event.position()))
+            self._hover(self._grip(event.position()), self._edge_at(event.position()))
 
     def _on_angles(self, position: QPointF) -> bool:
         """Whether a position in the widget is on the names above the diagram, or on the angles below."""
@@ -313,6 +325,41 @@ class MotionEditor(MotionDiagram):
         if self._apply(design, f"Shift the motion by {shortest(shift)}°"):
             self._shift = shift
 
+    # -- obstacles ---------------------------------------------------------------------------------------
+
+    def _edge_at(self, position: QPointF) -> ObstacleEdge | None:
+        if self.motion is None or self.locked:
+            return None
+        at = self.mapToScene(position.toPoint())
+        return edge_at(self.motion, self.scale_now(), at.x(), at.y())
+
+    def _begin_edge(self, edge: ObstacleEdge) -> None:
+        """Begin to drag the edge of an obstacle; the law follows."""
+        self.segment_chosen.emit(edge.obstacle.segment)
+        self._session.end_gesture()
+        self._original = self._last = self._session.design
+        self._edge = edge
+        self.fix_range(True)
+        self._session.begin_drag(self)
+
+    def _edge_to(self, event: QMouseEvent) -> None:
+        assert self._edge is not None
+        assert self.motion is not None
+        if not self._is_valid or self._original is None:
+            self._forget()
+            return
+        at = self.mapToScene(event.position().toPoint())
+        fine = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
+        motion = require_motion(self._original)
+        value = edge_value(motion, self._edge, self.scale_now(), at.x(), at.y(), fine)
+        self._apply(put(self._original, self._edge.path, value), edge_text(self._edge, value))
+
+    def paint_below(self, painter: QPainter, scale: DiagramScale) -> None:
+        if self.motion is not None:
+            paint_obstacles(painter, self.motion, scale, self._theme, self._edge or self._hovered_edge)
+
+    # -- joins -------------------------------------------------------------------------------------------
+
     def _drag_to(self, event: QMouseEvent) -> None:
         assert self._drag is not None
         assert self._original is not None
@@ -331,9 +378,9 @@ class MotionEditor(MotionDiagram):
         if event.button() != Qt.MouseButton.LeftButton:
             return
         self._turning = False
-        if self._drag is not None or self._shift is not None:
+        if self._drag is not None or self._shift is not None or self._edge is not None:
             self._end()
-            self._hover(self._grip(event.position()))
+            self._hover(self._grip(event.position()), self._edge_at(event.position()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         self.mousePressEvent(event)
@@ -343,7 +390,7 @@ class MotionEditor(MotionDiagram):
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)
-        if self._drag is None:
+        if self._drag is None and self._edge is None:
             self._hover(None)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
@@ -354,11 +401,16 @@ class MotionEditor(MotionDiagram):
         self.segment_chosen.emit(segment_at(self.motion, angle))
         self.menu_requested.emit(event.globalPos(), angle)
 
-    def _hover(self, grip: Grip | None) -> None:
-        """Highlight the grip under the mouse."""
-        if grip != self.hovered:
-            self.hovered = grip
-            self.viewport().setCursor(SHAPES[grip.kind] if grip is not None else Qt.CursorShape.ArrowCursor)
+    def _hover(self, grip: Grip | None, edge: ObstacleEdge | None = None) -> None:
+        """Highlight the grip under the mouse, or the edge of an obstacle."""
+        if grip is not None and grip.kind == POINT:
+            edge = None
+        if edge is not None:
+            grip = None
+        if (grip, edge) != (self.hovered, self._hovered_edge):
+            self.hovered, self._hovered_edge = grip, edge
+            kind = grip.kind if grip is not None else "" if edge is None else LEVEL if edge.edge == RISE else LINE
+            self.viewport().setCursor(SHAPES.get(kind, Qt.CursorShape.ArrowCursor))
             self.update_highlight()
 
     def _angle_at(self, position: QPointF) -> float:
@@ -412,7 +464,7 @@ class MotionEditor(MotionDiagram):
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         super().focusOutEvent(event)
-        if self._drag is None and self._original is not None:
+        if not self.is_dragging and self._original is not None:
             self._end()
 
     # -- tips --------------------------------------------------------------------------------------------
@@ -430,6 +482,8 @@ class MotionEditor(MotionDiagram):
         grip = self._grip(position)
         if self._on_angles(position):
             text = "Drag along here to shift the whole motion in cam angle"
+        elif grip is None and (edge := self._edge_at(position)) is not None:
+            text = f"Drag to move the {edge.name}; the law follows"
         elif grip is None:
             index = segment_at(self.motion, self._angle_at(position))
             text = f"Segment {index + 1}: {law_label(self.motion.segments[index].curve.law)}"

@@ -69,7 +69,7 @@ def _specs(design: Design, index: int) -> list[FieldSpec]:
     others = [
         spec_of(design, entry)
         for entry in entries(design, "motion")
-        if entry.path.startswith(prefix) and entry.path.rpartition(".")[2].startswith(("span", "rise", "fixed"))
+        if entry.path.startswith(tuple(f"{prefix}{key}" for key in ("span", "rise", "fixed")))
     ]
     return [FieldSpec.of(Entry(law, COLUMNS[LAW].info, NO_UNIT, get(design, law), law)), *others]
 

@@ -25,7 +25,9 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import (
+    Curve,
     Design,
+    OptimalCurve,
     insert_segment,
     is_assumed,
     mirror_stroke,
@@ -653,7 +655,22 @@ class SegmentsView(MarkedView):
         menu.popup(self.table.viewport().mapToGlobal(position))
 
     def _open_diagram_menu(self, position: QPoint, angle: float) -> None:
-        self.bar.menu(self.diagram, snap(angle, ANGLE_STEP)).popup(position)
+        menu, at = self.bar.menu(self.diagram, snap(angle, ANGLE_STEP)), snap(angle, ANGLE_STEP)
+        if self.curve.points is not None and isinstance(self._curve(), OptimalCurve):
+            menu.addSeparator()
+            for key in ("below", "above"):
+                entry = f"Add obstacle {key}"
+                menu.addAction(icon("add"), entry, partial(self._add_obstacle, key, at))
+        menu.popup(position)
+
+    def _curve(self) -> Curve:
+        """Return the curve of the selected segment."""
+        return require_motion(self.session.typed).segments[self.chosen].curve
+
+    def _add_obstacle(self, key: str, angle: float) -> None:
+        """Add an obstacle of the optimal law of the selected segment at a cam angle [deg], and show its list."""
+        if self.curve.points is not None and self.curve.points.choose(key):
+            self.curve.points.add(angle)
 
     def _assume(self, path: str, on: bool) -> None:
         key, number = path.rpartition(".")[2].partition("_")[0], segment_of(path) or 0

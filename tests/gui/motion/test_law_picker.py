@@ -14,7 +14,8 @@ from core.design import CURVES, NamedCurve, PolynomialCurve, PolynomialEnd, Scca
 from core.laws import EVERY_LAW, LAWS, law_groups, peaks
 from core.project import load
 from kindyna_gui.labels import law_label, name_of
-from kindyna_gui.motion.curve_fields import EndField, OptionalBox, PointsTable
+from kindyna_gui.motion.curve_fields import EndField
+from kindyna_gui.motion.curve_lists import ListsTable, OptionalBox
 from kindyna_gui.motion.law_picker import LawBox, LawPicker, law_tip, matching_laws, peaks_text
 from kindyna_gui.motion.segments_table import LAW
 from kindyna_gui.pictures.plots.quantities import curves_of, paint_law, prescribed
@@ -309,7 +310,7 @@ def test_a_jerk_is_left_free(user: User) -> None:
     assert box.text() == "0.02"
 
 
-def points(user: User) -> PointsTable:
+def points(user: User) -> ListsTable:
     user.motion().choose(1)
     made = user.motion().curve.points
     assert made is not None

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLineEdit
-from window_user import Open, User
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractItemView
+from window_user import Open, User, settle, wait_for
 
 from core.design import CurveBound, CurveLimits, OptimalCurve, edited, require_motion
 from kindyna_gui.forms.fields import WordBox
 from kindyna_gui.labels import name_of
-from kindyna_gui.motion.optimal_form import ListLine
+from kindyna_gui.motion.curve_lists import ListsTable
 
 PATH = "motion.segments[1]"
 
@@ -29,24 +30,36 @@ def curve(user: User) -> OptimalCurve:
     return result
 
 
-def line(user: User, name: str) -> QLineEdit:
-    return next(
-        box for box in user.motion().curve.findChildren(QLineEdit) if box.accessibleName() == name and box.isVisible()
-    )
+EDITING = QAbstractItemView.State.EditingState
 
 
-def type_into(user: User, name: str, text: str) -> None:
-    box = line(user, name)
-    box.setFocus()
-    box.selectAll()
-    user.type(text) if text else user.press(Qt.Key.Key_Delete)
+def lists(user: User) -> ListsTable:
+    table = user.motion().curve.points
+    assert table is not None
+    return table
+
+
+def show(user: User, tab: str) -> ListsTable:
+    """Click the tab of a list."""
+    table = lists(user)
+    titles = [table.tabs.tabText(i).partition(" (")[0] for i in range(table.tabs.count())]
+    user.motion().curve.focus_field(f"{PATH}.points")
+    settle()
+    place = table.tabs.tabRect(titles.index(tab)).center()
+    QTest.mouseClick(table.tabs, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, place)
+    settle()
+    return table
+
+
+def type_into(user: User, row: int, column: int, text: str) -> None:
+    table = lists(user).table
+    table.setCurrentIndex(lists(user).model.index(row, column))
+    table.setFocus()
     user.press(Qt.Key.Key_Return)
-
-
-def box_refusal(user: User, name: str) -> str:
-    box = line(user, name)
-    assert isinstance(box, ListLine)
-    return box.refusal.text()
+    wait_for(lambda: table.state() == EDITING)
+    user.type(text)
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: table.state() != EDITING)
 
 
 def peak(user: User, order: int) -> float:
@@ -77,27 +90,68 @@ def test_the_aim_is_chosen(user: User) -> None:
     assert peak(user, 3) == pytest.approx(32.05, abs=0.01)
 
 
-def test_cycles_and_obstacles_are_rows_of_numbers(user: User) -> None:
-    type_into(user, "Vibration-free", "1.4; 3.3")
+def test_cycles_are_rows_of_a_table(user: User) -> None:
+    table = show(user, "Vibration-free")
+    for _ in range(2):
+        QTest.mouseClick(table.add_button, Qt.MouseButton.LeftButton)
+    type_into(user, 0, 0, "1.4")
+    type_into(user, 1, 0, "3.3")
     assert curve(user).vibration_free == (1.4, 3.3)
-    type_into(user, "Below", "0 0.3 0.2; 0.35 0.5 0.4")
-    assert curve(user).below == (CurveBound(0.0, 0.3, 0.2), CurveBound(0.35, 0.5, 0.4))
-    assert line(user, "Below").text() == "0 0.3 0.2; 0.35 0.5 0.4"
-    type_into(user, "Below", "")
-    assert curve(user).below == ()
-    type_into(user, "Above", "0.7 1 0.6")
-    assert curve(user).above == (CurveBound(0.7, 1.0, 0.6),)
+    assert user.steps[-1] == "Change segment 2, cycles 2 to 3.3"
+    assert table.tabs.tabText(table.tabs.currentIndex()) == "Vibration-free (2)"
+    table.table.setFocus()
+    user.press(Qt.Key.Key_Delete)
+    assert len(curve(user).vibration_free) == 1
     user.choose("Edit", f"Undo {user.steps[-1]}")
+    assert curve(user).vibration_free == (1.4, 3.3)
+
+
+def test_an_obstacle_is_added_where_the_law_touches_it_and_then_moved(user: User) -> None:
+    user.window.player.step(35.0 + 0.4 * 41.5)
+    before = user.session.study.motion.y[0].copy()
+    table = show(user, "Below")
+    QTest.mouseClick(table.add_button, Qt.MouseButton.LeftButton)
+    (bound,) = curve(user).below
+    assert (bound.start, bound.end) == (0.0, pytest.approx(0.4, abs=0.01))
+    assert np.abs(user.session.study.motion.y[0] - before).max() < 1e-6, "the law does not change yet"
+    type_into(user, 0, 2, "0.2")
+    assert curve(user).below == (CurveBound(0.0, bound.end, 0.2),)
+    compiled = user.session.study.program
+    theta = np.deg2rad(35.0 + 41.5 * np.linspace(1e-9, bound.end, 501))
+    fallen = 0.150 - compiled.state(compiled.angles(theta)).y[0]
+    assert fallen.max() <= 0.2 * 0.150 + 1e-9
+    table = show(user, "Above")
+    QTest.mouseClick(table.add_button, Qt.MouseButton.LeftButton)
+    assert [row.end for row in curve(user).above] == [1.0]
+    QTest.mouseClick(table.remove_button, Qt.MouseButton.LeftButton)
     assert curve(user).above == ()
-    assert line(user, "Above").text() == ""
+    assert not table.remove_button.isEnabled()
 
 
-def test_a_row_of_other_numbers_is_refused_and_changes_nothing(user: User) -> None:
-    before = user.design
-    type_into(user, "Below", "0 0.3")
-    assert "enter 3 numbers a row" in box_refusal(user, "Below")
-    assert user.design == before
-    assert line(user, "Below").text() == "0 0.3"
+def test_a_number_outside_its_range_is_refused_in_its_cell(user: User) -> None:
+    table = show(user, "Below")
+    QTest.mouseClick(table.add_button, Qt.MouseButton.LeftButton)
+    before = curve(user).below
+    type_into(user, 0, 1, "1.5")
+    assert curve(user).below == before
+    assert "allowed: 0 ... 1" in table.refusal.text()
+    type_into(user, 0, 1, "0.3")
+    assert curve(user).below[0].end == 0.3
+    assert table.refusal.text() == ""
+
+
+def test_an_obstacle_that_no_law_passes_waits(user: User) -> None:
+    show(user, "Below")
+    lists(user).add()
+    valid = user.design
+    type_into(user, 0, 2, "-5")
+    assert user.session.incomplete is not None
+    assert user.design == valid, "the last valid law is drawn"
+    assert lists(user).model.is_faulty(0, 2)
+    assert "no law passes these bounds" in user.motion().incomplete_bar.trouble.text()
+    type_into(user, 0, 2, "0.6")
+    assert user.session.incomplete is None
+    assert curve(user).below[0].rise == 0.6
 
 
 def test_a_limit_that_no_law_keeps_waits_for_another_one(user: User) -> None:
@@ -115,6 +169,8 @@ def test_its_parameters_have_names(user: User) -> None:
     for key, name in (
         ("minimise", "minimise"),
         ("limits.jerk", "jerk limit"),
+        ("below[0].start", "obstacle below 1 from"),
+        ("below", "below"),
         ("intervals", "intervals"),
     ):
         assert name_of(design, f"{PATH}.{key}") == f"Segment 2, {name}"
