@@ -315,7 +315,7 @@ class TimingCanvas(QWidget):
             self._on_axis = pixel.x() >= self.chart.left
             self._choose_angle(pixel)
         elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and grip[1] is not None and self.unit != CRANK:
-            if events_at(self._design, grip[0], grip[1]):
+            if self._events_at(*grip):
                 self._link = (grip[0], grip[1]), pixel
         else:
             self._begin_drag(*grip)
@@ -326,6 +326,17 @@ class TimingCanvas(QWidget):
         """A drive or a join before it is moved."""
         assert self._design is not None
         return dragged(self.chart, self._design, drive, join)
+
+    def _has_lobe(self, drive: int) -> bool:
+        """Whether drags of a drive move its valve's centre and the edges of its lobe."""
+        return self.unit == CRANK or bool(self.chart.edges.get(drive))
+
+    def _events_at(self, drive: int, join: int | None) -> tuple[str, ...]:
+        """Events at a point; none at an edge of a lobe."""
+        assert self._design is not None
+        if join is None or self.chart.edge(drive, join) is not None:
+            return ()
+        return tuple(events_at(self._design, drive, join))
 
     def _begin_drag(self, drive: int, join: int | None) -> None:
         self._drag = self._dragged(drive, join)
@@ -388,7 +399,7 @@ class TimingCanvas(QWidget):
         target = self.chart.join_at(self._link[1])
         if target is None or target == self._link[0]:
             return None
-        first, second = events_at(self._design, *self._link[0]), events_at(self._design, *target)
+        first, second = self._events_at(*self._link[0]), self._events_at(*target)
         return (first[0], second[-1]) if first and second else None
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
@@ -414,7 +425,8 @@ class TimingCanvas(QWidget):
             return
         drag = self._dragged(*grip)
         position = event.position() if grip[1] is None else self.chart.join_position(grip[0], grip[1])
-        self.typed.ask(*grip, drag.typed_name, drag.value, self.unit, position)
+        unit = CRANK if isinstance(drag, DraggedValve) else self.unit
+        self.typed.ask(*grip, drag.typed_name, drag.value, unit, position)
 
     def _apply_typed(self, drive: int, join: int | None, value: float) -> None:
         """Apply a typed value, even where it violates a sequence condition, which is then a finding."""
@@ -482,7 +494,7 @@ class TimingCanvas(QWidget):
         if self._design is None:
             return ""
         grip, row = self._grip(pixel), self.chart.row_at(pixel)
-        if grip is not None and self.unit == CRANK:
+        if grip is not None and self._has_lobe(grip[0]):
             return self._dragged(*grip).path
         if grip is not None and grip[1] is not None and (motion := self._design.drives[grip[0]].motion) is not None:
             inside = f"motion.segments[{(grip[1] - 1) % len(motion.segments)}].span_deg"
@@ -517,7 +529,7 @@ class TimingCanvas(QWidget):
         if self._design is None:
             return ""
         grip, row = self._grip(pixel), self.chart.row_at(pixel)
-        if grip is not None and self.unit == CRANK:
+        if grip is not None and self._has_lobe(grip[0]):
             what = self._dragged(*grip).text(0.0)
         elif grip is not None and grip[1] is not None:
             drive, join = grip

@@ -124,15 +124,17 @@ class DraggedValve:
     drive : number of the drive
     join : number of the edge from 1, None for the centre
     edge : the edge, None for the centre
-    room : range of the angle by which it may be turned [crank deg]
+    room : range of the angle by which it may be turned
+    crank : crank degrees per degree of the chart: 1 over the crank, 2 over the machine angle
     """
 
-    chart: CrankChart
+    chart: TimingChart
     design: Design
     drive: int
     join: int | None
     edge: LobeEdge | None
     room: AngleRoom
+    crank: float = 1.0
 
     @property
     def path(self) -> str:
@@ -146,19 +148,19 @@ class DraggedValve:
 
     @property
     def at(self) -> float:
-        """Crank angle that is rounded to the step of the drag: the centre, or that of the edge from the nose [deg]."""
+        """Angle of the chart that is rounded to the step of the drag: the centre, or that of the edge from the nose [deg]."""
         return self.value / self._factor
 
     @property
     def _factor(self) -> float:
-        """Change of the field per change of the crank angle."""
-        return 1.0 if self.edge is None else self.edge.factor
+        """Change of the field per change of the angle of the chart."""
+        return self.crank * (1.0 if self.edge is None else self.edge.factor)
 
     def _moved(self, by: float) -> float:
         return round(self.value + by * self._factor, 9)
 
     def turned(self, by: float) -> Design:
-        """Return the design with the centre or edge turned by an angle [crank deg]."""
+        """Return the design with the centre or edge turned by an angle of the chart [deg]."""
         if self.edge is None:
             return with_phase_value(self.design, self.drive, self._moved(by))
         return put(self.design, self.path, self._moved(by))
@@ -197,12 +199,28 @@ def dragged(chart: TimingChart, design: Design, drive: int, join: int | None) ->
     """Return what the mouse drags at a join of a drive in the chart of a design, None for the drive itself."""
     if isinstance(chart, CrankChart):
         if join:
-            edge = chart.curves[drive].edges[join - 1][0]
-            return DraggedValve(chart, design, drive, join, edge, AngleRoom(-inf, inf))
+            on_crank = chart.curves[drive].edges[join - 1][0]
+            return DraggedValve(chart, design, drive, join, on_crank, AngleRoom(-inf, inf))
         return DraggedValve(chart, design, drive, None, None, _on_crank(phase_room(design, drive)))
-    if join is None:
+    if join is not None and (edge := _lobe_edge(chart, design, drive, join)) is not None:
+        return DraggedValve(chart, design, drive, join, edge, AngleRoom(-inf, inf), CRANK_PER_CAM)
+    if join is None or chart.edges.get(drive):  # the nose moves with its drive
         return DraggedBand(drive, None, design, design.drives[drive].phase, phase_room(design, drive), chart)
     return DraggedBand(drive, join, design, chart.bands[drive].joins[join], join_room(design, drive, join), chart)
+
+
+def _lobe_edge(chart: TimingChart, design: Design, drive: int, join: int) -> LobeEdge | None:
+    """Edge of a lobe at a point of a chart over the machine angle; a side's start or end moves its lowest edge."""
+    if (edge := chart.edge(drive, join)) is not None:
+        return edge[0]
+    motion, edges = design.drives[drive].motion, [edge for edge, _ in chart.edges.get(drive, ())]
+    if motion is None or not edges:
+        return None
+    before, after = motion.segments[join - 1].rise, motion.segments[join].rise
+    if before and after:
+        return None
+    side = [edge for edge in edges if (edge.factor < 0.0) == (after > 0.0)]
+    return min(side, key=lambda edge: edge.at_mm, default=None)
 
 
 def _on_crank(room: AngleRoom) -> AngleRoom:

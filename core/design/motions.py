@@ -216,10 +216,17 @@ class Machine:
 
 @frozen
 class ComputedCurve:
-    """A curve computed from other parts: pieces over the span 0 ... 1, in the unit of the motion, from the segment's start."""
+    """A curve computed from other parts: pieces over the span 0 ... 1, in the unit of the motion, from the segment's start.
 
-    law: ClassVar[str] = "computed"
+    ``law`` names it in tables, such as the parts of a lobe's side.
+    """
+
     pieces: tuple[Piece, ...] = placed(FileLayout(in_file=False))
+    law: str = placed(FileLayout(in_file=False), "computed")
+
+
+OPENING_SIDE, CLOSING_SIDE = "run-up, ramp, flank, nose", "nose, flank, ramp, run-down"
+"""Names of both sides of a lobe, by their parts in the order of the cam angle."""
 
 
 Curve = NamedCurve | SccaCurve | PolynomialCurve | SplineCurve | TableCurve | OptimalCurve | ComputedCurve
@@ -342,8 +349,8 @@ def lobe_segments(lobe: Lobe) -> LobeSegments:
     except DesignError:
         return LobeSegments((Segment(360.0, 0.0),))
     sides = (
-        Segment(opening.span, lobe.lift_mm, ComputedCurve(opening.pieces())),
-        Segment(closing.span, -lobe.lift_mm, ComputedCurve(closing.pieces(closing=True))),
+        Segment(opening.span, lobe.lift_mm, ComputedCurve(opening.pieces(), OPENING_SIDE)),
+        Segment(closing.span, -lobe.lift_mm, ComputedCurve(closing.pieces(closing=True), CLOSING_SIDE)),
     )
     segments, level = from_zero(sides, lobe.nose_at_deg - opening.span)
     result = LobeSegments(segments)
@@ -394,8 +401,8 @@ def _cut(segment: Segment, span: float) -> tuple[Segment, Segment]:
     first = stretched([piece for piece in pieces if piece.start < u], 0.0, 1.0 / u, 0.0, 1.0, 0.0)
     second = stretched([piece for piece in pieces if piece.start >= u], u, 1.0 / (1.0 - u), 0.0, 1.0, -level)
     return (
-        Segment(span, level, ComputedCurve(tuple(first))),
-        Segment(rest, segment.rise - level, ComputedCurve(tuple(second))),
+        Segment(span, level, replace(segment.curve, pieces=tuple(first))),
+        Segment(rest, segment.rise - level, replace(segment.curve, pieces=tuple(second))),
     )
 
 

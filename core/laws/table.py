@@ -323,8 +323,14 @@ def find_law(name: str) -> Law | None:
 
 
 def named_law(name: str) -> Law:
-    """Row of any law by slug or alias; for an unknown name a row with that name only."""
-    return EVERY_LAW.get(ALIASES.get(name, name)) or Law(name, name, "", (), (), "")
+    """Row of any law by slug or alias; for an unknown name a row with that name only.
+
+    A name of several parts, such as ``run-up, ramp, flank, nose``, has its first and last part in cells of tables.
+    """
+    if (law := EVERY_LAW.get(ALIASES.get(name, name))) is not None:
+        return law
+    first, *others = name.split(", ")
+    return Law(name, name, "", (), (), "", brief=f"{first} … {others[-1]}" if others else "")
 
 
 def law_groups() -> dict[str, tuple[str, ...]]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from core.design import Design
 from core.design.engine import CRANK_PER_CAM, Lobe, LobeClosing
 from core.design.lobe import TypedValue, typed_values
 from core.frozen import frozen
 from core.laws.lobe import HEIGHT
-from core.valves.timing import ValveTiming
+from core.valves.timing import ValveTiming, valve_timings
 
 
 @frozen
@@ -47,6 +48,17 @@ def lobe_edges(timing: ValveTiming) -> tuple[LobeEdge, ...]:
                 crank = ends[0] if sense < 0.0 else ends[1]
                 edges.append(LobeEdge(f"motion.lobe.{value.path}.crank_deg", lift, factor, crank))
     return tuple(edges)
+
+
+def machine_edges(design: Design) -> dict[int, tuple[tuple[LobeEdge, float], ...]]:
+    """Edges of the lobes of all valves with their machine angles 0 ... 360 [deg], by the numbers of their drives."""
+    numbers = [i for i, drive in enumerate(design.drives) if drive.valve is not None]
+    return {
+        i: tuple(
+            (edge, (edge.crank_deg + timing.valve.cylinder_deg) / CRANK_PER_CAM % 360.0) for edge in lobe_edges(timing)
+        )
+        for i, timing in zip(numbers, valve_timings(design) if numbers else (), strict=True)
+    }
 
 
 def _rows(part: Lobe | LobeClosing, prefix: str = "") -> list[TypedValue]:

@@ -32,7 +32,7 @@ from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.form import card_button
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import described
-from kindyna_gui.rebuilt import ContentArea, fill, widget_with
+from kindyna_gui.rebuilt import STRETCH, ContentArea, fill, widget_with
 
 STROKE = Info(
     "Stroke",
@@ -102,14 +102,16 @@ class StrokeField(Field):
 class MotionHeader(QWidget):
     """The fields that belong to no segment; built again when the motion has another unit.
 
+    With ``is_narrow`` more fields than fit in a row are one below the other, and the buttons below their text.
+
     Signal ``card_requested``: the button that opens the cam card of a valve train is clicked.
     """
 
     card_requested = Signal()
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, is_narrow: bool = False) -> None:
         super().__init__()
-        self._session = session
+        self._session, self._is_narrow = session, is_narrow
         self.fields: dict[str, Field] = {}
         self.has_stroke = False
         self._fields_area = ContentArea(session)
@@ -118,15 +120,19 @@ class MotionHeader(QWidget):
         self.unlink_button.clicked.connect(self._unlink)
         self.card_button = card_button()
         self.card_button.clicked.connect(lambda: self.card_requested.emit())
-        row = fill(QHBoxLayout(), (self.origin, 1), self.card_button, self.unlink_button, margins=(10, 2, 6, 4))
-        self._following = widget_with(row)
+        buttons = fill(
+            QHBoxLayout(), self.card_button, self.unlink_button, *([STRETCH] if is_narrow else []), margins=0
+        )
+        row = QVBoxLayout() if is_narrow else QHBoxLayout()
+        self._following = widget_with(fill(row, (self.origin, 1), buttons, margins=(10, 2, 6, 4)))
         self._following.hide()
         self.cycle = described(
             QLabel(), tip="Figures of one turn; energy with recovery is reduced by the energy of braking"
         )
         self.cycle.setContentsMargins(10, 0, 6, 3)
         self.cycle.hide()
-        fill(QVBoxLayout(self), self._fields_area, self._following, self.cycle, margins=0)
+        parts = (self._following, self._fields_area) if is_narrow else (self._fields_area, self._following)
+        fill(QVBoxLayout(self), *parts, self.cycle, margins=0)
 
     def show_motion(self, design: Design) -> None:
         """Show the values of a design's motion."""
@@ -182,6 +188,7 @@ class MotionHeader(QWidget):
         paper = QWidget()
         rows = fill(QGridLayout(paper), margins=(10, 5, 6, 2), spacing=(10, 4))
         self.fields = {}
+        columns = 1 if self._is_narrow and len(specs) > IN_A_ROW else min(len(specs), IN_A_ROW)
         for i, spec in enumerate(specs):
             field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)
             field.setParent(paper)  # deleted together
@@ -190,9 +197,8 @@ class MotionHeader(QWidget):
             field.add_to(grid, 0)
             field.editor.setMinimumWidth(LEAST_WIDTH)  # two fit next to each other in a narrow dock
             field.editor.setMaximumWidth(MOST_WIDTH)
-            rows.addLayout(grid, i // IN_A_ROW, i % IN_A_ROW)
+            rows.addLayout(grid, i // columns, i % columns)
             self.fields[spec.path] = field
-        columns = min(len(specs), IN_A_ROW)
         for column in range(columns):
             rows.setColumnStretch(column, 1)
         rows.setColumnStretch(columns, 2)

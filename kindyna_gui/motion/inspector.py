@@ -102,7 +102,7 @@ class MotionPage(QScrollArea):
         self._shown: tuple[Motion, object, int, tuple[str, ...]] | None = None
         self._built = (-1, "", False)
         self.fields: dict[str, Field] = {}
-        self.header = MotionHeader(session)
+        self.header = MotionHeader(session, is_narrow=True)
         self.segment = described(QComboBox(), name="Segment", tip="Select the segment to edit below")
         self.curve = SegmentCurveForm(session, player)
         self.bar = SegmentBar()

@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import hypot
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -36,6 +36,9 @@ from kindyna_gui.pictures.plots.lines import DASHED_MARK
 from kindyna_gui.pictures.style import DASHED, OUTLINE, SMALL, THIN, Theme, brush, font, rgb
 from kindyna_gui.pictures.units import brief, digits, short, with_unit
 from kindyna_gui.settings import sized
+
+if TYPE_CHECKING:
+    from core.valves import LobeEdge
 
 # -- chart ---------------------------------------------------------------------------------------------
 
@@ -99,6 +102,15 @@ def _pairs_of_bands(design: Design, reference: Reference | None) -> list[tuple[M
     return rows
 
 
+def _lobe_edges(design: Design) -> Mapping[int, tuple[tuple[LobeEdge, float], ...]]:
+    """Edges of the lobes of all valves with their machine angles [deg], by the numbers of their drives."""
+    if all(drive.valve is None for drive in design.drives):
+        return {}
+    from core.valves.edges import machine_edges  # only valve trains need it
+
+    return machine_edges(design)
+
+
 def accessible_text(design: Design) -> str:
     """Text for screen readers: the angles at which each drive moves."""
     rows = []
@@ -144,6 +156,7 @@ class TimingChart:
         self.dashed: dict[int, MotionBand] = {i: band for i, (_, band) in enumerate(rows) if band is not None}
         self.reference_name = reference[1] if reference is not None and self.dashed else ""
         self.distances: tuple[TimingDistance, ...] = distances(design)
+        self.edges: Mapping[int, tuple[tuple[LobeEdge, float], ...]] = _lobe_edges(design)
         self._arrows: dict[int, list[list[QPointF]]] = {}
         self._metrics = QFontMetricsF(font(SMALL))
         names = [text for band in self.bands for text in (band.name, _stroke_text(band))]
@@ -180,9 +193,15 @@ class TimingChart:
         return low - level * (low - high)
 
     def join_position(self, index: int, join: int) -> QPointF:
-        """Position of a join of a drive."""
-        angle = self.bands[index].joins[join]
+        """Position of a join of a drive, or of an edge of its lobe, which are counted after the joins."""
+        edge = self.edge(index, join)
+        angle = self.bands[index].joins[join] if edge is None else edge[1]
         return QPointF(self.x(angle), self.y(index, self._level(index, angle)))
+
+    def edge(self, index: int, join: int) -> tuple[LobeEdge, float] | None:
+        """Edge of the lobe of a drive with its machine angle; None for a join of the motion."""
+        number = join - len(self.bands[index].joins)
+        return self.edges[index][number] if number >= 0 else None
 
     def band_at(self, point: QPointF) -> int | None:
         """Number of the drive whose band or name is at a point."""
@@ -212,7 +231,7 @@ class TimingChart:
 
     @cached_property
     def _events(self) -> list[tuple[tuple[int, int], QPointF]]:
-        """Drive, join and position of each event and of each join between two moving segments."""
+        """Drive, join and position of each event, of each join between two moving segments, and of each edge of a lobe."""
         events = []
         for index, (drive, band) in enumerate(zip(self.design.drives, self.bands, strict=True)):
             motion = drive.motion
@@ -220,6 +239,8 @@ class TimingChart:
                 assert motion is not None
                 if motion.segments[join - 1].rise or motion.segments[join].rise:
                     events.append(((index, join), self.join_position(index, join)))
+            numbers = range(len(band.joins), len(band.joins) + len(self.edges.get(index, ())))
+            events += [((index, number), self.join_position(index, number)) for number in numbers]
         return events
 
     @cached_property
@@ -230,7 +251,7 @@ class TimingChart:
 
     def _level(self, index: int, angle: float) -> float:
         band = self.bands[index]
-        return float(band.level[abs(band.angles - angle).argmin()])
+        return float(np.interp(angle, band.angles, band.level))
 
     def _arrow(self, row: int) -> list[list[QPointF]]:
         """Lines of an arrow from the first event to the level of the second, then to it; two at the end of the turn."""

@@ -68,3 +68,25 @@ def test_the_page_of_the_motion_shows_the_lobe_without_fields_of_segments(user: 
     user.choose("Make", "Lobe to segments")
     settle()
     assert "motion.segments[0].law" in form.fields
+
+
+def test_the_sides_of_a_lobe_have_the_names_of_their_parts(user: User) -> None:
+    view = user.motion()
+    names = [view.model.data(view.model.index(row, 0)) for row in range(4)]
+    assert names == ["Dwell", "run-up, ramp, flank, nose", "nose, flank, ramp, run-down", "Dwell"]
+    page = user.parameters().pages["motion"]
+    user.parameters().tabs.setCurrentWidget(page)
+    settle()
+    assert page.segment.itemText(1).startswith("2  run-up, ramp, flank, nose, ")
+    assert page.segment.itemText(2).startswith("3  nose, flank, ramp, run-down, ")
+
+
+def test_all_fields_of_a_lobe_are_within_the_page(user: User) -> None:
+    """At the width of the parameters no field and no button is cut off at the right."""
+    view = user.parameters()
+    page = view.pages["motion"]
+    view.tabs.setCurrentWidget(page)
+    settle()
+    right = page.viewport().width()
+    parts = [field.editor for field in page.header.fields.values()] + [page.header.unlink_button]
+    assert max(part.mapTo(page.viewport(), part.rect().topRight()).x() for part in parts) < right

@@ -330,3 +330,67 @@ def test_the_piston_is_the_least_clearance_above_the_valve(
     assert curve.piston[k] - curve.lift[k] == pytest.approx(
         inlet["clearance"]["least_mm"] / math.cos(math.radians(15.0)), rel=1e-3
     )
+
+
+# -- lobes over the machine angle -------------------------------------------------------------------------------
+
+
+def machine_view(user: User, axis: str) -> TimingView:
+    """Timing chart over the machine angle in degrees or milliseconds."""
+    view = crank_view(user)
+    view.unit.setFocus()
+    QTest.keyClick(view.unit, Qt.Key.Key_Home)
+    if axis == "milliseconds":
+        QTest.keyClick(view.unit, Qt.Key.Key_Down)
+    settle()
+    assert view.unit.currentText() == axis
+    return view
+
+
+def on_curve(view: TimingView, drive: int, machine: float, lift: float) -> QPoint:
+    """Pixel of a machine angle and a lift of a drive."""
+    return QPointF(view.canvas.chart.x(machine), view.canvas.chart.y(drive, lift / 9.0)).toPoint()
+
+
+@pytest.mark.parametrize("axis", ["degrees", "milliseconds"])
+def test_an_edge_of_a_lobe_is_dragged_over_the_machine_angle(same_window: Open, head: Path, axis: str) -> None:
+    """2° of the machine later are 4° of the crank, on one of both sides: 8° of the whole duration."""
+    user = same_window(head)
+    view = machine_view(user, axis)
+    closes = on_curve(view, INLET, (108.0 + 109.0) / 2.0, 1.27)
+    draw(view, closes, 2.0)
+    durations, *_ = rows(user, INLET)
+    assert durations[0] == 268.0
+    assert durations[1] == pytest.approx(226.0, abs=1.0)
+    assert user.steps[-1].startswith("Change Inlet duration at 1.27 mm to ")
+    user.choose("Edit", f"Undo {user.steps[-1]}")
+    assert rows(user, INLET)[0] == [268.0, 218.0]
+
+
+def test_the_end_of_a_lobe_moves_its_lowest_row_and_the_nose_its_centre(same_window: Open, head: Path) -> None:
+    user = same_window(head)
+    view = machine_view(user, "degrees")
+    chart = view.canvas.chart
+    joins = chart.bands[INLET].joins
+    end = max(range(len(joins)), key=lambda k: joins[k] if joins[k] < 200.0 else 0.0)
+    draw(view, chart.join_position(INLET, end).toPoint(), 2.0)
+    durations, *_ = rows(user, INLET)
+    assert durations[0] == pytest.approx(276.0, abs=1.0)
+    assert durations[1] == 218.0
+    before = centre(user, INLET)
+    nose = on_curve(view, INLET, before / 2.0, 9.0)
+    draw(view, nose, 3.0)
+    assert centre(user, INLET) == pytest.approx(before + 6.0, abs=1.0)
+    assert rows(user, INLET)[0] == durations
+
+
+def test_a_duration_is_typed_at_its_point_over_the_machine_angle(same_window: Open, head: Path) -> None:
+    user = same_window(head)
+    view = machine_view(user, "milliseconds")
+    QTest.mouseDClick(view.canvas, LEFT, pos=on_curve(view, INLET, (108.0 + 109.0) / 2.0, 1.27))
+    settle()
+    assert view.canvas.typed.text() == "218"
+    QTest.keyClicks(view.canvas.typed, "222")
+    QTest.keyClick(view.canvas.typed, Qt.Key.Key_Return)
+    settle()
+    assert rows(user, INLET)[0] == [268.0, 222.0]
