@@ -23,7 +23,7 @@ from core.frozen import frozen
 from core.numerics.lazy import Column, first_value, lazy
 
 D = TypeVar("D")
-BLANK = tuple(field.name for field in fields(CamDetails))
+BLANK = frozenset(field.name for field in fields(CamDetails))
 SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "engine", "valve", "loads", "limits", "servo")
 """Tables of a file in their order; no design has all of them. The motions of second drivers follow them."""
 SHARED = ("shaft", "engine")
@@ -115,6 +115,11 @@ class Drive:
         return self.cam is not None and not self.is_alone
 
     @property
+    def has_surface(self) -> bool:
+        """Whether it has a cam in space, which moves its output."""
+        return self.cam is not None and self.is_alone
+
+    @property
     def tables(self) -> Mapping[str, Any]:
         """Name -> table of its file, in their order; limits always and only together with a cam."""
         parts = {
@@ -175,19 +180,23 @@ class Drive:
     @property
     def loads_shaft(self) -> bool:
         """Whether its torque acts on the shaft, by a cam or a crank."""
-        return self.cam is not None or self.by_crank
+        return self.has_disk or self.by_crank or (self.has_surface and self.loaded)
 
     @property
     def kind(self) -> str:
-        """Slug of the mechanism's kind: a follower's, ``linkage``, or ``motion`` without a mechanism."""
-        return kind_of(self.follower) if self.table == "follower" else self.table or MOTION
+        """Slug of the mechanism's kind: a follower's, ``linkage``, that of a cam in space, or ``motion`` without any."""
+        if self.is_alone:
+            return MOTION if self.cam is None else str(self.cam.kind)
+        return kind_of(self.follower) if self.table == "follower" else self.table
 
     @property
     def label(self) -> str:
         """Kind of the mechanism, in words."""
         if self.is_linkage:
             return f"Linkage of {len(self.links)} links"
-        return "Motion" if self.is_alone else FOLLOWER_KINDS[self.kind].label
+        if self.is_alone:
+            return "Motion" if self.cam is None else str(self.cam.label)
+        return FOLLOWER_KINDS[self.kind].label
 
     @property
     def signed_rpm(self) -> float:
@@ -214,7 +223,8 @@ class Drive:
         """The cam without the fields that do not affect its profile."""
         if self.cam is None:
             return None
-        bare, second = replace(self.cam, **dict.fromkeys(BLANK)), getattr(self.cam.form, "second", None)
+        blank = dict.fromkeys(field.name for field in fields(self.cam) if field.name in BLANK)
+        bare, second = replace(self.cam, **blank), getattr(self.cam.form, "second", None)
         if second is None:
             return bare
         return replace(bare, form=replace(bare.form, second=replace(second, **dict.fromkeys(OF_SECOND))))

@@ -34,6 +34,7 @@ from core.design.motions import (
 )
 from core.design.parts import LINEAR, ROTARY, CamSlider, DiskCam, RollerCam, Servo
 from core.design.paths import entries_of
+from core.design.spatial import BarrelCam, GloboidalCam, SpatialCam, motion_faults, shape_faults
 from core.errors import MISSING, Fault
 from core.file_names import LONGEST
 from core.laws import LAWS, find_law
@@ -282,6 +283,8 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
         DiskCam: (_bore_and_hub,),
         LinkageCam: (_bore_and_hub,),
         Engine: (_rod_is_long,),
+        BarrelCam: (shape_faults,),
+        GloboidalCam: (shape_faults,),
     }
 )
 
@@ -432,6 +435,7 @@ def _drive_faults(design: Design) -> list[Fault]:
         *_face_agrees(design),
         *_form_agrees(design),
         *_speeds_agree(design),
+        *(() if any(path.startswith("cam.") for path in wrong) else spatial_faults(design.drive)),
         *servo,
         *_laws_have_effects(design.drive),
         *_valve_faults(design),
@@ -459,6 +463,12 @@ def _valve_faults(design: Design) -> list[Fault]:
     from core.design.valve_rules import valve_faults  # imported here to save start-up time
 
     return list(valve_faults(design))
+
+
+def spatial_faults(drive: Drive) -> Iterator[Fault]:
+    """A cam in space agrees with the unit and the advance of its motion."""
+    if isinstance(drive.cam, SpatialCam) and drive.motion is not None:
+        yield from motion_faults(drive.cam, drive.motion.unit, drive.motion.advance)
 
 
 def _servo_faults(drive: Drive, servo: Servo) -> Iterator[Fault]:
@@ -492,7 +502,7 @@ def _servo_faults(drive: Drive, servo: Servo) -> Iterator[Fault]:
 def _face_agrees(design: Design) -> Iterator[Fault]:
     """Follower, cam and loads belong to the face; a roller has no sliding friction."""
     drive = design.drive
-    if any(part is None for part in (drive.mechanism, drive.cam, drive.loads)):  # of a file with unreadable tables
+    if drive.is_alone or any(part is None for part in (drive.mechanism, drive.cam, drive.loads)):  # unreadable tables
         return
     if not drive.is_linkage:
         kinds = FOLLOWER_KINDS[drive.kind].under(drive.follower.face.face)

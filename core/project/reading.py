@@ -41,8 +41,9 @@ from core.design import (
 )
 from core.design.design import SHARED
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
-from core.design.followers import FACE, FORM, FORMS, Roller, Rolling
+from core.design.followers import FACE, FORM, FORMS, Open, Roller, Rolling
 from core.design.rules import count_fault
+from core.design.spatial import SpatialCam
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
 from core.project.reading_faults import (
@@ -67,14 +68,16 @@ from core.project.reading_faults import (
     follower_kind,
     format_faults,
     is_alone,
+    is_in_space,
     kind_faults,
     likely_unit,
     name_faults,
+    spatial_cam,
     table_classes,
     under_other_faces,
 )
 
-_ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage]"
+_ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage], or [drives.cam] of a kind in space"
 _HEADER = ("format", "name", "assumed")
 _TOLERANCES = ("tolerances", "waviness")
 _ALWAYS = {
@@ -224,6 +227,10 @@ def _read_drive(
     shared: tables of the shaft that are read here; header: other keys allowed in the same table.
     """
     row, key_faults = follower_kind(table) if kind == "follower" else (None, [])
+    in_space: tuple[type | None, ...] = ()
+    if kind == MOTION and is_in_space(table):
+        cam_class, key_faults = spatial_cam(table)
+        in_space = (cam_class,)
     face = face_word(table, row)
     if row:
         reader.unit = row.motion_unit
@@ -233,7 +240,7 @@ def _read_drive(
         reader.unit = linked.unit
     classes = {
         name: part_class
-        for name, part_class in table_classes(kind, row, face, reader.unit).items()
+        for name, part_class in table_classes(kind, row, face, reader.unit, in_space).items()
         if name not in SHARED or name in shared
     }
     known = [*(key for key in header if key not in KINDS), *classes]
@@ -261,7 +268,7 @@ def _read_drive(
         problem = f"gives a motion in {linked.unit}, and this design's is in {reader.unit}"
         reader.faults.append(Fault(_origin_path(table), MISSING, problem, f"a motion in {reader.unit}"))
     if kind == MOTION:
-        return key_faults, classes, {**parts, "cam": None, "limits": None}
+        return key_faults, classes, {"cam": None, "limits": None, **parts}
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
         key_faults.append(
             Fault(
@@ -372,7 +379,7 @@ _OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$|carries)
 def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list[Fault], list[str]]:
     """One drive of the list, with the faults of its keys, and the names of tables whose class is unknown."""
     kinds = [kind for kind in KINDS[:2] if kind in row]
-    kind = kinds[0] if kinds else "follower"
+    kind = kinds[0] if kinds else MOTION if is_alone(row) and is_in_space(row) else "follower"
     values: dict[str, Any] = {}
     for slot in slots(Drive):
         if slot.key in row:
@@ -388,15 +395,15 @@ def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive
         Fault(key, row[key], f"cannot be combined with {kind}: a drive has one mechanism", _ONE_MECHANISM)
         for key in kinds[1:]
     ]
-    if not kinds and is_alone(row):
+    if not kinds and is_alone(row) and kind != MOTION:
         problem = "is without a mechanism, which a drive needs; a motion alone is a separate file"
         reader.faults = [fault for fault in reader.faults if fault.path != "cam"]
         key_faults.append(Fault(MOTION, MISSING, problem, f"{_ONE_MECHANISM} in addition"))
-    elif not kinds:
+    elif not kinds and kind != MOTION:
         key_faults.append(missing("follower", _ONE_MECHANISM))
     drive = Drive(
         parts["motion"],
-        parts[kind],
+        Output(reader.unit) if kind == MOTION else parts[kind],
         parts["cam"],
         parts["loads"],
         parts["limits"] or NO_LIMITS,
@@ -407,7 +414,8 @@ def _read_listed_drive(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive
     if drive.valve is not None and "phase_deg" in row:
         problem = "cannot be combined with valve.centre_deg, which gives the phase"
         reader.faults.append(Fault("phase_deg", row["phase_deg"], problem, "one of them"))
-    unclear = [name for name, part_class in classes.items() if part_class is None] + ([] if kinds else ["linkage"])
+    unclear = [name for name, part_class in classes.items() if part_class is None]
+    unclear += [] if kinds or kind == MOTION else ["linkage"]
     return drive, key_faults, unclear
 
 
@@ -442,7 +450,7 @@ class Reader:
         if not isinstance(value, Mapping):
             self.faults.append(Fault(name, value, "must be a table", f"[{name}]"))
             value = MISSING
-        elif name == "follower":
+        elif name == "follower" or (name == "cam" and kind is not None and issubclass(kind, SpatialCam)):
             value = {key: entry for key, entry in value.items() if key != "kind"}
         return self.part(kind, value, name) if kind else None
 
@@ -538,7 +546,8 @@ class Reader:
             return (self._plain_list(placing.each, value, at),)
         if placing.kind is None:
             if isinstance(value, str):
-                if placing.word == FORM and value in set(FORMS) - placing.words.keys():
+                is_disk = placing.word == FORM and Open.form in placing.words
+                if is_disk and value in set(FORMS) - placing.words.keys():
                     self.faults.append(
                         Fault(at, value, "requires a roller", f'{slot.allowed}, or {FACE} = "{Roller.face}"')
                     )

@@ -42,6 +42,7 @@ from core.design import (
 from core.design.fields import slots
 from core.design.followers import FACE, FORM, Face, Form, Rolling
 from core.design.rules import MOST_KEYS, count_fault
+from core.design.spatial import SPATIAL_CAMS, SpatialCam, SpatialForm
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.frozen import frozen
@@ -300,8 +301,23 @@ _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]], or [motion] alo
 
 
 def is_alone(table: Tables) -> bool:
-    """Whether the file has a motion but nothing that belongs to a cam."""
-    return "motion" in table and "cam" not in table
+    """Whether the file has a motion, and no cam but one in space."""
+    return "motion" in table and ("cam" not in table or is_in_space(table))
+
+
+def is_in_space(table: Tables) -> bool:
+    """Whether the file states a kind of cam, which only a cam in space has."""
+    return isinstance(table.get("cam"), Mapping) and "kind" in table["cam"]
+
+
+def spatial_cam(table: Tables) -> tuple[type[SpatialCam] | None, list[Fault]]:
+    """Class of a cam in space, or of the most similar kind where it is misspelled; None where it is unknown."""
+    word, kinds = table["cam"]["kind"], " | ".join(SPATIAL_CAMS)
+    if isinstance(word, str) and word in SPATIAL_CAMS:
+        return SPATIAL_CAMS[word], []
+    meant = nearest(word, tuple(SPATIAL_CAMS)) if isinstance(word, str) else None
+    problem = "unknown word" if isinstance(word, str) else "must be text"
+    return SPATIAL_CAMS[meant] if meant else None, [hinted(Fault("cam.kind", word, problem, kinds))]
 
 
 def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
@@ -313,7 +329,7 @@ def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
     return {key: f"{word} = {' or '.join(choices)}" for key, choices in words.items()}
 
 
-CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, get_args(Form))
+CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, (*get_args(Form), *get_args(SpatialForm)))
 """Words that allow a key of a face or a form."""
 
 
@@ -328,13 +344,25 @@ ENGINE: Mapping[str, type] = MappingProxyType({"engine": Engine, "valve": Valve}
 """Tables of valve trains -> class."""
 
 
-def table_classes(kind: str, row: FollowerKind | None, face: str | None, unit: str) -> dict[str, type | None]:
+def table_classes(
+    kind: str, row: FollowerKind | None, face: str | None, unit: str, in_space: tuple[type | None, ...] = ()
+) -> dict[str, type | None]:
     """Class of each table of the file; None where the kind of follower or its face is unknown.
 
-    unit: that of a motion without a mechanism.
+    unit: that of a motion without a mechanism; in_space: class of its cam, where it has one.
     """
     if kind == MOTION:
-        return {"motion": Motion, "shaft": Shaft, **ENGINE, "loads": OUTPUT_LOADS[unit], "servo": Servo}
+        cams: dict[str, type | None] = {"cam": in_space[0]} if in_space else {}
+        limits: dict[str, type | None] = {"limits": Limits} if in_space else {}
+        return {
+            "motion": Motion,
+            **cams,
+            "shaft": Shaft,
+            **ENGINE,
+            "loads": OUTPUT_LOADS[unit],
+            **limits,
+            "servo": Servo,
+        }
     if kind == "linkage":
         return {
             "motion": Motion,

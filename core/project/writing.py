@@ -73,6 +73,8 @@ def _tables(tables: Mapping[str, Any], drive: Drive, folder: str | None) -> dict
     }
     if "follower" in tables_of_file:
         tables_of_file["follower"] = {"kind": drive.kind, **tables_of_file["follower"]}
+    if drive.is_alone and "cam" in tables_of_file:
+        tables_of_file["cam"] = {"kind": drive.kind, **tables_of_file["cam"]}
     if drive.motions:
         motions = {motion.name: tables_of_file.pop(f"{MOTIONS}{motion.name}") for motion in drive.motions}
         tables_of_file["motions"] = motions
