@@ -1,0 +1,40 @@
+"""Cams in space, barrel and globoidal: flanks under cylindrical and conical rollers, and the figures by which they are judged."""
+
+from core.spatial.contact import (
+    AHEAD,
+    BEHIND,
+    SIDES,
+    MotionRows,
+    SpatialFlank,
+    dots,
+    flank,
+    sliding,
+    sliding_parts,
+    turned,
+)
+from core.spatial.kinds import KINDS, Machine, RollerAxis, machine_of, roller_axis
+from core.spatial.shape import RollerAt, SpatialShape, handover_angles, rollers_at, spatial_shape, turret_limit
+
+__all__ = [
+    "AHEAD",
+    "BEHIND",
+    "KINDS",
+    "SIDES",
+    "Machine",
+    "MotionRows",
+    "RollerAt",
+    "RollerAxis",
+    "SpatialFlank",
+    "SpatialShape",
+    "dots",
+    "flank",
+    "handover_angles",
+    "machine_of",
+    "roller_axis",
+    "rollers_at",
+    "sliding",
+    "sliding_parts",
+    "spatial_shape",
+    "turned",
+    "turret_limit",
+]
