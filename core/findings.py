@@ -110,6 +110,10 @@ _FACE_WIDTH, _SPRING, _PRELOAD, _FLYWHEEL, _PHASES = (
     Remedy(f"Find {search.replace('-', ' ')}", search)
     for search in ("face-width", "spring", "preload", "flywheel", "phases")
 )
+_INNER, _CENTRES, _ROLLER = (
+    Remedy(f"Find {search.replace('-', ' ')}", search)
+    for search in ("inner-distance", "centre-distance", "roller-radius")
+)
 _THICKNESS = Remedy(field="cam.thickness_mm")
 _ADD, _MASSES = Remedy("Add {name}"), Remedy("Add masses", masses=True)
 
@@ -138,6 +142,14 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
             _compared("value", "limit"), _LARGER, severities=(WARNING, ERROR),
         ),
+        "pressure-angle.barrel": FindingRow(
+            "pressure angle {value} deg{at}, limit {limit} deg: enlarge the inner distance of the roller, or lengthen the rise",
+            _compared("value", "limit"), _INNER, severities=(WARNING, ERROR),
+        ),
+        "pressure-angle.globoidal": FindingRow(
+            "pressure angle {value} deg{at}, limit {limit} deg: enlarge the centre distance, or lengthen the rise",
+            _compared("value", "limit"), _CENTRES, severities=(WARNING, ERROR),
+        ),
         "pressure-angle.flat": FindingRow(
             "pressure angle {value} deg{at}, limit {limit} deg: reduce the {what} of the face", _compared("value", "limit"),
             severities=(WARNING, ERROR),
@@ -149,6 +161,21 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
         "undercut": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: enlarge the base "
             "radius, or use a smaller roller", _compared("pitch_radius_mm", "roller_radius_mm"), _BASE_RADIUS, severities=(ERROR,),
+        ),
+        **{
+            f"undercut.{kind}": FindingRow(
+                "undercut: a flank has an edge{at} under the roller of {roller_radius_mm:typed} mm: use a smaller roller, or {remedy}",
+                remedy=_ROLLER, severities=(ERROR,),
+            )
+            for kind in ("barrel", "globoidal")
+        },
+        "rib-vanishes": FindingRow(
+            "the rib between two rollers has a thickness of {thickness_mm} mm{at}: use smaller rollers, or fewer of them",
+            remedy=_ROLLER, severities=(ERROR,),
+        ),
+        "turret-free": FindingRow(
+            "only {count} roller is on the rib{at}, so that the turret is not held in one sense: enlarge the length of the blank, or start "
+            "the motion with two rollers astride of the rib", severities=(ERROR,),
         ),
         "undercut.shoe": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: enlarge the base "

@@ -33,7 +33,7 @@ from core.dynamics.elements import (
     Torsion,
     combined_inertia,
 )
-from core.dynamics.forces import BEARING, CAM_FACE, Forces, edge_forces, newton_euler
+from core.dynamics.forces import BEARING, CAM_FACE, Forces, edge_forces, newton_euler, with_cam_in_space
 from core.dynamics.friction import JAMS, GuideReaction, guide_reaction, with_infinities
 from core.dynamics.loading import (
     LOADINGS,
@@ -84,5 +84,5 @@ __all__ = [
     "element_power", "findings", "flank_changes", "flights", "free_bodies", "gravity_power", "guide_reaction",
     "helical_springs", "imbalance", "input_power", "jam_finding", "kinetic_energy", "link_loading", "loading_of",
     "momentum_residual", "newton_euler", "pairs_named", "peak_load", "periodic_sum", "power_residual", "power_terms",
-    "row_of_element", "surge_harmonics", "unit_loads", "with_impacts", "with_infinities",
+    "row_of_element", "surge_harmonics", "unit_loads", "with_cam_in_space", "with_impacts", "with_infinities",
 ]  # fmt: skip

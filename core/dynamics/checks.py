@@ -110,7 +110,9 @@ def input_power(kinematics: Kinematics, forces: Forces) -> np.ndarray:
     ----------
     Balance of energy.
     """
-    work = forces.torque + forces.driver * kinematics.motion.displacement[1]
+    work = forces.torque
+    if not forces.in_space:  # whose torque is that of the driver
+        work = work + forces.driver * kinematics.motion.displacement[1]
     for dyad in (dyad for dyad in kinematics.dyads if dyad.on and dyad.by_motion):
         body, on = (kinematics.bodies[name].turn[1] for name in (dyad.bodies[0], dyad.on))
         work = work + forces.couples[input_of(dyad.bodies[0])] * (body - on)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -80,7 +81,7 @@ class Forces:
     torque : ndarray (n,) [N m]
         Torque T_c (27) that the shaft must supply, positive where it drives the cam; 0 without a cam.
     driver : ndarray (n,) [N m or N]
-        On a driver without a cam: torque counter-clockwise where it is pinned to the frame, force along its line where
+        On a driver without a disk cam: torque counter-clockwise where it is pinned to the frame, force along its line where
         it slides; otherwise 0.
     lever : ndarray (n,) [m or dimensionless]
         Driver effort that balances one newton on the flank in contact; infinite without a cam.
@@ -104,6 +105,8 @@ class Forces:
         Torque T_L (24) of the contact on the follower about its pivot; if the follower slides, the force along its guide.
     guide : GuideReaction or None
         Reaction of the guide; None without a guide.
+    in_space : bool
+        Whether a cam in space exerts the effort on the driver; then contact and torque are those of this cam.
     """
 
     omega: float
@@ -122,6 +125,7 @@ class Forces:
     most_jamming: Lazy[np.ndarray] = Lazy()
     follower_torque: Lazy[np.ndarray] = Lazy()
     guide: Lazy[GuideReaction | None] = Lazy()
+    in_space: bool = False
 
     @property
     def signed_contact(self) -> np.ndarray:
@@ -265,6 +269,42 @@ def newton_euler(
     if any(map(is_jammed, (*solution.sizes.values(), *flank_forces))):
         return with_infinities(forces)
     return forces
+
+
+def with_cam_in_space(
+    forces: Forces, y_1: np.ndarray, gain_ahead: np.ndarray, gain_behind: np.ndarray, sign: float
+) -> Forces:
+    """Forces of a motion that a cam in space makes: T_c = Q y', F_c = Q/|∂p/∂y · n|.
+
+    Parameters
+    ----------
+    forces : Forces
+        Of the motion without a cam; its driver has the effort Q.
+    y_1 : ndarray (n,) [m/rad or dimensionless]
+        Derivative y' of the motion by cam angle.
+    gain_ahead, gain_behind : ndarray (n,) [dimensionless or m]
+        |∂p/∂y · n| of the flank ahead of the roller and of the flank behind it.
+    sign : float
+        Sign of the driver's effort, ±1.
+
+    Returns
+    -------
+    Forces
+        The contact force is positive on the flank behind the roller, negative on the flank ahead.
+
+    References
+    ----------
+    Virtual power, T_c δθ = Q δy and Q δy = F_c n · δp.
+    """
+    effort = sign * forces.driver
+    contact = np.where(effort >= 0.0, effort / gain_behind, effort / gain_ahead) + 0.0
+    lazy = {
+        field.name: partial(getattr, forces, field.name)
+        for field in fields(forces)
+        if isinstance(vars(Forces).get(field.name), Lazy)
+    }
+    plain = {field.name: getattr(forces, field.name) for field in fields(forces) if field.name not in lazy}
+    return Forces(**{**plain, **lazy, "contact": contact, "torque": effort * y_1, "in_space": True})
 
 
 def _solve_flanks(

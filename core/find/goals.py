@@ -70,6 +70,7 @@ Box = Mapping[str, tuple[float | None, float | None]]
 """Path -> bounds of the value stated by the user."""
 
 SMALLEST, LARGEST, LEAST_PRESSURE, NARROWEST = "smallest", "largest", "least pressure angle", "narrowest"
+MOST = "most"
 LEAST_PRELOAD, LEAST_RATE, LIFT_OFF = "least preload", "least rate", "lift-off speed"
 PRELOADS = ("loads.preload_n", "loads.preload_nm")
 SPRING_RATES = ("loads.spring_rate_n_per_mm", "loads.spring_rate_nm_per_rad")
@@ -150,6 +151,17 @@ def _no_trials(design: Design, path: str) -> np.ndarray:
 def _around(design: Design, path: str) -> np.ndarray:
     """Values from a hundredth of the present value to a hundred times, closer near it."""
     return np.sort(get(design, path) * np.exp(np.concatenate((NEAR, FAR))))
+
+
+def _counts(design: Design, path: str) -> np.ndarray:
+    """Numbers of rollers with which the advance is a multiple of their pitch."""
+    motion, counts = design.drive.motion, np.arange(1.0, 101.0)
+    steps = (motion.gain if motion else 0.0) * counts / 360.0
+    return counts[np.abs(steps - np.round(steps)) < 1e-9 * np.maximum(1.0, np.abs(steps))]
+
+
+def _with_count(design: Design, path: str, value: float) -> Design:
+    return edited(design, path, round(value))
 
 
 def _up_to_base(design: Design, path: str) -> np.ndarray:
@@ -259,6 +271,18 @@ CAM_SEARCHES: Mapping[str, SearchRow] = MappingProxyType(
         ),
         "roller-radius": SearchRow(
             "Largest roller", _always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller",
+        ),
+        "inner-distance": SearchRow(
+            "Smallest inner distance", _always("cam.roller_inner_mm"), SMALLEST, _around,
+            help="the smallest inner distance of the roller of a cam in space",
+        ),
+        "centre-distance": SearchRow(
+            "Smallest centre distance", _always("cam.centre_distance_mm"), SMALLEST, _around,
+            help="the smallest centre distance of a globoidal cam",
+        ),
+        "rollers": SearchRow(
+            "Most rollers", _always("cam.rollers"), MOST, _counts, help="the greatest number of rollers on the turret",
+            bounded=False, put=_with_count,
         ),
         "span": SearchRow(
             "Shortest span of a rise", _rise, SMALLEST, _spans,

@@ -45,11 +45,16 @@ LIMIT_RANGES: Mapping[str, Info] = MappingProxyType(
 
 def available_searches(design: Design) -> tuple[str, ...]:
     """Keys of ``CAM_SEARCHES`` whose fields the design has; none where it has no cam."""
-    if not design.drive.has_disk:
+    if design.drive.cam is None:
         return ()
     has_form_closure = design.drive.cam.form.holds
     rows = ((what, row) for what, row in CAM_SEARCHES.items() if not (row.seeks_contact and has_form_closure))
-    return tuple(what for what, row in rows if all(has(design, path) for path in row.fields(design, {})))
+    return tuple(
+        what
+        for what, row in rows
+        if (what != "rollers" or design.drive.motion_unit == "deg")
+        and all(has(design, path) for path in row.fields(design, {}))
+    )
 
 
 def varied_fields(design: Design, what: str, choice: str = "") -> tuple[str, ...]:

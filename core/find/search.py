@@ -15,6 +15,7 @@ from core.find.goals import (
     ENDS,
     LARGEST,
     LEAST_PRESSURE,
+    MOST,
     NARROWEST,
     SMALLEST,
     Box,
@@ -23,7 +24,7 @@ from core.find.goals import (
     has,
     trial_values,
 )
-from core.find.offer import SearchRequest, StatedLimits, search_request
+from core.find.offer import SearchRequest, StatedLimits, available_searches, search_request
 from core.find.solution import ROOT_DIGITS, Judge, Judgement, Solution, out_of_bounds, search_with_findings
 from core.find.trial import (
     PRESSURE_ANGLES,
@@ -100,8 +101,10 @@ def find(
     if what not in CAM_SEARCHES:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(CAM_SEARCHES)}")
     row = CAM_SEARCHES[what]
-    if not design.drive.has_disk:
+    if design.drive.cam is None:
         raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")
+    if design.drive.has_surface and what not in (known := available_searches(design)):
+        raise KindynaError(f"find {what}: this design has a cam in space; allowed: {' | '.join(known)}")
     request = search_request(design, what, stated, choice)
     paths = row.fields(design, request.bounds)
     _require(design, what, paths, request.bounds)
@@ -241,6 +244,16 @@ def _best(trials: TrialDesigns, values: np.ndarray) -> float:
     finest = BEST * float(high - low)
     best, _ = bounded_minimum(lambda x: -_or_least(trials.at(x, refined=False).margin), float(low), float(high), finest)
     return max((best, float(values[top])), key=lambda x: _or_least(trials.at(x).margin))
+
+
+def _most(row: SearchRow, trials: TrialDesigns, request: SearchRequest) -> Solution:
+    """Greatest of the trial values that satisfies every limit without a new finding."""
+    values = row.values(trials.design, trials.paths[0])
+    accepted = (value for value in values[::-1].tolist() if trials.is_accepted(value))
+    best = next(accepted, None)
+    if best is None:
+        return _solution(row, trials, (float(get(trials.design, trials.paths[0])),), values)
+    return _solution(row, trials, (best,), values)
 
 
 # -- least pressure angle ----------------------------------------------------------------------------------
@@ -611,6 +624,7 @@ def _shown(outcome: Outcome, key: str) -> float:
 _SOLVERS: Mapping[tuple[int, str], Callable[[SearchRow, TrialDesigns, SearchRequest], Solution]] = {
     (1, SMALLEST): _outermost,
     (1, LARGEST): _outermost,
+    (1, MOST): _most,
     (1, LEAST_PRESSURE): _least_pressure,
     (2, LEAST_PRESSURE): _least_pressure_of_two,
 }

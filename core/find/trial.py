@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.design import Design, edited, part_faults
+from core.design.rules import spatial_faults
 from core.errors import DesignError, NoSolution
 from core.find.goals import LimitReading
 from core.findings import ERROR, NOTE, Finding
@@ -214,6 +215,8 @@ def sample_designs(
     from core.study.quantity_requests import QuantityRequest
     from core.study.stages_of_many import MAX_POSITIONS, DesignBlock
 
+    if not design.drive.has_disk:
+        return
     read = [name for key in keys if key in USER_BOUNDS for name in bounded_quantities(design, key)]
     if not rows.size or not all(is_batchable(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
@@ -396,7 +399,8 @@ class TrialDesigns:
         for path, value in zip(self.paths, values, strict=True):
             design = self._put(design, path, float(value))
         tables = {path.partition(".")[0] for path in self.paths}
-        if faults := [fault for name in sorted(tables) for fault in part_faults(design.tables[name], name)]:
+        faults = [fault for name in sorted(tables) for fault in part_faults(design.tables[name], name)]
+        if faults := faults or list(spatial_faults(design.drive)):
             raise DesignError(faults)
         return design
 

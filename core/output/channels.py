@@ -25,7 +25,7 @@ from core.study.extremes import has_quantity
 from core.study.quantities import KINEMATICS, ORBIT, PROFILE, SERVO
 from core.study.quantity_requests import OUTPUTS, is_angular, length_per_output, output_travel, path_drives, path_rate
 from core.study.stages import memory
-from core.study.symbols import FLAT
+from core.study.symbols import variant_of
 
 # -- channels ---------------------------------------------------------------------------------------------------
 
@@ -38,8 +38,8 @@ ANGLES: Mapping[str, str] = MappingProxyType(
 
 @lru_cache(maxsize=64)  # a changed length changes no name
 def _rows_named(unit: str, names: tuple[str, ...]) -> tuple[Quantity, ...]:
-    """Rows common to all designs, then rows of its links, with the unit of the motion and the formula of the face."""
-    variant = FLAT if "contact_on_face" in names else ""
+    """Rows common to all designs, then rows of its links, with the unit of the motion and the formula of face or cam."""
+    variant = variant_of(names)
     shared = tuple(
         replace(row, slug=row.slug.format(m=unit), variant=variant)
         for row in QUANTITIES.values()

@@ -64,7 +64,7 @@ def _drive_figures(study: Study, stages: Sequence[str], without: frozenset[str])
         "joins": joins(study),
         **(mechanism(study) if study.design.drive.links and linkage is not None else {}),
         "extremes": extremes(study, stages, without),
-        **({"limits": limits(study, stages)} if study.has_disk else {}),
+        **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"servo": servo(study)} if "dynamics" in stages and has_servo(study.design) and study.jam is None else {}),
         **({"cycle": cycle(study)} if has_cycle(study) else {}),

@@ -87,6 +87,8 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         return False
     if design.drive.links and any(step.kind in (GROUP, INPUT) for step, _ in plan_of(design.drive.linkage).steps):
         return False
+    if design.drive.has_surface:
+        return False
     if not all(path.startswith(_VARIABLE) and not _SWITCHES.match(path) for path in paths):
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
@@ -406,7 +408,7 @@ def study_figures(study: Study, requests: Sequence[QuantityRequest]) -> tuple[li
     if not reasons:
         drives = list(study.drives.values())
         with_shape = {r.drive or 0: None for r in requests if r.name and quantity(r.name).stage in ("cam", "dynamics")}
-        for drive in (drives[number] for number in with_shape if "cam" in drives[number].stages):
+        for drive in (drives[number] for number in with_shape if drives[number].has_disk):
             try:
                 reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
             except NoSolution as error:  # at no single angle, but over the turn

@@ -16,7 +16,7 @@ from core.cam import checks
 from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
-from core.study import quantity_requests
+from core.study import quantity_requests, spatial_checks
 from core.study.extremes import cam_extremes, has_undercut
 from core.study.limits import POLAR, USER, USER_BOUNDS, LimitValue, limit_of, needs_torque, worst_values
 from core.study.quantities import quantities_of
@@ -109,6 +109,15 @@ def cam_findings(study: Study) -> list[Finding]:
     for flank in cam.form_row(blank.form).flanks:
         if not blank.form.holds or flank == cam.SECOND:
             findings += checks.crossing_findings(flank, profile_crossings(study, flank), blank)
+    return findings
+
+
+def surface_limit_findings(study: Study) -> list[Finding]:
+    """Limits of the user that a cam in space exceeds, except those of quantities."""
+    limits, findings = study.design.drive.limits, list(spatial_checks.convex_radius_findings(study))
+    if any(getattr(limits, f"pressure_angle_{stretch}_deg") is not None for stretch in checks.STRETCHES):
+        worst = {stretch: extremes.high for stretch, extremes in pressure_angles(study)[_PRESSURE_ANGLE].items()}
+        findings += spatial_checks.pressure_limit_findings(study, worst)
     return findings
 
 
@@ -226,6 +235,8 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     """Figures of a cam in the named stages, with the user's limits, or else typical ones."""
     if "cam" in stages and study.has_disk:
         yield from _shape_rows(study, stages)
+    elif "cam" in stages and study.has_surface:
+        yield from _surface_rows(study)
     for stage in (stage for stage in stages if stage in study.stages):
         for key, limit, worst in worst_values(study, stage):
             unit = key.removeprefix(f"{split_unit(key)[0]}_")
@@ -254,6 +265,15 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     if "dynamics" in stages or not needs_torque(study):
         least = least_distance(study)
         yield _row(study, POLAR, "Least distance of the profile from the cam centre", 1e3 * least.value, least)
+
+
+def _surface_rows(study: Study) -> Iterator[LimitRow]:
+    for stretch, extremes in pressure_angles(study)[_PRESSURE_ANGLE].items():
+        key = f"pressure_angle_{stretch}_deg"
+        yield _row(study, key, f"Pressure angle, {stretch}", degrees(extremes.high.value), extremes.high)
+    sharpest = spatial_checks.surface_extremes(study)["surface_curvature"].high
+    if sharpest.value > 0.0:
+        yield _row(study, "convex_radius_mm", "Smallest convex radius of a flank", 1e3 / sharpest.value, sharpest)
 
 
 def _row(study: Study, key: str, label: str, value: float, at: Extreme, name: str = "") -> LimitRow:

@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 
-from core import cam, dynamics, shaft
+from core import cam, dynamics, shaft, spatial
 from core.design import Motion, OptimalCurve, Segment
 from core.design.curves import optimal_task, segment_shape, with_joined_ends
 from core.errors import NoStability
@@ -66,7 +66,7 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
         if study.mechanism.ranged:
             proof["three_centres"] = _three_centres(study)
     if "cam" in stages:
-        proof.update(_flank_residuals(study))
+        proof.update(_surface_residuals(study) if study.has_surface else _flank_residuals(study))
     if "dynamics" in stages:
         bound = np.maximum(1e-13, 64.0 * EPS * study.linkage.condition * _lever_ratio(study))
         parts = (study.linkage, study.shape, study.dynamics, study.loading)
@@ -142,6 +142,18 @@ def _flank_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
         name = cam.row_of(face).proof if first else f"{flank.name}_tangency"
         undercut = partial(undercut_on, study, flank.name)
         yield name, cam.tangency(only, face, study.reach, 64.0 * EPS * farthest, undercut)
+
+
+def _surface_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
+    """Both flanks of a cam in space at both ends of the roller: n · w = 0, and the normal is perpendicular to the surface."""
+    shape = study.surface
+    ends = np.array([[shape.machine.inner], [shape.machine.outer]])
+    for side, motion in shape.tracks:
+        surface = spatial.flank(shape.machine, motion, ends, shape.sense, side)
+        for name, vector in (("meshing", surface.carrier_velocity), ("tangency", surface.by_theta)):
+            size = np.sqrt(spatial.dots(vector, vector) + spatial.dots(surface.point, surface.point))
+            residual = np.abs(spatial.dots(surface.normal, vector) / size).max(axis=0)
+            yield f"{name}_{side}", _worst(residual, np.full(residual.size, 64.0 * EPS))
 
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:

@@ -26,6 +26,7 @@ from core.numerics.derivatives import spread
 from core.numerics.lazy import lazy
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined_load, has_flywheel
+from core.spatial import SpatialShape
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, load_nodes, memory
@@ -61,7 +62,14 @@ class DriveForces(DriveStudy):
         def solve(kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float) -> Forces:
             return dynamics.newton_euler(kinematics, shape, loading, omega, units=self._unit_loads)
 
+        if self.has_surface:
+            return self._stage("dynamics", self._forces_in_space, self.linkage, self.surface, self.loading, self.omega)
         return self._stage("dynamics", solve, self.linkage, self.shape, self.loading, self.omega)
+
+    def _forces_in_space(self, kinematics: Kinematics, shape: SpatialShape, loading: Loading, omega: float) -> Forces:
+        forces = dynamics.newton_euler(kinematics, None, loading, omega)
+        y_1 = spread(kinematics.motion.displacement[1], kinematics.theta.size)
+        return dynamics.with_cam_in_space(forces, y_1, shape.gain_ahead, shape.gain_behind, self.mechanism.driver_sign)
 
     def solve_turn(self, stage: str, *further: Angles, has_load: bool = False) -> None:
         """Solve a stage, and those before it, at once at all angles at which searches over the turn begin, and at further ones.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
@@ -28,9 +28,11 @@ from core.mechanism import (
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.program import SubdividedTurn
+from core.numerics.derivatives import spread
 from core.numerics.lazy import lazy, locked
 from core.numerics.parts import part_of
 from core.process import keep_freed_memory
+from core.spatial import Machine, MotionRows, SpatialShape, machine_of, spatial_shape
 from core.study.stages import (
     SEARCHED,
     crank_grid,
@@ -40,6 +42,7 @@ from core.study.stages import (
     failing_ranges,
     grid,
     memory,
+    roller_handovers,
     torque_breaks,
 )
 
@@ -139,6 +142,11 @@ class DriveStudy:
         return any(drive.has_disk for drive in self.design.drives)
 
     @property
+    def has_surface(self) -> bool:
+        """Whether the design is one drive with a cam in space."""
+        return not self.design.listed and self.design.drive.has_surface
+
+    @property
     def by_crank(self) -> bool:
         """Whether a crank that turns at constant speed drives the mechanism, in place of a motion."""
         return self.design.by_crank
@@ -216,15 +224,17 @@ class DriveStudy:
 
     @property
     def _torque_breaks(self) -> tuple[float, ...]:
-        """Angles [rad] at which the torque jumps or breaks, except the joins of the motion."""
+        """Angles [rad] at which the torque jumps or breaks, or another roller takes over, except the joins of the motion."""
         drive = self.design.drive
+        handovers = roller_handovers(self.machine, drive.motion) if drive.has_surface and drive.cam.rollers > 1 else ()
         if not (drive.loads.process or drive.loads.pair_friction or (drive.valve and drive.valve.lash_mm)):
-            return ()
+            return handovers
         try:
             driver = self.driver_ranges if self.by_crank else drive.motion
-            return torque_breaks(self.loading, driver, self.uncut, self.mechanism, lambda: self.driver_ranges)
+            breaks = torque_breaks(self.loading, driver, self.uncut, self.mechanism, lambda: self.driver_ranges)
         except KindynaError:  # the stage ``linkage`` reports it
-            return ()
+            return handovers
+        return tuple(sorted({*breaks, *handovers})) if handovers else breaks
 
     @property
     def uncut(self) -> Any:
@@ -520,9 +530,35 @@ class DriveStudy:
 
     @property
     def cam(self) -> CamShape:
-        """Shape of the cam. Raises NoSuchStage where the design has no cam, NoCam where none is possible."""
+        """Shape of a disk cam. Raises NoSuchStage where the design has no cam, NoCam where none is possible.
+
+        The stage of a cam in space has another shape, ``surface``.
+        """
         self.require_stage("cam")
-        return self._cam
+        return cast(CamShape, self._surface) if self.has_surface else self._cam
+
+    @property
+    def machine(self) -> Machine:
+        """Dimensions of a cam in space."""
+        drive = self.design.drive
+        return machine_of(drive.bare_cam, drive.motion_unit)
+
+    @lazy
+    def _surface(self) -> SpatialShape:
+        def shape(machine: Machine, state: MotionState, sense: float) -> SpatialShape:
+            rows = (spread(state.displacement[order], state.theta.size) for order in range(3))
+            return spatial_shape(machine, MotionRows(state.theta, *rows), sense)
+
+        with self.with_exact_angles("cam"):
+            result: SpatialShape = self._stage("cam", shape, self.machine, self.drive, self.sense)
+            return result
+
+    @property
+    def surface(self) -> SpatialShape:
+        """Shape of a cam in space. Raises NoSuchStage where the design has none, NoCam where none is possible."""
+        if not self.has_surface:
+            raise NoSuchStage("surface", self.stages)
+        return self._surface
 
     @property
     def shape(self) -> CamShape | None:

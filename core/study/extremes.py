@@ -129,6 +129,8 @@ def undercut_on(study: Study, flank: str) -> bool:
 
 def has_undercut(study: Study) -> bool:
     """Whether any flank is undercut, so that the face cannot touch the profile everywhere."""
+    if not study.has_disk:
+        return False
 
     def compute() -> bool:
         return any(undercut_on(study, flank) for flank in cam.form_row(study.design.drive.cam.form).flanks)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from core.study.force_formulas import FORCE_FORMULAS, has
+from core.study.spatial_symbols import SPATIAL_FORMULAS
 from core.study.symbols import FLAT, Formula
 
 _TRIANGLE = "Shin1995 (9), (10), by the triangle's area"
@@ -183,6 +184,6 @@ _CAM_ROWS: tuple[Formula, ...] = (
 )  # fmt: skip
 
 FORMULAS: Mapping[str, Formula] = MappingProxyType(
-    {row.name: row for row in (*_MOTION, *_TRAINS, *_LINKAGE, *_CAM_ROWS, *FORCE_FORMULAS)}
+    {row.name: row for row in (*_MOTION, *_TRAINS, *_LINKAGE, *_CAM_ROWS, *SPATIAL_FORMULAS, *FORCE_FORMULAS)}
 )
 """Name -> row, in the order in which a report prints them."""

@@ -37,6 +37,7 @@ from core.study.member_quantities import (
     valve_motion,
 )
 from core.study.piston import clearance_parts
+from core.study.spatial_symbols import SPATIAL_LETTERS
 from core.study.study import Study
 from core.study.symbols import (
     CAM,
@@ -593,7 +594,7 @@ def _is_linear(study: Study) -> bool:
 
 LETTERS: Mapping[str, SymbolSource] = MappingProxyType(
     {
-        **_MOTION, **_TRAIN, **_CAM, **_LINKS, **_BODIES, **_FORCES, **_ELASTIC, **_SHAFT, **_SERVO, **_STABILITY,
+        **_MOTION, **_TRAIN, **_CAM, **_LINKS, **_BODIES, **_FORCES, **_ELASTIC, **_SHAFT, **_SERVO, **_STABILITY, **SPATIAL_LETTERS,
     }
 )  # fmt: skip
 """Key -> symbol: meaning, unit, value and origin, once for every formula."""

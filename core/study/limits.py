@@ -223,6 +223,12 @@ class FieldBound(NamedTuple):
 
 def _pressure(study: Study, sign: float | None) -> Iterator[Curve]:
     """Pressure angle [deg] of every flank: over the full turn, or where the motion rises (+1) or returns (-1)."""
+    if study.has_surface:
+        angle = np.rad2deg(study.surface.pressure_angle)
+        if sign is not None:
+            angle = np.where(study.drive.velocity_sign == sign, angle, np.nan)
+        yield Curve(angle, _same, lambda angle, limit, _: (limit - angle) / limit)
+        return
     for flank in _flanks(study.cam):
         angle = np.rad2deg(flank.pressure_angle)
         if sign is not None:
@@ -240,8 +246,18 @@ def _curvature(study: Study, concave: bool) -> Iterator[Curve]:
     """Curvature of every flank where it is convex, or where it is concave.
 
     A profile at the signed distance o (the roller's radius; outwards negative) from a pitch curve of curvature κ has the radius
-    1/κ - o. The material of a groove's outer flank is on the other side.
+    1/κ - o. The material of a groove's outer flank is on the other side. Of a cam in space it is the most convex curvature.
     """
+    if study.has_surface:
+        if not concave:
+            yield Curve(study.surface.curvature, _profile_radius, _curvature_margin, 0.0)
+            # an edge, where a flank is undercut, violates every limit
+            yield Curve(
+                1.0 - study.surface.margin,
+                lambda share, _: 0.0 if share >= 1.0 else math.inf,
+                lambda share, *_: 1.0 - share,
+            )
+        return
     for flank in study.cam.flanks:
         if flank.straight:
             if not concave:
@@ -253,6 +269,8 @@ def _curvature(study: Study, concave: bool) -> Iterator[Curve]:
 
 def _polar(study: Study) -> Iterator[Curve]:
     """Distance [m] of every profile from the cam centre, as its negative."""
+    if study.has_surface:
+        return
     for flank in _flanks(study.cam):
         distance = np.abs(flank.profile)
         yield _lower_limit(-distance, distance)
@@ -295,6 +313,8 @@ def _lower_margin(negative: float, limit: float, unit: float) -> float:
 
 def _on_face(study: Study) -> Iterator[Curve]:
     """Distance [mm] of the contact on a flat face from the face's centre."""
+    if study.has_surface:
+        return
     for flank in study.cam.flanks:
         if flank.straight:
             centre = getattr(study.design.drive.face, "face_centre_mm", 0.0)
@@ -303,6 +323,8 @@ def _on_face(study: Study) -> Iterator[Curve]:
 
 def _contact_force(study: Study) -> Iterator[Curve]:
     """Size of the force [N] on every flank."""
+    if study.has_surface:
+        yield Curve(np.abs(study.dynamics.contact), _same, _upper_margin)
     for contact in study.dynamics.contacts:
         yield Curve(np.abs(contact.force), _same, _upper_margin)
 
@@ -352,6 +374,8 @@ def _typical_pressure(study: Study) -> LimitValue:
 def _typical_convex(study: Study) -> LimitValue:
     """Half the radius of the largest roller; a sliding face or an edge wears off a sharper profile."""
     drive = study.design.drive
+    if study.has_surface:
+        return _reasoned(ROLLER_PART * drive.cam.roller_radius_mm, "half the roller's radius")
     if row_of(drive.face).rolls:
         largest = max(face.radius_mm for face in faces_of(drive.face, drive.cam).values())
         return _reasoned(ROLLER_PART * largest, "half the roller's radius")
@@ -361,6 +385,8 @@ def _typical_convex(study: Study) -> LimitValue:
 def _typical_polar(study: Study) -> LimitValue | None:
     """Room for hub, bore and keyway where one of them is given, else for the hub of a shaft that transmits the torque."""
     cam = study.design.drive.cam
+    if study.has_surface:
+        return None
     rows = []
     if cam.hub_mm is not None:
         reason = f"the hub of {cam.hub_mm:g} mm and a clearance of {HUB_CLEARANCE_MM:g} mm"
@@ -395,7 +421,7 @@ def _greatest_torque(study: Study) -> float:
 
 
 def _typical_face(study: Study) -> LimitValue | None:
-    half = getattr(study.design.drive.face, "face_half_width_mm", None)
+    half = None if study.has_surface else getattr(study.design.drive.face, "face_half_width_mm", None)
     return None if half is None else _reasoned(half, "half the face's width")
 
 
@@ -527,12 +553,14 @@ BOUNDS: Mapping[str, FieldBound] = MappingProxyType(
 def needs_torque(study: Study) -> bool:
     """Whether the room for the shaft follows from the torque, since neither hub, bore nor limit is given."""
     drive = study.design.drive
+    if study.has_surface:
+        return False
     return drive.limits.polar_radius_mm is drive.cam.hub_mm is drive.cam.bore_mm is None
 
 
 def limits_in_force(study: Study) -> Mapping[str, LimitValue]:
     """Typical limits that apply since the design states none: key in [limits] -> value and reason."""
-    if not study.design.drive.has_disk:
+    if study.design.drive.cam is None:
         return {}
     limits = {}
     for key in (row.name for row in fields(Limits) if getattr(study.design.drive.limits, row.name) is None):

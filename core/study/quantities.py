@@ -24,6 +24,7 @@ from core.dynamics.walk import input_of
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.shaft import Flywheel
+from core.spatial import KINDS
 from core.study.drive_forces import roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     PUSHROD,
@@ -68,7 +69,10 @@ FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})
 DISK = FOLLOWERS | {"linkage"}
 """Kinds that a disk cam can have."""
-ALL_KINDS = DISK | ALONE
+SURFACES = frozenset(KINDS)
+"""Kinds of cams in space, which move an output."""
+OUTPUTS = ALONE | SURFACES
+ALL_KINDS = DISK | OUTPUTS
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
 
@@ -242,7 +246,7 @@ _ROWS: tuple[Quantity, ...] = (
              "motion", lambda s: motion_by_time(s, 2), needs="motion"),
     Quantity("jerk", "jerk_{m}_s3", "Jerk", "y⃛", "jerk", "motion", lambda s: motion_by_time(s, 3), needs="motion"),
     Quantity("position_modulo", "position_modulo_{m}", "Position modulo the advance", "y mod a", "displacement",
-             "motion", position_modulo, ALONE, is_periodic=True),
+             "motion", position_modulo, OUTPUTS, is_periodic=True),
     Quantity("slider_position", "slider_position_mm", "Slider position", "L", "displacement",
              "linkage", lambda s: coordinate(s, "slider_position"), SLIDER, file=KINEMATICS),
     Quantity("phi", "phi_deg", "Arm angle", "φ", "angle", "linkage", lambda s: coordinate(s, "phi"), SLIDER, file=KINEMATICS),
@@ -300,20 +304,26 @@ _ROWS: tuple[Quantity, ...] = (
              "cam", lambda s: s.cam.only(SECOND).flank.pitch_curvature, DISK, needs=SECOND),
     Quantity("second_profile_curvature", "second_profile_curvature_per_mm", "Second profile's curvature", "κ₂", "curvature",
              "cam", lambda s: s.cam.only(SECOND).flank.profile_curvature, DISK, needs=SECOND),
+    Quantity("pressure_angle", "pressure_angle_deg", "Pressure angle", "ψ", "pressure-angle",
+             "cam", lambda s: s.surface.pressure_angle, SURFACES, needs="cam"),
+    Quantity("sliding", "sliding_mm_s", "Sliding of the roller", "v_s", "velocity",
+             "cam", lambda s: s.surface.sliding * abs(s.omega), SURFACES, needs="cam"),
+    Quantity("surface_curvature", "curvature_per_mm", "Curvature of the flank", "κ", "curvature",
+             "cam", lambda s: s.surface.curvature, SURFACES, needs="cam"),
     Quantity("contact_force", "contact_force_n", "Contact force", "F_c", "force",
-             "dynamics", lambda s: s.dynamics.contact, needs="cam"),
+             "dynamics", lambda s: s.dynamics.contact, needs="loaded cam"),
     Quantity("valve_spring_force", "valve_spring_force_n", "Valve spring force", "F_s", "force",
              "dynamics", _value("valve_springs", "valve_spring_force"), needs="valve springs"),
     Quantity("valve_spring_stress", "valve_spring_stress_mpa", "Valve spring stress", "τ_s", "stress",
              "dynamics", _value("valve_springs", "valve_spring_stress"), needs="valve springs"),
     Quantity("second_contact_force", "second_contact_force_n", "Second contact force", "F_c2", "force",
              "dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
-    Quantity("force", "force_n", "Force", "F", "force", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="slide"),
-    Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "dynamics", lambda s: s.dynamics.driver, ALONE, needs="turned"),
+    Quantity("force", "force_n", "Force", "F", "force", "dynamics", lambda s: s.dynamics.driver, OUTPUTS, needs="slide"),
+    Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "dynamics", lambda s: s.dynamics.driver, OUTPUTS, needs="turned"),
     Quantity("output_power", "power_w", "Power", "P", "power",
-             "dynamics", output_power, ALONE, needs="loaded"),
+             "dynamics", output_power, OUTPUTS, needs="loaded"),
     Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque",
-             "dynamics", lambda s: s.dynamics.torque, needs="cam"),
+             "dynamics", lambda s: s.dynamics.torque, needs="loaded cam"),
     Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",
              "dynamics", motor_quantity(Flywheel.motor_torque), needs="shaft", exists=has_motor_torque),
     Quantity("servo_torque", "servo_torque_nm", "Servo's torque", "T_s", "torque",
@@ -390,6 +400,8 @@ _ROWS: tuple[Quantity, ...] = (
              "stability", lambda s: s.steady_turn.torque(s.theta), needs="elastic shaft", exists=has_steady_turn),
     *(_unseen(code, "linkage", partial(singular_value, code=code), kinds) for code, kinds in SINGULAR_OF.items()),
     _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, DISK, needs="straight"),
+    _unseen("flank_margin", "cam", lambda s: s.surface.margin, SURFACES, needs="cam"),
+    _unseen("rib_wall", "cam", lambda s: s.surface.wall, SURFACES, needs="rib"),
     _unseen("second_roller_distance", "cam", second_roller_distance, DISK, needs=SECOND),
     _unseen("second_push", "cam", push_product, DISK, needs=SECOND),
 )  # fmt: skip
@@ -423,7 +435,7 @@ OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 OF_CONTACT = frozenset(row.name for row in _CONTACT)
 """Quantities of the stage ``dynamics`` that the materials of cam and roller change."""
 
-OF_SPEED = frozenset({"instant_centre_velocity", "reference_velocity"})
+OF_SPEED = frozenset({"instant_centre_velocity", "reference_velocity", "sliding"})
 """Quantities of the stage ``cam`` that the machine's speed changes."""
 
 

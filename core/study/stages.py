@@ -23,6 +23,7 @@ from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
 from core.shaft.curve import FEW_AT_REST, uncut_panels
+from core.spatial import Machine, handover_angles
 
 # -- load on the shaft, fitted between the angles at which it breaks ---------------------------------------------
 
@@ -244,6 +245,25 @@ def torque_breaks(
     except NoSolution:
         return ()
     return tuple(sorted({*switches, *reversals}))
+
+
+def roller_handovers(machine: Machine, motion: Any) -> tuple[float, ...]:
+    """Cam angles [rad], rising, at which a roller of a turret enters or leaves the blank, or its neighbour takes over."""
+
+    def compute() -> tuple[float, ...]:
+        uncut = program(motion)
+        angles = piecewise_angles(uncut)
+        y, pitch = uncut.state(angles).displacement[0], machine.pitch
+        steps = np.arange(np.floor(y.min() / pitch) - 1.0, np.ceil(y.max() / pitch) + 1.0)
+        levels = (steps[:, None] * pitch + np.array(handover_angles(machine))).ravel()
+
+        def distances(angles: Angles) -> np.ndarray:
+            return spread(uncut.state(angles).displacement[0], angles.theta.size) - levels[:, None]
+
+        return tuple(sorted(set(crossings(distances, angles, distances(angles)).theta.tolist())))
+
+    result: tuple[float, ...] = memory.get("handovers", (machine, motion), compute)
+    return result
 
 
 def _reversals(

@@ -15,6 +15,7 @@ from core.frozen import frozen
 from core.number_text import result_text
 from core.numerics.lazy import lazy
 from core.shaft import Flywheel
+from core.spatial import machine_of
 from core.stress import load_ratings, pairings
 from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_forces import ROLLERS, DriveForces, has_servo
@@ -120,6 +121,11 @@ def _has_stress(design: Design) -> bool:
     return design.drive.has_disk and bool(pairings(design.drive.face, design.drive.cam))
 
 
+def _has_rib(design: Design) -> bool:
+    drive = design.drive
+    return drive.has_surface and (drive.cam.rollers > 1 or machine_of(drive.cam, drive.motion_unit).is_rib)
+
+
 def _has_elastic_follower(design: Design) -> bool:
     return design.drive.has_disk and bool(design.drive.loads.follower_stiffness_n_per_mm)
 
@@ -164,6 +170,8 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
             "[[loads.valve_springs]]", lambda design: bool(getattr(design.drive.loads, "valve_springs", ()))
         ),
         "cam": Need("a cam", lambda design: design.drive.cam is not None),
+        "loaded cam": Need("a cam, and a mass or a force", lambda d: d.drive.cam is not None and d.drive.loaded),
+        "rib": Need("a rib between two rollers", _has_rib),
         "pitch": Need(
             "a cam with a roller, a knife edge or a shoe",
             lambda design: design.drive.has_disk and "pitch_curvature" in row_of(design.drive.face).limits,
@@ -185,7 +193,10 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
         "elastic shaft": Need(
             "a cam, and shaft.stiffness_nm_per_rad",
             lambda design: (
-                design.drive.cam is not None and design.shaft is not None and design.shaft.elastic is not None
+                design.drive.cam is not None
+                and design.drive.loads_shaft
+                and design.shaft is not None
+                and design.shaft.elastic is not None
             ),
         ),
         "shaft": Need("a shaft that turns a cam or a crank", has_motor),

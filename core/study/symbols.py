@@ -11,8 +11,14 @@ from core.frozen import frozen
 from core.study.study import Study
 
 MOTION, LINKAGE, CAM, DYNAMICS, STABILITY, LOADS = "motion", "linkage", "cam", "dynamics", "stability", "loads"
-FLAT = ".flat"
-"""Ending of a formula's name: the formula under a straight face."""
+FLAT, SURFACE = ".flat", ".surface"
+"""Endings of a formula's name: the formula under a straight face, and that of a cam in space."""
+
+
+def variant_of(names: Collection[str]) -> str:
+    """Ending of the formulas of a design that has quantities of these names."""
+    return FLAT if "contact_on_face" in names else SURFACE if "sliding" in names else ""
+
 
 # -- rows -------------------------------------------------------------------------------------------------------
 
@@ -23,7 +29,8 @@ class Formula:
 
     Attributes
     ----------
-    name : quantity ({} for its member), figure of the summary, or residual; with ``.flat``: under a straight face
+    name : quantity ({} for its member), figure of the summary, or residual; with ``.flat``: under a straight face; with
+        ``.surface``: of a cam in space
     title : heading in the report, which prints rows of one title together
     lines : the equation, then equations of symbols in it
     letters : keys of ``LETTERS``, every symbol of the lines

@@ -69,6 +69,8 @@ def exact_curve(study: Study, request: ProfileRequest) -> ExactCurve:
     NoCam
         The profile has corners or cusps, crosses itself, or is too narrow for the cutter.
     """
+    if study.has_surface:
+        raise KindynaError(f"cam.kind = '{study.kind}': a cam in space has no profile in a plane; allowed: a disk cam")
     flank = flank_number(study, request)
     _require_smooth(study, flank)
     exact = exact_profile(study, flank)

@@ -13,7 +13,7 @@ from core.study import Study, names_of
 from core.study.formulas import FORMULAS
 from core.study.letters import LETTERS
 from core.study.quantities import shape_of
-from core.study.symbols import FLAT, Formula, symbol_of
+from core.study.symbols import FLAT, SURFACE, Formula, symbol_of, variant_of
 
 LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _INDEX = re.compile(r"(?<=\w)_(\w+)")
@@ -51,8 +51,10 @@ def is_used(row: Formula, study: Study, names: Collection[str]) -> bool:
     """Whether a formula gives a number of a design that has quantities of these names."""
     if row.when is not None:
         return row.when(study, names)
-    quantity, flat, _ = row.name.partition(FLAT)
-    if f"{quantity}{FLAT}" in FORMULAS and bool(flat) != ("contact_on_face" in names):
+    quantity, variant = next(
+        ((row.name.removesuffix(end), end) for end in (FLAT, SURFACE) if row.name.endswith(end)), (row.name, "")
+    )
+    if f"{quantity}{variant_of(names)}" in FORMULAS and variant != variant_of(names):
         return False
     return quantity in {shape_of(name) for name in names}
 

@@ -24,7 +24,7 @@ from core.study import QUANTITIES, Study, names_of
 from core.study.formulas import FORMULAS
 from core.study.letters import LETTERS, keys_of
 from core.study.quantities import OF_MEMBERS, shape_of
-from core.study.symbols import FLAT, Letter, symbol_of
+from core.study.symbols import Letter, symbol_of, variant_of
 from core.units import UNITS
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -158,8 +158,8 @@ def test_every_formula_is_evaluated_in_some_design_or_listed_with_its_reason() -
         for single in study.solved_drives.values():
             names = names_of(single.design)
             evaluated |= {shape_of(quantity) for quantity in names}
-            if "contact_on_face" in names:
-                evaluated |= {row for row in FORMULAS if row.endswith(FLAT)}
+            if variant := variant_of(names):
+                evaluated |= {row for row in FORMULAS if row.endswith(variant)}
         evaluated |= set(explainable(study))
     listed = set().union(*NOT_EVALUATED.values())
     assert set(FORMULAS) - evaluated - listed == set()

@@ -1,0 +1,221 @@
+"""Cams in space from the file to tables, forces, camshaft, findings and Find, against closed forms."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.design import get, put
+from core.errors import DesignError
+from core.find import find
+from core.output.explain import explained
+from core.project import dumps, load, loads
+from core.study import Study, certificate_of, extremes_of, findings_of
+from core.study.quantities import quantity
+
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+BARREL = (EXAMPLES / "barrel_feeder.toml").read_text("utf-8")
+INDEXER = (EXAMPLES / "globoidal_indexer.toml").read_text("utf-8")
+
+
+def changed(text: str, *pairs: tuple[str, str]) -> str:
+    for old, new in pairs:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text
+
+
+ARM = changed(BARREL, ("start_mm", "start_deg"), ('kind = "barrel"', 'kind = "barrel"\narm_mm = 90.0'),
+              ("rise_mm = 40.0", "rise_deg = 25.0"), ("rise_mm = -40.0", "rise_deg = -25.0"), ("mass_kg = 6.0", "inertia_kg_m2 = 0.05"),
+              ("force_n = -40.0", "torque_nm = -4.0"), ("friction_n = 5.0", "friction_nm = 0.5"))  # fmt: skip
+TURRET = changed(INDEXER, ('kind = "globoidal"\ncentre_distance_mm = 120.0', 'kind = "barrel"\narm_mm = 60.0'),
+                 ("roller_radius_mm = 16.0", "roller_radius_mm = 14.0"), ("roller_inner_mm = 48.0", "roller_inner_mm = 75.0"),
+                 ("length_mm = 100.0", "length_mm = 115.0"))  # fmt: skip
+SIDE_BY_SIDE = changed(BARREL, ('form = "groove"\nplay_mm = 0.02', 'form = "rib"\nroller_distance_mm = 32.0'))
+ALL = {"barrel": BARREL, "indexer": INDEXER, "arm": ARM, "turret": TURRET, "rib": SIDE_BY_SIDE}
+
+
+# -- files --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_design_is_written_as_it_was_read(name: str) -> None:
+    design = loads(ALL[name], name)
+    assert loads(dumps(design), name) == design
+    assert design.drive.kind == ("globoidal" if name == "indexer" else "barrel")
+
+
+@pytest.mark.parametrize(("text", "old", "new", "path"), [
+    (BARREL, "roller_radius_mm = 10.0", "roller_radius_mm = 70.0", "cam.roller_radius_mm"),
+    (BARREL, "roller_inner_mm = 70.0", "roller_inner_mm = 0.0", "cam.roller_inner_mm"),
+    (BARREL, "roller_taper_deg = 0.0", "roller_taper_deg = 36.0", "cam.roller_taper_deg"),
+    (BARREL, 'kind = "barrel"', 'kind = "barel"', "cam.kind"),
+    (BARREL, "rollers = 1", "rollers = 2", "cam.rollers"),
+    (BARREL, "outer_radius_mm = 82.0", "outer_radius_mm = 70.0", "cam.outer_radius_mm"),
+    (BARREL, "start_mm = 0.0", "start_mm = 0.0\nadvance_mm = 0.0", ""),
+    (SIDE_BY_SIDE, "roller_distance_mm = 32.0\n", "", "cam.roller_distance_mm"),
+    (SIDE_BY_SIDE, "roller_distance_mm = 32.0", "roller_distance_mm = 20.0", "cam.roller_distance_mm"),
+    (ARM, "arm_mm = 90.0\n", "", "cam.arm_mm"),
+    (INDEXER, "centre_distance_mm = 120.0\n", "", "cam.centre_distance_mm"),
+    (INDEXER, "roller_length_mm = 16.0", "roller_length_mm = 72.0", "cam.roller_length_mm"),
+    (INDEXER, "rollers = 6", "rollers = 12", "cam.rollers"),
+    (INDEXER, "rollers = 6", "rollers = 5", "motion.advance_deg"),
+])  # fmt: skip
+def test_a_wrong_entry_is_one_line_that_names_its_field(
+    text: str, old: str, new: str, path: str, tmp_path, capsys
+) -> None:
+    file = tmp_path / "cam.toml"
+    file.write_text(changed(text, (old, new)), "utf-8")
+    code = main(["check", str(file)])
+    lines = capsys.readouterr().err.strip().splitlines()
+    if not path:
+        assert code != 2
+        return
+    assert code == 2
+    assert len(lines) == 1
+    assert lines[0].startswith(path)
+
+
+def test_a_motion_in_mm_has_no_globoidal_cam() -> None:
+    with pytest.raises(DesignError, match=r"cam\.kind"):
+        loads(changed(BARREL, ('kind = "barrel"', 'kind = "globoidal"\ncentre_distance_mm = 120.0')), "x")
+
+
+# -- tables -------------------------------------------------------------------------------------------------------
+
+
+def rows_of(file: Path) -> dict[str, np.ndarray]:
+    with file.open(encoding="utf-8") as stream:
+        header, *rows = csv.reader(stream)
+    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+
+
+def test_tables_of_a_barrel_have_closed_forms(tmp_path) -> None:
+    """A sliding roller: tan ψ = |y'|/u at the inner end, T = F y', and F_c = F sqrt(1 + (y'/u)²) in the middle of the roller."""
+    assert main(["export", str(EXAMPLES / "barrel_feeder.toml"), "--out", str(tmp_path), "--samples", "720"]) == 0
+    profile, forces, motion = (rows_of(tmp_path / f"{name}.csv") for name in ("profile", "dynamics", "kinematics"))
+    assert list(profile) == ["cam_angle_deg", "pressure_angle_deg", "sliding_mm_s", "curvature_per_mm"]
+    omega = 2.0 * np.pi * 2.0
+    slope = motion["velocity_mm_s"] / omega
+    assert profile["pressure_angle_deg"] == pytest.approx(np.rad2deg(np.arctan(np.abs(slope) / 70.0)), abs=1e-9)
+    moving = motion["velocity_mm_s"] != 0.0
+    effort = 6.0 * motion["acceleration_mm_s2"] * 1e-3 + 40.0 + 5.0 * np.sign(motion["velocity_mm_s"])
+    assert forces["force_n"][moving] == pytest.approx(effort[moving], abs=1e-9)
+    assert forces["drive_torque_nm"] == pytest.approx(effort * slope * 1e-3, abs=1e-9)
+    contact = effort * np.hypot(1.0, slope / 77.0)
+    assert forces["contact_force_n"][moving] == pytest.approx(contact[moving], abs=1e-9)
+    summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
+    worst = summary["extremes"]["pressure_angle_deg"]["max"]
+    # cycloidal: greatest slope 2 h/β at the middle of the rise
+    assert worst["value"] == pytest.approx(np.rad2deg(np.arctan(2.0 * 40.0 / np.deg2rad(120.0) / 70.0)), abs=1e-9)
+    assert worst["cam_angle_deg"] == pytest.approx(60.0, abs=1e-4)
+
+
+def test_a_turret_transmits_by_the_roller_of_least_pressure_angle() -> None:
+    """Globoidal: tan ψ = u |φ'|/(D - u cos φ) at the outer end of the farthest roller whose middle is in the blank."""
+    study = Study(loads(INDEXER, "x"), 720)
+    y, slope = study.motion.displacement[0], np.abs(study.motion.displacement[1])
+    near = np.deg2rad((np.rad2deg(y) + 30.0) % 60.0 - 30.0)
+    expected, middle = np.full(y.size, np.inf), np.full(y.size, np.inf)
+    for k in (-1, 0, 1):
+        phi = near + k * np.pi / 3.0
+        inside = np.abs(56.0 * np.sin(phi)) <= 50.0 + 1e-9
+        for row, u in ((expected, 64.0), (middle, 56.0)):
+            angle = np.arctan(u * slope / (120.0 - u * np.cos(phi)))
+            row[:] = np.where(inside, np.fmin(row, angle), row)
+    assert quantity("pressure_angle").value(study) == pytest.approx(expected, abs=1e-12)
+    effort = quantity("output_torque").value(study)
+    contact = quantity("contact_force").value(study)
+    assert contact == pytest.approx(effort / (0.056 * np.cos(middle)), rel=1e-9, abs=1e-9)
+    assert quantity("drive_torque").value(study) == pytest.approx(effort * study.motion.displacement[1], abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_kind_has_a_certificate_and_its_extremes_do_not_depend_on_the_sampling(name: str) -> None:
+    design = loads(ALL[name], name)
+    assert all(residual.kept for residual in certificate_of(Study(design, 720)).values())
+    coarse, fine = (extremes_of(Study(design, n), "cam") for n in (72, 3600))
+    dense = Study(design, 7200)
+    for key, extremes in coarse.items():
+        assert extremes.high.value == pytest.approx(fine[key].high.value, rel=1e-9, abs=1e-12), key
+        values = quantity(key).value(dense)
+        assert np.nanmax(values) <= extremes.high.value * (1.0 + 1e-9) + 1e-12, key
+
+
+def test_the_torque_is_part_of_the_sum_of_a_camshaft(tmp_path) -> None:
+    alone = Study(loads(INDEXER, "x"), 360)
+    inside = INDEXER.split("\n[shaft]")[0].split("[motion]", 1)[1], INDEXER.split("[loads]")[1]
+    text = "[motion]" + inside[0] + "\n[loads]" + inside[1]
+    text = text.replace("[[motion.", "[[drives.motion.").replace("\n[", "\n[drives.").replace("[drives.[", "[[")
+    text = text.replace("[motion]", "[drives.motion]", 1)
+    lines = ["format = 1", 'name = "Shaft"', "[shaft]", 'rotation = "ccw"', "speed_rpm = 100.0"]
+    drives = [
+        f'[[drives]]\nname = "{name}"\nphase_deg = {phase}\n{text}'
+        for name, phase in (("First", 0.0), ("Second", 90.0))
+    ]
+    study = Study(loads("\n".join([*lines, *drives]), "x"), 360)
+    torque = alone.dynamics.torque
+    assert study.camshaft.torque == pytest.approx(torque + np.roll(torque, 90), abs=1e-9)
+    assert [f.code for f in findings_of(study)] == []
+
+
+# -- findings, Find, explain --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("text", "path", "value", "code"), [
+    (BARREL, "cam.roller_inner_mm", 60.0, "pressure-angle"),
+    (INDEXER, "cam.centre_distance_mm", 92.0, "pressure-angle"),
+    (INDEXER, "cam.roller_radius_mm", 24.0, "rib-vanishes"),
+    (INDEXER, "cam.length_mm", 90.0, "turret-free"),
+    (BARREL, "limits.convex_radius_mm", 200.0, "convex-radius"),
+    (BARREL, "limits.pressure_angle_return_deg", 20.0, "pressure-angle-return"),
+    (BARREL, "limits.contact_force_n", 30.0, "contact-force"),
+])  # fmt: skip
+def test_an_exceeded_limit_is_a_finding(text: str, path: str, value: float, code: str) -> None:
+    design = loads(text, "x")
+    assert findings_of(Study(design)) == ()
+    findings = findings_of(Study(put(design, path, value)))
+    assert code in [finding.code for finding in findings]
+    assert all(finding.message for finding in findings)
+
+
+def test_a_large_roller_undercuts_a_steep_flank() -> None:
+    """The pitch curve of a barrel in its plane at u: the flank has an edge where 1 + r y''/u² over (1 + (y'/u)²)^(3/2) vanishes."""
+    steep = loads(
+        changed(BARREL, ("span_deg = 120.0", "span_deg = 40.0"), ("span_deg = 60.0", "span_deg = 140.0")), "x"
+    )
+    codes = [finding.code for finding in findings_of(Study(put(steep, "cam.roller_radius_mm", 30.0)))]
+    assert "undercut" in codes
+    assert "undercut" not in [finding.code for finding in findings_of(Study(put(steep, "cam.roller_radius_mm", 2.0)))]
+
+
+def test_the_smallest_inner_distance_keeps_the_pressure_angle() -> None:
+    """tan ψ = 2 h/(β u) of a cycloidal rise."""
+    open_blank = changed(BARREL, ("outer_radius_mm = 82.0\n", ""), ("bore_mm = 35.0", "bore_mm = 12.0"))
+    solution = find(
+        loads(open_blank, "x"), "inner-distance", {"pressure_angle_rise_deg": 25.0, "pressure_angle_return_deg": 25.0}
+    )
+    expected = 2.0 * 40.0 / np.deg2rad(120.0) / np.tan(np.deg2rad(25.0))
+    assert get(solution.design, "cam.roller_inner_mm") == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_most_rollers_divide_the_turret_by_the_advance() -> None:
+    slender = changed(
+        INDEXER, ("roller_radius_mm = 16.0", "roller_radius_mm = 7.0"), ("start_deg = 30.0", "start_deg = 15.0")
+    )
+    solution = find(loads(slender, "x"), "rollers", {})
+    assert get(solution.design, "cam.rollers") % 6 == 0
+    assert get(solution.design, "cam.rollers") > 6
+    assert not findings_of(Study(solution.design))
+
+
+def test_a_number_is_explained_by_the_line_of_contact() -> None:
+    study = Study(load(EXAMPLES / "globoidal_indexer.toml"))
+    result = explained(study, "contact_force_n", 260.0)
+    values = {letter.symbol: letter.value for letter in result.letters}
+    assert result.value == pytest.approx(values["Q"] / values["g"] * 1e3, rel=1e-9)
