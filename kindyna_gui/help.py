@@ -129,6 +129,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),
         "followers": ("Followers", _materials),
+        "spatial": ("Cams in space", _as_is),
         "finding": ("Finding dimensions", _as_is),
         "studies": ("Studies of many designs", _as_is),
         "linkages": ("Linkages", _as_is),
