@@ -25,7 +25,7 @@ from core.study.extremes import has_quantity
 from core.study.quantities import KINEMATICS, ORBIT, PROFILE, SERVO
 from core.study.quantity_requests import OUTPUTS, is_angular, length_per_output, output_travel, path_drives, path_rate
 from core.study.stages import memory
-from core.study.symbols import variant_of
+from core.study.study import variant_of
 
 # -- channels ---------------------------------------------------------------------------------------------------
 

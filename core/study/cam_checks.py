@@ -16,7 +16,7 @@ from core.cam import checks
 from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
-from core.study import quantity_requests, spatial_checks
+from core.study import quantity_requests
 from core.study.extremes import cam_extremes, has_undercut
 from core.study.limits import POLAR, USER, USER_BOUNDS, LimitValue, limit_of, needs_torque, worst_values
 from core.study.quantities import quantities_of
@@ -114,6 +114,8 @@ def cam_findings(study: Study) -> list[Finding]:
 
 def surface_limit_findings(study: Study) -> list[Finding]:
     """Limits of the user that a cam in space exceeds, except those of quantities."""
+    from core.study import spatial_checks  # few designs have a cam in space
+
     limits, findings = study.design.drive.limits, list(spatial_checks.convex_radius_findings(study))
     if any(getattr(limits, f"pressure_angle_{stretch}_deg") is not None for stretch in checks.STRETCHES):
         worst = {stretch: extremes.high for stretch, extremes in pressure_angles(study)[_PRESSURE_ANGLE].items()}
@@ -268,6 +270,8 @@ def _shape_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
 
 
 def _surface_rows(study: Study) -> Iterator[LimitRow]:
+    from core.study import spatial_checks  # as above
+
     for stretch, extremes in pressure_angles(study)[_PRESSURE_ANGLE].items():
         key = f"pressure_angle_{stretch}_deg"
         yield _row(study, key, f"Pressure angle, {stretch}", degrees(extremes.high.value), extremes.high)

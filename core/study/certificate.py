@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 
-from core import cam, dynamics, shaft, spatial
+from core import cam, dynamics, shaft
 from core.design import Motion, OptimalCurve, Segment
 from core.design.curves import optimal_task, segment_shape, with_joined_ends
 from core.errors import NoStability
@@ -146,6 +146,8 @@ def _flank_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
 
 def _surface_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
     """Both flanks of a cam in space at both ends of the roller: n · w = 0, and the normal is perpendicular to the surface."""
+    from core import spatial  # imported here to save start-up time
+
     shape = study.surface
     ends = np.array([[shape.machine.inner], [shape.machine.outer]])
     for side, motion in shape.tracks:

@@ -26,7 +26,6 @@ from core.numerics.derivatives import spread
 from core.numerics.lazy import lazy
 from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined_load, has_flywheel
-from core.spatial import SpatialShape
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
 from core.study.stages import fit_load_curve, load_nodes, memory
@@ -34,6 +33,7 @@ from core.study.stages import fit_load_curve, load_nodes, memory
 if TYPE_CHECKING:  # imported where a study first needs them
     from core.dynamics import ContactForce, Flights, ForceOnBody, LiftOff
     from core.elastic import Elasticity, Response, Spectrum
+    from core.spatial import SpatialShape
 
 _FEW_ANGLES = 24  # of which at least one is no dead centre
 

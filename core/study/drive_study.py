@@ -32,7 +32,6 @@ from core.numerics.derivatives import spread
 from core.numerics.lazy import lazy, locked
 from core.numerics.parts import part_of
 from core.process import keep_freed_memory
-from core.spatial import Machine, MotionRows, SpatialShape, machine_of, spatial_shape
 from core.study.stages import (
     SEARCHED,
     crank_grid,
@@ -47,6 +46,7 @@ from core.study.stages import (
 )
 
 if TYPE_CHECKING:
+    from core.spatial import Machine, SpatialShape
     from core.study.valve_travel import ValveTravel
 
 SAMPLES = 3600
@@ -540,11 +540,15 @@ class DriveStudy:
     @property
     def machine(self) -> Machine:
         """Dimensions of a cam in space."""
+        from core.spatial import machine_of  # imported here to save start-up time
+
         drive = self.design.drive
         return machine_of(drive.bare_cam, drive.motion_unit)
 
     @lazy
     def _surface(self) -> SpatialShape:
+        from core.spatial import MotionRows, spatial_shape  # as above
+
         def shape(machine: Machine, state: MotionState, sense: float) -> SpatialShape:
             rows = (spread(state.displacement[order], state.theta.size) for order in range(3))
             return spatial_shape(machine, MotionRows(state.theta, *rows), sense)

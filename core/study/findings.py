@@ -16,7 +16,7 @@ from core.errors import KindynaError, NoSolution, NoStability
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.motion import program
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
-from core.study import cam_checks, quantity_requests, spatial_checks
+from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
 from core.study.drive_forces import has_servo, servo_part, servo_turn
 from core.study.extremes import cam_extremes, extremes_beyond_lash, extremes_of, near_singular, search_together
@@ -136,9 +136,12 @@ def _requested(study: Study, stages: Sequence[str]) -> Mapping[str, tuple[str, .
     if "linkage" in stages:
         names["linkage"] = _singular(study)
     if "cam" in stages:
-        names["cam"] = (
-            spatial_checks.checked_quantities(study) if study.has_surface else cam.limits_of(drive.face, drive.cam)
-        )
+        if study.has_surface:
+            from core.study.spatial_checks import checked_quantities  # few designs have a cam in space
+
+            names["cam"] = checked_quantities(study)
+        else:
+            names["cam"] = cam.limits_of(drive.face, drive.cam)
     if {"cam", "dynamics"} <= set(stages) and not study.is_form_closed:
         names["dynamics"] = ("contact_force",)
     return names
@@ -164,7 +167,9 @@ def _linkage_findings(study: Study) -> list[Finding]:
 
 def _cam_findings(study: Study) -> list[Finding]:
     if study.has_surface:
-        return [*spatial_checks.spatial_findings(study), *cam_checks.surface_limit_findings(study)]
+        from core.study.spatial_checks import spatial_findings  # as above
+
+        return [*spatial_findings(study), *cam_checks.surface_limit_findings(study)]
     drive, extremes = study.design.drive, cam_extremes(study)
     # at the angles of the search, which are solved; of a linkage the study checks whether a cam can drive it
     solved = study if study.mechanism.ranged else study.at(piecewise_angles(study.program))

@@ -11,7 +11,8 @@ from types import MappingProxyType
 
 from core.study.force_formulas import FORCE_FORMULAS, has
 from core.study.spatial_symbols import SPATIAL_FORMULAS
-from core.study.symbols import FLAT, Formula
+from core.study.study import FLAT
+from core.study.symbols import Formula
 
 _TRIANGLE = "Shin1995 (9), (10), by the triangle's area"
 _LAW, _SHIN8 = "definition of a motion law", "Shin1995 (8)"

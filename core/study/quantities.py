@@ -19,12 +19,12 @@ import numpy as np
 
 from core.cam import OUTER, SECOND
 from core.design import FOLLOWER_KINDS, MOTION, Design, Unit, split_unit
+from core.design.spatial import SPATIAL_CAMS
 from core.dynamics import element_power, gravity_power, input_power, kinetic_energy
 from core.dynamics.walk import input_of
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.shaft import Flywheel
-from core.spatial import KINDS
 from core.study.drive_forces import roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     PUSHROD,
@@ -60,7 +60,7 @@ from core.study.member_quantities import (
     transmission_angle,
     valve_lift,
 )
-from core.study.study import NEEDS, Study
+from core.study.study import FLAT, NEEDS, Study
 
 if TYPE_CHECKING:
     from core.study.symbols import Formula
@@ -69,7 +69,7 @@ FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALONE = frozenset({MOTION})
 DISK = FOLLOWERS | {"linkage"}
 """Kinds that a disk cam can have."""
-SURFACES = frozenset(KINDS)
+SURFACES = frozenset(SPATIAL_CAMS)
 """Kinds of cams in space, which move an output."""
 OUTPUTS = ALONE | SURFACES
 ALL_KINDS = DISK | OUTPUTS
@@ -149,8 +149,6 @@ class Quantity:
     @property
     def flat(self) -> str:
         """Its equation under a straight face, where that is another."""
-        from core.study.symbols import FLAT  # as in ``formula``
-
         flat, round_ = (replace(self, variant=variant).equation for variant in (FLAT, ""))
         return "" if flat == round_ else flat
 

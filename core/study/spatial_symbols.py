@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from core.spatial import AHEAD, BEHIND, SpatialFlank, dots, sliding, sliding_parts
-from core.study.study import Study
-from core.study.symbols import CAM, DYNAMICS, SURFACE, Formula, SymbolSource, first, motion_unit, quantity_symbol
+from core.study.study import SURFACE, Study
+from core.study.symbols import CAM, DYNAMICS, Formula, SymbolSource, first, motion_unit, quantity_symbol
 
 _CONTACT, _SHAPE = "spatial.contact", "spatial.shape"
 _WORST = "the largest along the roller, on either flank"

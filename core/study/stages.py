@@ -6,7 +6,7 @@ from collections import Counter, OrderedDict, defaultdict
 from collections.abc import Callable, Hashable, Sequence
 from functools import lru_cache
 from math import degrees
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from core.numerics.derivatives import spread
 from core.numerics.lazy import locked
 from core.shaft import LoadCurve, load_curve
 from core.shaft.curve import FEW_AT_REST, uncut_panels
-from core.spatial import Machine, handover_angles
+
+if TYPE_CHECKING:
+    from core.spatial import Machine
 
 # -- load on the shaft, fitted between the angles at which it breaks ---------------------------------------------
 
@@ -249,6 +251,7 @@ def torque_breaks(
 
 def roller_handovers(machine: Machine, motion: Any) -> tuple[float, ...]:
     """Cam angles [rad], rising, at which a roller of a turret enters or leaves the blank, or its neighbour takes over."""
+    from core.spatial import handover_angles  # imported here to save start-up time
 
     def compute() -> tuple[float, ...]:
         uncut = program(motion)

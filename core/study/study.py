@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 from core.cam import OUTER, SECOND, form_row, row_of
 from core.design import Design, drive_names, only
 from core.design.parts import LINEAR, ROTARY
+from core.design.spatial import Rib
 from core.errors import NoStability
 from core.frozen import frozen
 from core.number_text import result_text
 from core.numerics.lazy import lazy
 from core.shaft import Flywheel
-from core.spatial import machine_of
 from core.stress import load_ratings, pairings
 from core.study.camshaft import Camshaft, is_complete
 from core.study.drive_forces import ROLLERS, DriveForces, has_servo
@@ -123,7 +123,7 @@ def _has_stress(design: Design) -> bool:
 
 def _has_rib(design: Design) -> bool:
     drive = design.drive
-    return drive.has_surface and (drive.cam.rollers > 1 or machine_of(drive.cam, drive.motion_unit).is_rib)
+    return drive.has_surface and (drive.cam.rollers > 1 or drive.cam.form.form == Rib.form)
 
 
 def _has_elastic_follower(design: Design) -> bool:
@@ -203,3 +203,15 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
     }
 )
 """What quantities need of a design, beyond the kind of its mechanism."""
+
+
+# -- formulas of kinds of cams ----------------------------------------------------------------------------------
+
+
+FLAT, SURFACE = ".flat", ".surface"
+"""Endings of a formula's name: the formula under a straight face, and that of a cam in space."""
+
+
+def variant_of(names: Collection[str]) -> str:
+    """Ending of the formulas of a design that has quantities of these names."""
+    return FLAT if "contact_on_face" in names else SURFACE if "sliding" in names else ""

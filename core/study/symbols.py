@@ -11,15 +11,6 @@ from core.frozen import frozen
 from core.study.study import Study
 
 MOTION, LINKAGE, CAM, DYNAMICS, STABILITY, LOADS = "motion", "linkage", "cam", "dynamics", "stability", "loads"
-FLAT, SURFACE = ".flat", ".surface"
-"""Endings of a formula's name: the formula under a straight face, and that of a cam in space."""
-
-
-def variant_of(names: Collection[str]) -> str:
-    """Ending of the formulas of a design that has quantities of these names."""
-    return FLAT if "contact_on_face" in names else SURFACE if "sliding" in names else ""
-
-
 # -- rows -------------------------------------------------------------------------------------------------------
 
 

@@ -13,7 +13,8 @@ from core.study import Study, names_of
 from core.study.formulas import FORMULAS
 from core.study.letters import LETTERS
 from core.study.quantities import shape_of
-from core.study.symbols import FLAT, SURFACE, Formula, symbol_of, variant_of
+from core.study.study import FLAT, SURFACE, variant_of
+from core.study.symbols import Formula, symbol_of
 
 LOWERED = str.maketrans("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _INDEX = re.compile(r"(?<=\w)_(\w+)")

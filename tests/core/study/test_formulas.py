@@ -24,7 +24,8 @@ from core.study import QUANTITIES, Study, names_of
 from core.study.formulas import FORMULAS
 from core.study.letters import LETTERS, keys_of
 from core.study.quantities import OF_MEMBERS, shape_of
-from core.study.symbols import Letter, symbol_of, variant_of
+from core.study.study import variant_of
+from core.study.symbols import Letter, symbol_of
 from core.units import UNITS
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
