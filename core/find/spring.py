@@ -45,6 +45,7 @@ RATES, RATE_RANGE = 17, 2.0  # of the curve: number, and greatest multiple of th
 FEWER = 7  # number of rates where friction makes every value a search of its own
 # Of the curve of forces: number, and greatest multiple of the result or the present speed.
 SPEEDS, SPEED_RANGE = 33, 1.4
+SLENDER = 20.0  # greatest spring index D/d of a result: a more slender spring is not wound
 GROWTH, MOST = 2.0, 1e9  # factor of a step towards a sufficient value; greatest value, times the first
 ROUGH = 1e-3  # relative error of samples
 SLOWER = 9  # trial speeds below the lift-off speed, where the machine has new findings with this
@@ -322,6 +323,13 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
     violations: tuple[str, ...] = ()
     next_findings: tuple[str, ...] = ()
     low, most = sorted(springs.effort(path, bound) for bound in (request.low, request.most))
+    why = request.why
+    if path == WIRE:
+        slender = design.drive.loads.valve_springs[0].coil_mm / SLENDER
+        thinnest, reason = (
+            (slender, f"its coil is {SLENDER:g} wires wide") if slender < present else (present, "present")
+        )
+        low, why = (min(thinnest, most), f" ({reason})") if low < thinnest else (low, why)
     effort = min(max(needed, low), most)
 
     def values_at(effort: float) -> dict[str, float]:
@@ -360,7 +368,7 @@ def _spring(design: Design, path: str, request: ContactRequest, checked: Finding
     answer = values_at(effort)
     value = answer[path]
     least, (limit, reason) = springs.contact(answer).least(request.contact.high), springs.limit(answer)
-    end = f"{path} = {value:.9g}{request.why}" if (effort > needed or not effort) and not next_findings else ""
+    end = f"{path} = {value:.9g}{why}" if (effort > needed or not effort) and not next_findings else ""
     second_field = "" if springs.is_typed else springs.rate if path == springs.preload else springs.preload
     reached = {FORCE: least.value}
     before = {FORCE: springs.contact({}).least(request.contact.high).value, speed_path(design): design.speed_rpm}

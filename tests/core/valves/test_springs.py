@@ -356,6 +356,14 @@ def test_the_rate_of_a_valve_spring_is_its_wire() -> None:
     assert 3.0 < wire < 3.8
 
 
+def test_a_spring_that_a_nested_one_replaces_is_no_thinner_than_it_can_be_wound() -> None:
+    solution = find(design(springs=SPRING + SPRING), "spring", {})
+    assert solution.answer == {"loads.valve_springs[0].wire_mm": 24.0 / 20.0}
+    assert "its coil is 20 wires wide" in solution.end
+    slender = design(springs=SPRING.replace("3.8", "1.1") + SPRING)
+    assert find(slender, "spring", {}).answer == {"loads.valve_springs[0].wire_mm": 1.1}
+
+
 def test_a_search_says_which_spring_would_bind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save(design(), tmp_path / "train.toml")
     command = ["find", str(tmp_path / "train.toml"), "preload", "--limit", "shaft.speed_rpm_max=5500"]
