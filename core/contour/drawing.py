@@ -224,6 +224,25 @@ def read_contour(
     origin; gap_mm: largest gap over which ends join. Raises DrawingError where there is no such curve, or more than
     one, where it crosses itself, where the unit is unknown, and where the centre is not inside it.
     """
+    curve = _read_curve(data, name, unit, centre, gap_mm)
+    if winding(curve.elements, 0j) == 0:
+        raise DrawingError(
+            f"{name}: the cam centre {at_text(curve.centre)} lies outside the curve; give the centre about which the cam rotates"
+        )
+    return curve
+
+
+def read_outline(data: bytes, name: str) -> tuple[ContourElement, ...]:
+    """Lines and arcs [mm] of the closed curve of a DXF file, in millimetres where its header states no unit.
+
+    Raises DrawingError where there is no such curve, or more than one, and where it crosses itself.
+    """
+    unit = "" if _read_entities(data, name)[0] in _HEADER else UNITS[0]
+    return _read_curve(data, name, unit, None, GAP_MM).elements
+
+
+def _read_curve(data: bytes, name: str, unit: str, centre: complex | None, gap_mm: float) -> Contour:
+    """The closed curve of a DXF file, wherever it is; parameters and errors as for `read_contour`."""
     if not 0.0 <= gap_mm <= MOST_GAP_MM:
         raise DrawingError(f"{name}: gap {gap_mm:g} mm between ends; allowed: 0 ... {MOST_GAP_MM:g} mm")
     unit_code, model_space = _read_entities(data, name)
@@ -236,10 +255,6 @@ def read_contour(
     chain = _closed_chain(pieces, name, layer, origin, gap_mm)
     elements = _with_common_ends(chain)
     _require_simple(elements, name, origin)
-    if winding(elements, 0j) == 0:
-        raise DrawingError(
-            f"{name}: the cam centre {at_text(origin)} lies outside the curve; give the centre about which the cam rotates"
-        )
     return Contour(tuple(elements), name, layer, label, origin, _smooth(chain, elements))
 
 

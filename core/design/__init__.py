@@ -145,6 +145,7 @@ from core.design.motions import (
     TableCurve,
     curve_of,
 )
+from core.design.outlines import PLANES, ClearanceRow, Outline, OutlinePoint
 from core.design.parts import (
     LAYOUTS,
     OUTPUT_LOADS,

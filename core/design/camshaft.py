@@ -17,6 +17,7 @@ from core.design.curves import nose_deg
 from core.design.design import SHARED, Design, Drive, TimingRow
 from core.design.engine import CRANK_PER_CAM, HALF_CYCLE
 from core.design.motions import Motion
+from core.design.outlines import FREE, ClearanceRow, Outline
 from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
 from core.errors import DesignError, Fault
@@ -64,6 +65,11 @@ def drive_at(path: str) -> tuple[int, str] | None:
 def is_shared(path: str) -> bool:
     """Whether a path belongs to a table that several drives share."""
     return path.startswith(tuple(f"{name}." for name in SHARED))
+
+
+def is_of_shaft(path: str) -> bool:
+    """Whether a path belongs to a table of the shaft: one that drives share, an outline, or a clearance."""
+    return is_shared(path) or path.startswith(("outlines[", "clearances["))
 
 
 def path_of(index: int, path: str) -> str:
@@ -190,8 +196,20 @@ def as_list(design: Design, name: str = "") -> Design:
         raise DesignError(
             [Fault("shaft", "(nothing)", "several drives need a shaft that turns them", "a table [shaft]")]
         )
-    marks = tuple(path if is_shared(path) else path_of(0, path) for path in design.assumed)
-    return replace(design, drives=(replace(design.drive, name=name or design.name),), assumed=marks)
+    marks = tuple(path if is_of_shaft(path) else path_of(0, path) for path in design.assumed)
+    name = name or design.name
+    listed = replace(design, drives=(replace(design.drive, name=name),), assumed=marks)
+    return _with_outlines_listed(listed, name)
+
+
+def _with_outlines_listed(design: Design, name: str) -> Design:
+    """Design whose outlines and clearances name the drive, which was the only one."""
+    outlines = tuple(row if row.of in FREE else replace(row, drive=name) for row in design.outlines)
+    clearances = tuple(
+        replace(row, between=tuple(text if text in FREE else f"{slug(name)}.{text}" for text in row.between))
+        for row in design.clearances
+    )
+    return replace(design, outlines=outlines, clearances=clearances)
 
 
 def add_drive(design: Design, single: Design, name: str = "") -> Design:
@@ -199,9 +217,16 @@ def add_drive(design: Design, single: Design, name: str = "") -> Design:
     design = as_list(design)
     index = len(design.drives)
     drive = replace(single.drive, name=free_name(design, name or single.name), phase_deg=0.0, mirrored=False)
-    marks = [path_of(index, path) for path in single.assumed if not is_shared(path)]
+    marks = [path_of(index, path) for path in single.assumed if not is_of_shaft(path)]
     engine = design.engine or single.engine
-    longer = replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks), engine=engine)
+    outlines = (replace(row, drive=drive.name) for row in single.outlines if not (single.listed or row.of in FREE))
+    longer = replace(
+        design,
+        drives=(*design.drives, drive),
+        assumed=(*design.assumed, *marks),
+        engine=engine,
+        outlines=(*design.outlines, *outlines),
+    )
     return _in_file_order(turning_together(longer))
 
 
@@ -221,6 +246,7 @@ def remove_drive(design: Design, index: int) -> Design:
     fewer = reorder_timing(
         design, [i for i, t in enumerate(design.timing) if not names & {drive_of(t.first), drive_of(t.second)}]
     )
+    fewer = _with_outlines_of(fewer, name, None)
     return _reordered(fewer, [i for i in range(len(design.drives)) if i != index])
 
 
@@ -298,8 +324,11 @@ def drive_of(event: str) -> str:
 
 
 def _renamed(design: Design, old: str, name: str) -> Design:
-    """Design with a drive renamed in the sequence conditions."""
-    if old == name or not design.timing:
+    """Design with a drive renamed in the sequence conditions, outlines and clearances."""
+    if old == name:
+        return design
+    design = _with_outlines_of(design, old, name)
+    if not design.timing:
         return design
 
     def event(text: str) -> str:
@@ -307,6 +336,40 @@ def _renamed(design: Design, old: str, name: str) -> Design:
         return name + text.removeprefix(written) if written in (old, slug(old)) else text
 
     return replace(design, timing=tuple(TimingRow(event(t.first), event(t.second), t.least_deg) for t in design.timing))
+
+
+def _with_outlines_of(design: Design, old: str, name: str | None) -> Design:
+    """Design whose outlines and clearances name a drive by its new name; without those of a removed drive (None)."""
+    if not (design.outlines or design.clearances):
+        return design
+    written = (old, slug(old))
+
+    def outline(row: Outline) -> Outline | None:
+        if row.drive not in written:
+            return row
+        return None if name is None else replace(row, drive=name)
+
+    def clearance(row: ClearanceRow) -> ClearanceRow | None:
+        parts = [text.rpartition(".") for text in row.between]
+        if name is None:
+            return None if any(drive in written for drive, _, _ in parts) else row
+        return replace(
+            row,
+            between=tuple(
+                f"{slug(name) if drive in written else drive}{dot}{word}" for drive, dot, word in parts
+            ),
+        )
+
+    outlines = [(i, new) for i, row in enumerate(design.outlines) if (new := outline(row)) is not None]
+    clearances = [(i, new) for i, row in enumerate(design.clearances) if (new := clearance(row)) is not None]
+    marks = followed(design.assumed, "outlines", [i for i, _ in outlines])
+    marks = followed(marks, "clearances", [i for i, _ in clearances])
+    return replace(
+        design,
+        outlines=tuple(row for _, row in outlines),
+        clearances=tuple(row for _, row in clearances),
+        assumed=marks,
+    )
 
 
 def _reordered(design: Design, order: Sequence[int]) -> Design:

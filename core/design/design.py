@@ -16,6 +16,7 @@ from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage, NamedMotion
 from core.design.loads import Balancer
 from core.design.motions import Motion
+from core.design.outlines import ClearanceRow, Outline
 from core.design.parts import ROTARY, Follower, Output, OutputLoads, Pushrod, Rocker, Servo, Shaft, face_of
 from core.design.topology import driver_turns
 from core.errors import DesignError, Fault
@@ -280,6 +281,8 @@ class Design:
     balancer : the balance cam, None where there is none
     tolerances, waviness : permitted deviations of the built machine
     engine : crank of a valve train; None where there is none
+    outlines : outlines of bodies, between which clearances are computed
+    clearances : clearances that pairs of bodies must keep
     """
 
     name: str
@@ -291,6 +294,8 @@ class Design:
     tolerances: tuple[Tolerance, ...] = ()
     waviness: Waviness | None = None
     engine: Engine | None = None
+    outlines: tuple[Outline, ...] = ()
+    clearances: tuple[ClearanceRow, ...] = ()
 
     def __post_init__(self) -> None:
         if any(drive.motion is not None and drive.motion.needs_machine for drive in self.drives):
@@ -328,16 +333,27 @@ class Design:
 
         With a list of drives: ``shaft``, ``drives[0]`` with its name and phase, ``drives[0].motion`` …, ``timing[0]`` ….
         """
-        shared = {"shaft": self.shaft, "engine": self.engine}
-        shaft = {name: part for name, part in shared.items() if part is not None}
+        rows = {f"outlines[{i}]": outline for i, outline in enumerate(self.outlines)}
+        rows |= {f"clearances[{i}]": row for i, row in enumerate(self.clearances)}
         if self.listed:
-            parts: dict[str, Any] = shaft
+            parts: dict[str, Any] = self._shared_tables
             for i, drive in enumerate(self.drives):
                 parts |= {f"drives[{i}]": drive, **{f"drives[{i}].{name}": part for name, part in drive.tables.items()}}
             parts |= {f"timing[{i}]": row for i, row in enumerate(self.timing)}
-            return parts if self.balancer is None else {**parts, "balancer": self.balancer}
-        parts = {**self.drive.tables, **shaft}
+            return parts | ({} if self.balancer is None else {"balancer": self.balancer}) | rows
+        return {**self.drive_tables, **rows}
+
+    @property
+    def drive_tables(self) -> Mapping[str, Any]:
+        """Name -> table of a design with one drive, in their order, without outlines and clearances."""
+        parts = {**self.drive.tables, **self._shared_tables}
         return {name: parts[name] for name in (*SECTIONS, *parts) if name in parts}
+
+    @property
+    def _shared_tables(self) -> dict[str, Any]:
+        """Name -> table of the shaft that several drives share."""
+        shared = {"shaft": self.shaft, "engine": self.engine}
+        return {name: part for name, part in shared.items() if part is not None}
 
     @property
     def sections(self) -> tuple[str, ...]:

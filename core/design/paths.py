@@ -27,8 +27,8 @@ _STEP = re.compile(r"(\w+)(?:\[(\d{1,9})\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
 Step = tuple[str, int | None]
 _NO_ROW = object()
-_LISTS = ("drives", "timing")
-"""Lists at the top of a file."""
+_LISTS = ("drives", "timing", "outlines", "clearances")
+"""Lists at the top of a file; the first two only where the design lists its drives."""
 P = TypeVar("P")
 
 
@@ -210,7 +210,7 @@ def get(design: Design, path: str) -> Any:
         Where the design has no such path.
     """
     (name, index), *steps = _steps(path)
-    if not steps and index is None and name in ("name", "assumed", *SHARED, "drives", "timing", "balancer"):
+    if not steps and index is None and name in ("name", "assumed", *SHARED, *_LISTS, "balancer"):
         return getattr(design, name)
     part, rest, _ = _table(design, path)
     value, _ = _lens(part, rest, path)
@@ -226,7 +226,7 @@ def put(design: Design, path: str, value: Any) -> Design:
         Where the design has no such path.
     """
     (name, index), *steps = _steps(path)
-    if not steps and index is None and name in ("name", "assumed", "drives", "timing"):
+    if not steps and index is None and name in ("name", "assumed", *_LISTS):
         return replace(design, **{name: value})
     part, rest, with_part = _table(design, path)
     return with_part(_lens(part, rest, path)[1](value))
@@ -238,7 +238,7 @@ def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[An
     Also a function of a new table that returns the changed design.
     """
     (name, index), *steps = _steps(path)
-    if name in _LISTS and index is not None and design.listed:
+    if name in _LISTS and index is not None and (design.listed or name not in _LISTS[:2]):
         rows = getattr(design, name)
         if index >= len(rows):
             return _no_entry(path)

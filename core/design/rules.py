@@ -55,6 +55,9 @@ MOST: Mapping[str, int] = MappingProxyType(
         "drives": 24,
         "timing": 200,
         "tolerances": 200,
+        "outlines": 100,
+        "outlines.points": 1000,
+        "clearances": 200,
     }
 )
 """List -> greatest number of its rows."""
@@ -318,23 +321,33 @@ def _too_many(part: Any, path: str) -> list[Fault]:
     return [fault for name, rows in lists if (fault := count_fault(f"{path}.{name}", len(rows)))]
 
 
+_ROWS = ("drives", "timing", "outlines", "clearances")
+"""Lists at the top of a file."""
+
+
 def faults(design: Design) -> list[Fault]:
     """All faults of a design, in the order of the file."""
-    return _list_faults(design) if design.listed else _drive_faults(design)
+    if over := [fault for name in _ROWS if (fault := count_fault(name, len(getattr(design, name))))]:
+        return over
+    result = _list_faults(design) if design.listed else _drive_faults(design)
+    if design.outlines or design.clearances:
+        from core.design.outline_rules import outline_faults  # imported here to save start-up time
+
+        wrong = {fault.path for fault in result}
+        result += [fault for fault in outline_faults(design) if fault.path not in wrong]
+    return result
 
 
 def blunders(design: Design) -> list[Fault]:
     """Faults that no change of another value can remedy: values outside of their ranges, too many rows, equal names of drives."""
     tables = design.tables.items()
-    result = [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]
+    result = [fault for name in _ROWS if (fault := count_fault(name, len(getattr(design, name))))]
     result += [fault for name, part in tables for fault in (_too_many(part, name) or _out_of_range(part, name))]
     return [*result, *_names_differ(design)] if design.listed else result
 
 
 def _list_faults(design: Design) -> list[Fault]:
     """Faults of the shaft, of each drive by itself, and of their relations."""
-    if over := [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]:
-        return over
     result = (
         [Fault("shaft", MISSING, "missing", "a table [shaft]")]
         if design.shaft is None
@@ -346,6 +359,8 @@ def _list_faults(design: Design) -> list[Fault]:
         result += [replace(fault, path=path_of(i, fault.path)) for fault in single if not fault.path.startswith(SHARED)]
     for i, row in enumerate(design.timing):
         result += part_faults(row, f"timing[{i}]")
+    for name, part in design.tables.items():
+        result += part_faults(part, name) if name.startswith(("outlines[", "clearances[")) else []
     result += [] if design.balancer is None else part_faults(design.balancer, "balancer")
     result += [] if design.engine is None else part_faults(design.engine, "engine")
     return [*result, *_names_differ(design), *_directions(design), *_events_exist(design)]

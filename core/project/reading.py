@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -16,6 +17,7 @@ from core.design import (
     MOTION_SPEED,
     NO_LIMITS,
     Balancer,
+    ClearanceRow,
     Design,
     Drive,
     Driver,
@@ -25,6 +27,7 @@ from core.design import (
     Motion,
     NamedMotion,
     Origin,
+    Outline,
     Output,
     Segment,
     Shaft,
@@ -80,6 +83,7 @@ from core.project.reading_faults import (
 _ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage], or [drives.cam] of a kind in space"
 _HEADER = ("format", "name", "assumed")
 _TOLERANCES = ("tolerances", "waviness")
+_OUTLINES = ("outlines", "clearances")
 _ALWAYS = {
     "follower": ("motion", "follower", "cam", "shaft"),
     "linkage": ("linkage",),
@@ -184,6 +188,16 @@ def _with_tolerances(table: Tables, design: Design) -> tuple[Design, list[Fault]
     return replace(design, tolerances=tolerances, waviness=waviness), result
 
 
+def _read_outlines(reader: Reader, table: Tables) -> dict[str, Any]:
+    """Outlines, whose drawings are relative to the folder of the file, and the clearances of pairs of bodies."""
+    folder = os.path.dirname(reader.chain[-1]) if reader.chain else os.getcwd()
+    outlines = reader.rows(table, "outlines", Outline)
+    return {
+        "outlines": tuple(replace(row, folder=folder) if row.file else row for row in outlines),
+        "clearances": reader.rows(table, "clearances", ClearanceRow),
+    }
+
+
 def _marks(table: Tables) -> tuple[str, ...]:
     """Assumed paths, as far as they are text."""
     assumed = table.get("assumed", ())
@@ -195,7 +209,7 @@ def _read_one_drive(
 ) -> tuple[Design, list[Fault]]:
     """The design of one drive, and its faults in the order of the file."""
     reader = new_reader(likely_unit(table))
-    key_faults, classes, parts = _read_drive(reader, table, kind, SHARED, [*_HEADER, *KINDS, *_TOLERANCES])
+    key_faults, classes, parts = _read_drive(reader, table, kind, SHARED, [*_HEADER, *KINDS, *_TOLERANCES, *_OUTLINES])
     mechanism = Output(reader.unit) if kind == MOTION else parts[kind]
     drive = Drive(
         parts["motion"],
@@ -206,7 +220,8 @@ def _read_one_drive(
         servo=parts["servo"],
         valve=parts["valve"],
     )
-    design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table), engine=parts["engine"])
+    outlines = _read_outlines(reader, table)
+    design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table), engine=parts["engine"], **outlines)
     key_faults += reader.with_rules(
         rules(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)}
     )
@@ -326,7 +341,7 @@ def _linked_motion(reader: Reader, table: Tables) -> Motion | None:
 
 # -- several drives on a shaft ----------------------------------------------------------------------------
 
-_SHAFT_KEYS = (*_HEADER, *SHARED, "drives", "timing", "balancer", *_TOLERANCES)
+_SHAFT_KEYS = (*_HEADER, *SHARED, "drives", "timing", "balancer", *_TOLERANCES, *_OUTLINES)
 _DRIVE_KEYS = tuple(slot.key for slot in slots(Drive))
 
 
@@ -337,7 +352,7 @@ def _read_drives(
     list_faults = [
         unknown_key(spelled(key), key, table[key], _SHAFT_KEYS) for key in table if key not in (*_SHAFT_KEYS, *KINDS)
     ]
-    reader, rows = Reader(""), table[kind]
+    reader, rows = new_reader(""), table[kind]
     shaft = reader.table(table, "shaft", Shaft, needed=True)
     engine = reader.table(table, "engine", Engine, needed=False)
     if not isinstance(rows, list | tuple) or not rows:
@@ -360,13 +375,15 @@ def _read_drives(
         unsure += [f"{kind}[{i}].{name}" for name in unclear]
     timing = reader.rows(table, "timing", TimingRow)
     balancer = reader.table(table, "balancer", Balancer, needed=False)
-    design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer, engine=engine)
+    outlines = _read_outlines(reader, table)
+    header = (table.get("name", ""), shaft, tuple(drives), _marks(table))
+    design = Design(*header, timing, balancer, engine=engine, **outlines)
     if len(drives) < len(rows):
         return design, [*list_faults, *reader.faults, *drive_faults]
     broken = {fault.path for fault in drive_faults}
     unread = any(".motion" in path or path.endswith(".name") for path in broken)  # then an event may be missing
     reader.faults += drive_faults
-    known = (f for f in rules(design) if not (unread and f.path.startswith("timing")))
+    known = (f for f in rules(design) if not (unread and f.path.startswith(("timing", *_OUTLINES))))
     shaft_faults = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
     if not any(path.endswith(".name") for path in broken):
         list_faults += assumed_faults(table, design, unsure)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 from core.design import (
@@ -13,6 +14,7 @@ from core.design import (
     Drive,
     LinkageLoads,
     Motion,
+    Outline,
     Segment,
     SlideLoads,
     TurnLoads,
@@ -43,7 +45,7 @@ def to_table(design: Design, folder: str | None = None) -> dict[str, Any]:
     if design.assumed:
         table["assumed"] = list(design.assumed)
     if not design.listed:
-        return table | _tables(design.tables, design.drive, folder) | _tolerance_tables(design)
+        return table | _tables(design.drive_tables, design.drive, folder) | _lists_of_design(design, folder)
     table["shaft"] = _table(design.shaft, "")
     if design.engine is not None:
         table["engine"] = _table(design.engine, "")
@@ -52,7 +54,27 @@ def to_table(design: Design, folder: str | None = None) -> dict[str, Any]:
         table["timing"] = [_table(row, "") for row in design.timing]
     if design.balancer is not None:
         table["balancer"] = _table(design.balancer, "")
-    return table | _tolerance_tables(design)
+    return table | _lists_of_design(design, folder)
+
+
+def _lists_of_design(design: Design, folder: str | None) -> dict[str, Any]:
+    """Outlines, with the paths of their drawings from the folder of the file; clearances, tolerances and waviness."""
+    outlines = [_table(_outline(row, folder), "") for row in design.outlines]
+    clearances = [_table(row, "") for row in design.clearances]
+    lists = {"outlines": outlines, "clearances": clearances}
+    return {name: rows for name, rows in lists.items() if rows} | _tolerance_tables(design)
+
+
+def _outline(outline: Outline, folder: str | None) -> Outline:
+    return replace(outline, file=_relative(outline.file, outline.folder, folder)) if outline.file else outline
+
+
+def _relative(name: str, old: str, folder: str | None) -> str:
+    """Path of a linked file from the new folder of a design (None: absolute), as typed where the folder stays the same."""
+    if os.path.isabs(name) or (folder is not None and os.path.realpath(folder) == os.path.realpath(old)):
+        return name
+    path = os.path.join(old, name)
+    return os.path.normpath(path) if folder is None else os.path.relpath(path, folder)
 
 
 def _tolerance_tables(design: Design) -> dict[str, Any]:
@@ -89,13 +111,9 @@ def _linked_motion(motion: Motion, folder: str | None) -> dict[str, Any]:
     assert motion.follows is not None
     follows, requested = motion.follows, motion.follows.asked
     table = _table(follows.origin, "") | ({} if requested is None else _table(requested, requested.unit))
-    same_folder = folder is not None and os.path.realpath(folder) == os.path.realpath(follows.folder)
 
     def relative(name: str) -> str:
-        if same_folder or os.path.isabs(name):
-            return name
-        path = os.path.join(follows.folder, name)
-        return os.path.normpath(path) if folder is None else os.path.relpath(path, folder)
+        return _relative(name, follows.folder, folder)
 
     for key, name in (("from", "table"), ("inverse", "linkage")):
         if key in table:
