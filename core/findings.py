@@ -473,6 +473,13 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "a turn has; reduce one of their distances, lengthen a dwell between their events, or turn one drive past the other",
             severities=(ERROR,),
         ),
+        "clearance": FindingRow(
+            "{first} and {second} come within {value_mm} mm of each other{at}; they must keep {least_mm} mm: {hint}",
+            _compared("value_mm", "least_mm"),
+        ),
+        "collision": FindingRow(
+            "{first} and {second} meet{at}, in all over {over_deg} deg of the turn: {hint}", severities=(ERROR,)
+        ),
         "no-load": FindingRow("no masses and no forces are given: all forces and the torque are zero", remedy=_MASSES, severities=(NOTE,)),
     }
 )  # fmt: skip

@@ -135,6 +135,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str, Any], str]]] = MappingProxyType(
         "linkages": ("Linkages", _as_is),
         "camshaft": ("Several cams on one shaft", _as_is),
         "timing": ("Timing of several drives", _as_is),
+        "clearance": ("Clearance of moving parts", _as_is),
         "valves": ("Valve trains", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
         "papers": ("The four papers", _as_is),

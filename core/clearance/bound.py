@@ -99,9 +99,7 @@ def relative(second: BodyMotion, first: BodyMotion) -> RelativeMotion:
     distance, back = second.origin - first.origin, first.turn.conj()
 
     def rows(values: np.ndarray) -> np.ndarray:
-        return np.array(
-            [sum(c * values[m] * back[k - m] for m, c in enumerate(BINOMIAL[k])) for k in range(len(back))]
-        )
+        return np.array([sum(c * values[m] * back[k - m] for m, c in enumerate(BINOMIAL[k])) for k in range(len(back))])
 
     return RelativeMotion(*np.broadcast_arrays(rows(distance), rows(second.turn)))
 
@@ -160,9 +158,7 @@ class LeastDistance(NamedTuple):
     piece: int
 
 
-def least_distance(
-    encounter: Encounter, first: Intervals, tolerance: float, enough: float = inf
-) -> LeastDistance:
+def least_distance(encounter: Encounter, first: Intervals, tolerance: float, enough: float = inf) -> LeastDistance:
     """Least distance of two bodies over the turn, proven to a tolerance.
 
     Parameters
@@ -240,9 +236,7 @@ def _edge_ranges(
         to_begin = meets == is_low
         begin, end = np.where(to_begin, middle, begin), np.where(to_begin, end, middle)
     edge = 0.5 * (begin + end)
-    return list(
-        zip(np.where(is_low, low, edge).tolist(), np.where(is_low, edge, high).tolist(), strict=True)
-    )
+    return list(zip(np.where(is_low, low, edge).tolist(), np.where(is_low, edge, high).tolist(), strict=True))
 
 
 def _merged(ranges: list[tuple[float, float]], theta: np.ndarray) -> list[tuple[float, float]]:
@@ -403,7 +397,8 @@ class _Search:
                 speed = np.where(rows, across, speed)
                 comes_beside |= rows & np.isfinite(near)
         anywhere = [
-            self._speeds.of_points(number, base, side.disc_centre) + side.disc_radius * self._speeds.of_turn(number, base)
+            self._speeds.of_points(number, base, side.disc_centre)
+            + side.disc_radius * self._speeds.of_turn(number, base)
             for number, side in enumerate(sides)
         ]
         return np.where(comes_beside, gap, inf), np.minimum(speed, np.minimum(*anywhere))

@@ -32,7 +32,7 @@ class Placement(NamedTuple):
     origin: np.ndarray
     unit: np.ndarray
 
-    def __getitem__(self, rows: slice | np.ndarray) -> Placement:  # type: ignore[override]
+    def part(self, rows: slice) -> Placement:
         """Some of the poses."""
         return Placement(self.origin[rows], self.unit[rows])
 
@@ -113,7 +113,7 @@ def distances(pair: ShapePair, placement: Placement, reach: np.ndarray | None = 
     for begin in range(0, n, step):
         checkpoint()
         rows = slice(begin, begin + step)
-        part = _distances(pair, placement[rows], np.zeros(n)[rows] if reach is None else reach[rows])
+        part = _distances(pair, placement.part(rows), np.zeros(n)[rows] if reach is None else reach[rows])
         parts.append(part._replace(pose=part.pose + begin))
     return Distances(*(np.concatenate(rows) for rows in zip(*parts, strict=True)))
 
@@ -138,9 +138,7 @@ def _distances(pair: ShapePair, placement: Placement, reach: np.ndarray) -> Dist
     return Distances(value, pose[near], first[near], second[near], gap[near])
 
 
-def _gap(
-    pair: ShapePair, placement: Placement, pose: np.ndarray, first: np.ndarray, second: np.ndarray
-) -> np.ndarray:
+def _gap(pair: ShapePair, placement: Placement, pose: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Distance less growth of pairs of elements (t,) [m] at their poses (t,)."""
     least = np.full(pose.size, np.inf)
     for rows, p, q in _candidates(pair, placement, pose, first, second):
@@ -240,10 +238,10 @@ def _elements(
 ) -> tuple[Elements, Elements]:
     a, b = pair.first, pair.second
     origin, unit = placement.origin[pose], placement.unit[pose]
-    ends = (origin + unit * getattr(b, name)[second] for name in ("start", "end", "centre"))
+    start, end, centre = (origin + unit * getattr(b, name)[second] for name in ("start", "end", "centre"))
     return (
         Elements(*(getattr(a, name)[first] for name in Elements._fields)),
-        Elements(*ends, b.radius[second], unit * b.middle[second], b.cos_half[second]),
+        Elements(start, end, centre, b.radius[second], unit * b.middle[second], b.cos_half[second]),
     )
 
 
@@ -348,7 +346,9 @@ def _arcs(a: Elements, b: Elements) -> _Points:
             np.where(valid, b.centre + second * b.radius * unit, np.nan),
         )
     # circles that meet, from the centre of the first
-    along = (a.radius**2 + (distance - b.radius) * (distance + b.radius)) / np.where(distance > 0.0, 2.0 * distance, 1.0)
+    along = (a.radius**2 + (distance - b.radius) * (distance + b.radius)) / np.where(
+        distance > 0.0, 2.0 * distance, 1.0
+    )
     square = (a.radius - along) * (a.radius + along)
     height = np.sqrt(np.maximum(square, 0.0))
     for side in (1j, -1j):

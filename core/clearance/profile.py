@@ -70,8 +70,8 @@ def profile_arcs(shape_at: Callable[[Angles], CamShape], turn: Pieces) -> ArcCha
         low, high, piece = np.concatenate((low, middle)), np.concatenate((middle, high)), np.tile(piece, 2)
     at, start, end, bulge, deviation = (np.concatenate(rows, axis=-1) for rows in zip(*done, strict=True))
     order = np.argsort(at)
-    parts = (row[:, order].T.ravel() for row in (start, end, bulge))
-    return ArcChain(*parts, MARGIN * float(deviation.max()))
+    starts, ends_of_arcs, bulges = (row[:, order].T.ravel() for row in (start, end, bulge))
+    return ArcChain(starts, ends_of_arcs, bulges, MARGIN * float(deviation.max()))
 
 
 def _biarcs(

@@ -173,14 +173,15 @@ def encloses_points(shape: Shape, number: int, points: np.ndarray) -> np.ndarray
 def joined(shapes: Sequence[Shape]) -> Shape:
     """One shape of several outlines of a body."""
     counts = np.cumsum([0, *(shape.layers.shape[0] for shape in shapes)])
-    rows = [
+    start, end, centre, radius, sweep, growth = (
         np.concatenate([getattr(shape, name) for shape in shapes])
         for name in ("start", "end", "centre", "radius", "sweep", "growth")
-    ]
+    )
     outline = np.concatenate([shape.outline + int(count) for shape, count in zip(shapes, counts, strict=False)])
     layers = np.concatenate([shape.layers for shape in shapes])
     encloses = np.concatenate([shape.encloses for shape in shapes])
-    return Shape(*rows, outline, layers, encloses, max(shape.deviation for shape in shapes))
+    deviation = max(shape.deviation for shape in shapes)
+    return Shape(start, end, centre, radius, sweep, growth, outline, layers, encloses, deviation)
 
 
 def polygon(corners: np.ndarray, growth: float, layer: tuple[float, float]) -> Shape:
@@ -276,7 +277,16 @@ def _of_rows(
     radius = np.where(sweep != 0.0, np.abs(start - centre), 0.0)
     numbers = np.zeros(k, dtype=int)
     return Shape(
-        start, end, centre, radius, sweep, np.full(k, growth), numbers, np.array([layer]), np.array([encloses]), deviation
+        start,
+        end,
+        centre,
+        radius,
+        sweep,
+        np.full(k, growth),
+        numbers,
+        np.array([layer]),
+        np.array([encloses]),
+        deviation,
     )
 
 

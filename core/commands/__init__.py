@@ -86,6 +86,11 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "tolerance",
         ),
         "vary": _row("a table of many designs with varied fields", "studies", "vary"),
+        "clearance": _row(
+            "the least clearances of bodies with outlines over the turn, proven, and where they meet",
+            "clearance",
+            "clearance",
+        ),
         "contact": _row(
             "the speed from which the follower leaves its cam, its flights, the contact force over angle and speed",
             "cams",

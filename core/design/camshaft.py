@@ -355,13 +355,11 @@ def _with_outlines_of(design: Design, old: str, name: str | None) -> Design:
             return None if any(drive in written for drive, _, _ in parts) else row
         return replace(
             row,
-            between=tuple(
-                f"{slug(name) if drive in written else drive}{dot}{word}" for drive, dot, word in parts
-            ),
+            between=tuple(f"{slug(name) if drive in written else drive}{dot}{word}" for drive, dot, word in parts),
         )
 
     outlines = [(i, new) for i, row in enumerate(design.outlines) if (new := outline(row)) is not None]
-    clearances = [(i, new) for i, row in enumerate(design.clearances) if (new := clearance(row)) is not None]
+    clearances = [(i, kept) for i, row in enumerate(design.clearances) if (kept := clearance(row)) is not None]
     marks = followed(design.assumed, "outlines", [i for i, _ in outlines])
     marks = followed(marks, "clearances", [i for i, _ in clearances])
     return replace(

@@ -333,7 +333,7 @@ class Design:
 
         With a list of drives: ``shaft``, ``drives[0]`` with its name and phase, ``drives[0].motion`` …, ``timing[0]`` ….
         """
-        rows = {f"outlines[{i}]": outline for i, outline in enumerate(self.outlines)}
+        rows: dict[str, Any] = {f"outlines[{i}]": outline for i, outline in enumerate(self.outlines)}
         rows |= {f"clearances[{i}]": row for i, row in enumerate(self.clearances)}
         if self.listed:
             parts: dict[str, Any] = self._shared_tables

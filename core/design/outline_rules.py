@@ -111,7 +111,9 @@ def _is_simple(outline: Outline, path: str) -> Iterator[Fault]:
     if (same := np.flatnonzero(np.abs(z[second] - z[first]) <= near)).size:
         i, j = int(first[same[0]]), int(second[same[0]])
         value = [outline.points[j].x_mm, outline.points[j].y_mm]
-        yield Fault(f"{path}.points[{j}]", value, f"is the same as points[{i}]", "a point once; the outline closes itself")
+        yield Fault(
+            f"{path}.points[{j}]", value, f"is the same as points[{i}]", "a point once; the outline closes itself"
+        )
     elif count > 2 and (crossing := _crossing(z)) is not None:
         i, j = crossing
         problem = f"crosses itself: the side from points[{i}] meets the side from points[{j}]"

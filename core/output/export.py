@@ -12,6 +12,7 @@ import numpy as np
 
 from core.design import BALANCER, UNITS, Design
 from core.design.fields import choice, number, whole
+from core.design.outline_bodies import Body
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.numerics.lazy import checkpoint
@@ -21,7 +22,7 @@ from core.project.files import write_into
 from core.requests import option
 from core.study import Camshaft, Quantity, Study
 from core.study.camshaft import has_speed, is_complete
-from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
+from core.study.quantities import CLEARANCES, DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 
 if TYPE_CHECKING:
     from core.stability import Tongues
@@ -30,8 +31,9 @@ if TYPE_CHECKING:
 # -- tables -----------------------------------------------------------------------------------------------------
 
 
-TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS, SERVO, ORBIT)
+TABLES = (PROFILE, KINEMATICS, LINKAGE, CLEARANCES, DYNAMICS, SERVO, ORBIT)
 ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks, which limits memory
+MM = 1e3  # mm in a metre
 LINES_AT_ONCE = 1_024  # their text fits into the processor's cache
 TONGUES, SUMMARY, SHAFT = "tongues.csv", "summary.json", "shaft.csv"
 SHAFT_QUANTITIES = frozenset({"motor_torque", "linear_motor_torque"})
@@ -259,6 +261,20 @@ def camshaft_table(study: Study) -> Iterator[bytes] | None:
     return lines()
 
 
+def clearance_table(study: Study, pairs: Sequence[tuple[Body, Body]]) -> Iterator[bytes]:
+    """Distances of bodies over the turn in blocks of lines: angle of cam, driver or machine, then one column a pair."""
+    clearances = study.clearances
+    angle = "machine_angle_deg" if study.design.listed else study.angle_column
+    columns = [angle, *map(clearances.column, pairs)]
+    yield csv_header(columns)
+    angles = study.angle_degrees
+    for begin in range(0, angles.size, ANGLES_AT_ONCE):
+        checkpoint()
+        part = angles[begin : begin + ANGLES_AT_ONCE]
+        pose = clearances.at(clearances.angles(np.deg2rad(part)))
+        yield csv_lines(columns, [part, *(clearances.distance(pair, pose) * MM for pair in pairs)])
+
+
 def _shaft_files(study: Study, stages: Sequence[str]) -> dict[str, str | Iterator[bytes]]:
     """``shaft.csv``, and the tables of each drive in a folder named by its slug."""
     camshaft = bounded_study(study).camshaft
@@ -266,6 +282,9 @@ def _shaft_files(study: Study, stages: Sequence[str]) -> dict[str, str | Iterato
     parts = camshaft_table(study) if not stages or "dynamics" in stages else None
     if parts is not None:
         contents[SHAFT] = parts
+    has_pairs = study.design.outlines and not camshaft.failures and (not stages or "linkage" in stages)
+    if has_pairs and (pairs := study.clearances.pairs):
+        contents[CLEARANCES] = clearance_table(study, pairs)
     folders = {slug: study.drives[name] for name, slug in camshaft.slugs.items() if name not in camshaft.failures}
     if (balancer := balancer_study(study)) is not None:
         folders[BALANCER] = balancer

@@ -15,7 +15,7 @@ from core.design.topology import mobility
 from core.errors import NoStability
 from core.findings import Finding
 from core.mechanism.branches import four_bar
-from core.motion.extremes import Extremes
+from core.motion.extremes import Extreme, Extremes
 from core.output.channels import channels, has_cycle, motion_cycle
 from core.output.subject_files import SERVO, DriveEffort, drive_efforts, elastic_figures
 from core.shaft import Flywheel, peaks
@@ -80,7 +80,8 @@ def _shaft_figures(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         "base": {},
         "drives": _drives(camshaft),
         "timing": _timing(study.design),
-        "extremes": shaft_extremes(camshaft) if dynamics else {},
+        "extremes": (shaft_extremes(camshaft) if dynamics else {})
+        | (clearance_extremes(study) if "linkage" in stages else {}),
         "torque": torque(camshaft) if dynamics else {},
         "flywheel": flywheel(study) if dynamics else {},
     }
@@ -405,6 +406,18 @@ def shaft_extremes(camshaft: Camshaft[Study]) -> dict[str, Any]:
             "motor_torque_nm": range_row(motor["motor_torque"], 1.0),
             "speed_rpm": range_row(motor["speed"], UNITS["rpm"].factor),
         }
+    return rows
+
+
+def clearance_extremes(study: Study) -> dict[str, Any]:
+    """Extremes of the clearances of several drives; their ``cam_angle_deg`` is the machine angle."""
+    if not study.design.outlines or study.camshaft.failures:
+        return {}
+    clearances, rows = study.clearances, {}
+    for column, pair in clearances.by_column.items():
+        least = clearances.least(pair)
+        ends = Extremes(Extreme(least.value, least.theta), clearances.greatest(pair))
+        rows[column] = range_row(ends, UNITS["mm"].factor)
     return rows
 
 

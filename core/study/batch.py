@@ -33,7 +33,7 @@ from core.study.loads_of_many import (
     motor_figures,
     shortest_lives,
 )
-from core.study.quantities import OF_MOTOR, quantities_of, quantity
+from core.study.quantities import CLEARANCES, OF_MOTOR, quantities_of, quantity
 from core.study.quantity_requests import (
     ENERGY,
     LIFE,
@@ -72,6 +72,8 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
     if request.drive is not None:
         number = request.drive
         return is_batchable(only(design, number), [*paths_inside(design, paths, number)], request._replace(drive=None))
+    if design.listed and request.name:  # a clearance
+        return False
     if design.listed:
         energy = QuantityRequest("", "", ENERGY, 1.0)
         return (
@@ -103,6 +105,7 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
     row = quantity(request.name)
     return (
         row.stage in ("motion", "linkage", "cam", "dynamics")
+        and row.table != CLEARANCES
         and request.name not in OF_MOTOR | _NEEDS_CENTRES | {"valve_spring_force"}
         and not row.needs.startswith("elastic")
     )
@@ -420,6 +423,21 @@ class _NoValue(Exception):
     """A design that could have a value has none; the text is its reason."""
 
 
+def _clearance_figure(study: Study, request: QuantityRequest) -> tuple[float, float]:
+    """Value and machine angle [rad] of a clearance of several drives."""
+    clearances = study.clearances
+    pair = clearances.by_column.get(request.name)
+    if pair is None:
+        raise _NoValue(NO_VALUE)
+    if request.statistic in ("rms", "mean"):
+        angles, weight = clenshaw_curtis_nodes(clearances.turn)
+        return mean_statistic(clearances.distance(pair, clearances.at(angles)), weight, request.statistic), np.nan
+    least = clearances.least(pair)
+    highest = clearances.greatest(pair)
+    value, theta = extreme_statistic(request.statistic, (least.value, least.theta), (highest.value, highest.theta))
+    return float(value), float(theta)
+
+
 def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]:
     """Value and cam angle [rad] of a figure. Raises NoSolution or _NoValue where it has none."""
     if request.drive is not None:
@@ -436,6 +454,8 @@ def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]
     if row is None:
         values, thetas = load_figures([request], [study.camshaft.load], study.design.camshaft)
         return float(values[0, 0]), float(thetas[0, 0])
+    if study.design.listed:
+        return _clearance_figure(study, request)
     if not has_quantity(study, row) or quantities_of(study, row.stage)[row.name].is_periodic:
         raise _NoValue(UNDERCUT if row.needs_smooth_profile else NO_VALUE)
     if statistic in ("rms", "mean"):

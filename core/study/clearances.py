@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import combinations
-from math import inf
+from math import degrees, inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,17 +30,19 @@ from core.clearance.bound import TOUCHING, relative
 from core.clearance.outlines import BodyGeometry, drawing_of, outline_shape
 from core.clearance.profile import profile_arcs
 from core.clearance.shapes import MM, Shape
-from core.design import Design, Outline, OscillatingFlat
-from core.design.camshaft import slugs
+from core.design import Design, OscillatingFlat, Outline
+from core.design.camshaft import drive_names, phase_path, slugs
 from core.design.outline_bodies import Body, body_named, body_of, outlined_bodies, pair_column
 from core.design.outlines import CAM, CARRIED, FRAME, PLANES, ROLLER
 from core.design.parts import SIDES
-from core.errors import KindynaError, NoSolution
+from core.errors import KindynaError
+from core.findings import ERROR, WARNING, Finding
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
-from core.motion import Angles
+from core.motion import TURN, Angles
+from core.motion.extremes import Extreme, find_highest
 from core.motion.program import MachineTurn
-from core.numerics.lazy import lazy
+from core.numerics.lazy import checkpoint, lazy
 from core.study.camshaft import Camshaft
 from core.study.drive_study import DriveStudy
 from core.study.stages import memory
@@ -210,7 +212,10 @@ class Clearances:
 
         kinematics = self._first(i)
         carrier = kinematics.carrier or kinematics.follower_body
-        if drive.cam is not None and (point := kinematics.bodies[carrier].points.get(self._roller_point(i))) is not None:
+        if (
+            drive.cam is not None
+            and (point := kinematics.bodies[carrier].points.get(self._roller_point(i))) is not None
+        ):
             yield _Pin(Body(i, ROLLER), 0j, Body(i, carrier), seen(point))
         if drive.is_linkage:
             links = {n: link.places for n, link in drive.linkage.by_number.items()}
@@ -278,7 +283,8 @@ class Clearances:
             return BodyGeometry(np.zeros(0, dtype=complex), drive.face.radius_mm * MM)
         if body.name == CAM:
             return BodyGeometry(
-                np.zeros(0, dtype=complex), profile=lambda: profile_arcs(lambda angles: study.at(angles).cam, study.program)
+                np.zeros(0, dtype=complex),
+                profile=lambda: profile_arcs(lambda angles: study.at(angles).cam, study.program),
             )
         if drive.is_linkage:
             places = drive.linkage.by_number[int(body.name.removeprefix("link"))].places
@@ -322,6 +328,10 @@ class Clearances:
         if angles is self.intervals.angles:
             return self._at_intervals
         return MachinePose(self._camshaft, self.turn, angles)
+
+    def pose_of(self, study: DriveStudy) -> MachinePose:
+        """Poses of the bodies at the angles of a study of the only drive."""
+        return MachinePose(self._camshaft, self.turn, study.angles, study)
 
     @lazy
     def _at_intervals(self) -> MachinePose:
@@ -374,7 +384,8 @@ class Clearances:
                 p, q = nearest_points(encounter.shapes, placement)
                 z, unit = complex(first.origin[0].flat[0]), complex(first.turn[0].flat[0])
                 best, points = value, (z + unit * p, z + unit * q)
-        return points
+        middle = 0.5 * (points[0] + points[1])
+        return points if best > TOUCHING else (middle, middle)
 
     def least(self, pair: Pair, tolerance: float = TOLERANCE) -> LeastClearance:
         """Least clearance of two bodies over the turn, proven to a tolerance [m]."""
@@ -389,9 +400,20 @@ class Clearances:
                 return LeastClearance(self.texts(pair), best.value, bound, best.theta, self.nearest(pair, at))
             meets = _union([row for encounter in encounters for row in meetings(encounter, self.intervals)])
             theta = meets[0][0] if meets else best.theta
-            return LeastClearance(self.texts(pair), 0.0, 0.0, theta, self.nearest(pair, self.angles(np.array([theta]))), meets)
+            return LeastClearance(
+                self.texts(pair), 0.0, 0.0, theta, self.nearest(pair, self.angles(np.array([theta]))), meets
+            )
 
         result: LeastClearance = memory.get("clearance", (*self._key(pair), tolerance), compute)
+        return result
+
+    def greatest(self, pair: Pair) -> Extreme:
+        """Greatest distance of two bodies over the turn [m], refined between samples."""
+
+        def compute() -> Extreme:
+            return find_highest(lambda angles: {"": self.distance(pair, self.at(angles))}, self.turn)[""]
+
+        result: Extreme = memory.get("greatest distance", self._key(pair), compute)
         return result
 
     def keeps(self, pair: Pair, least: float) -> bool:
@@ -405,6 +427,11 @@ class Clearances:
 
         kept: bool = memory.get("keeps clearance", (*self._key(pair), least), compute)
         return kept
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """All on which the clearances depend, but the drives: outlines, their drawings, and the pairs that are stated."""
+        return self.design.outlines, drawings_of(self.design), self.design.clearances
 
     def _key(self, pair: Pair) -> tuple[Any, ...]:
         """All on which the distance of two bodies depends."""
@@ -498,12 +525,17 @@ def _union(ranges: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]
     return tuple(result)
 
 
-def clearance(study: DriveStudy, member: str) -> np.ndarray:
-    """Distance of two bodies with outlines, d = min |p - q| over the points p and q of both; 0 where they meet.
+def drawings_of(design: Design) -> tuple[bytes, ...]:
+    """Contents of the drawings of all outlines. Raises FileError."""
+    return tuple(map(drawing_of, design.outlines))
+
+
+def clearance(study: Any, member: str) -> np.ndarray:
+    """Distance of two bodies with outlines, d = min |q - p| over the points p and q of both; 0 where they meet.
 
     Parameters
     ----------
-    study : DriveStudy
+    study : Study
     member : str
         Names of both bodies, as in the column: ``link_3__frame``.
 
@@ -511,25 +543,74 @@ def clearance(study: DriveStudy, member: str) -> np.ndarray:
     -------
     ndarray (n,) [m]
     """
-    clearances = clearances_of(study)
-    pair = clearances.by_column[f"{member}_mm"]
-    pose = MachinePose(clearances._camshaft, clearances.turn, study.angles, study)
-    return clearances.distance(pair, pose)
+    clearances: Clearances = study.clearances
+    return clearances.distance(clearances.by_column[f"{member}_mm"], clearances.pose_of(study))
 
 
-def clearances_of(study: DriveStudy) -> Clearances:
-    """Clearances of a design with one drive, cached with the study."""
-    cached = vars(study).get("_clearances")
-    if cached is None:
-        full = study.full_turn
-        cached = vars(study)["_clearances"] = Clearances(Camshaft(study.design, {study.design.name: full}, study.samples))
-    return cached
+def nearest_points_of(study: Any, member: str) -> tuple[complex, complex]:
+    """Nearest points of two bodies at the first angle of a study [m], in the global frame; member as for `clearance`."""
+    clearances: Clearances = study.clearances
+    angles = Angles(study.theta[:1], study.angles.piece[:1])
+    return clearances.nearest(clearances.by_column[f"{member}_mm"], angles)
 
 
-def pair_members(study: DriveStudy) -> tuple[str, ...]:
+def pair_members(study: Any) -> tuple[str, ...]:
     """Members of the quantities of clearances: ``link_3__frame``; empty where a drive has no solution or a drawing is missing."""
     if not study.design.outlines:
         return ()
-    with suppress(NoSolution, KindynaError):
-        return tuple(column.removesuffix("_mm") for column in clearances_of(study).by_column)
+    with suppress(KindynaError):
+        clearances: Clearances = study.clearances
+        return tuple(column.removesuffix("_mm") for column in clearances.by_column)
     return ()
+
+
+# -- findings -------------------------------------------------------------------------------------------------
+
+
+def clearance_findings(clearances: Clearances, stated: float = 0.0) -> list[Finding]:
+    """Pairs that meet, and pairs that come nearer to each other than they may.
+
+    ``stated`` is the clearance [mm] that pairs without a row in ``[[clearances]]`` must keep.
+    """
+    design, findings = clearances.design, []
+    rows = {frozenset(body_named(design, text) for text in row.between): row.least_mm for row in design.clearances}
+    for pair in clearances.pairs:
+        checkpoint()
+        least = rows.get(frozenset(pair), stated)
+        if clearances.keeps(pair, least * MM):
+            continue
+        result = clearances.least(pair)
+        if not result.meets and result.value >= least * MM:
+            continue
+        first, second = result.names
+        values: dict[str, float | str] = {"first": first, "second": second, "hint": _hint(design, pair)}
+        angle = degrees(result.theta)
+        if result.meets:
+            over = sum(degrees((end - begin) % TURN) or 360.0 for begin, end in result.meets)
+            values["over_deg"] = over
+            findings.append(Finding("collision", ERROR, _remedy_field(design, pair), angle, values))
+        else:
+            values |= {"value_mm": result.value / MM, "least_mm": least}
+            findings.append(Finding("clearance", WARNING, _remedy_field(design, pair), angle, values))
+    return findings
+
+
+def _turned_drive(design: Design, pair: Pair) -> int | None:
+    """Drive whose phase changes the distance of two bodies; None where both move with one drive."""
+    numbers = [body.drive for body in pair if body.drive is not None]
+    return numbers[-1] if design.listed and len(set(numbers)) > 1 else None
+
+
+def _remedy_field(design: Design, pair: Pair) -> str:
+    number = _turned_drive(design, pair)
+    if number is not None:
+        return phase_path(design, number)
+    index = max(i for i, row in enumerate(design.outlines) if body_of(design, row) in pair)
+    return f"outlines[{index}].{'round_mm' if design.outlines[index].round_mm else 'of'}"
+
+
+def _hint(design: Design, pair: Pair) -> str:
+    number = _turned_drive(design, pair)
+    if number is not None:
+        return f"change the phase or the motion of {drive_names(design)[number]}, or an outline"
+    return "change an outline, its layer, or a length of the mechanism"

@@ -15,9 +15,9 @@ from core import cam
 from core.design import STAGES
 from core.errors import NoSolution
 from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Extremes, find_extremes, piecewise_angles
+from core.motion.extremes import Extreme, Extremes, find_extremes, find_highest, piecewise_angles
 from core.study.drive_forces import load_ratings, pairings
-from core.study.quantities import OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
+from core.study.quantities import CLEARANCES, OF_CONTACT, OF_MOTOR, OF_SPEED, Quantity, quantities_of, quantity
 from core.study.stages import memory
 from core.study.study import Study
 
@@ -105,8 +105,10 @@ def parts_of(study: Study, stage: str, names: Container[str]) -> tuple[Hashable,
     with_speed = stage == "cam" and has_any(OF_SPEED)
     with_contact = stage == "dynamics" and has_any(OF_CONTACT)
     design = study.design
+    has_pairs = stage == "linkage" and bool(design.outlines)
     return (
         study.depends_on(stage),
+        study.clearances.key if has_pairs else (),
         design.shaft if with_motor else None,
         design.speed_rpm if with_speed else None,
         (tuple(pairings(study).items()), *load_ratings(study)) if with_contact else (),
@@ -195,6 +197,9 @@ def _search(study: Study, rows: Mapping[str, Quantity], known: Mapping[str, Extr
         at_angles = study.at(angles)
         return {name: row.value(at_angles) for name, row in rows.items()}
 
+    if of_pairs := {name: row for name, row in rows.items() if row.table == CLEARANCES}:
+        rest = {name: row for name, row in rows.items() if name not in of_pairs}
+        return _clearance_extremes(study, of_pairs) | (_search(study, rest, known) if rest else {})
     last = max((row.stage for row in rows.values()), key=STAGES.index)
     if last != "motion":
         study.solve_turn(last, *near_singular(study))
@@ -205,6 +210,18 @@ def _search(study: Study, rows: Mapping[str, Quantity], known: Mapping[str, Extr
     if not study.by_crank:
         return extremes
     return {name: Extremes(_limit(study, name, r.low), _limit(study, name, r.high)) for name, r in extremes.items()}
+
+
+def _clearance_extremes(study: Study, rows: Mapping[str, Quantity]) -> dict[str, Extremes]:
+    """Extremes of clearances; the least one is proven, since it may be at a kink between two samples."""
+
+    def values(angles: Angles) -> Mapping[str, np.ndarray]:
+        at_angles = study.at(angles)
+        return {name: row.value(at_angles) for name, row in rows.items()}
+
+    highest, clearances = find_highest(values, study.program), study.clearances
+    least = {name: clearances.least(clearances.by_column[name]) for name in rows}
+    return {name: Extremes(Extreme(row.value, row.theta), highest[name]) for name, row in least.items()}
 
 
 def _at_turn_end(extremes: Mapping[str, Extremes], first: Mapping[str, np.ndarray]) -> dict[str, Extremes]:

@@ -21,6 +21,7 @@ from core.numerics.derivatives import cross
 from core.shaft.flywheel import Flywheel, energy_range, motor_inertia
 from core.shaft.servo import lever, moved_mass
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
+from core.study.clearances import nearest_points_of
 from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (
     centre_distance,
@@ -422,6 +423,11 @@ _LINKS: Mapping[str, SymbolSource] = {
     "c₂": SymbolSource("second link, from the joint"),
     "s.sine": SymbolSource("|c₁ × c₂|/(|c₁||c₂|) of the two links there", "", lambda s, j: first(s.linkage.singular[j]), LINKAGE),
     "c.cosine": SymbolSource("|c₁ · c₂|/(|c₁||c₂|)", "", lambda s, j: first(np.cos(s.linkage.transmission[j])), LINKAGE),
+    "d.clearance": SymbolSource("clearance"),
+    "p.outline": SymbolSource("point of the first outline"),
+    "q.outline": SymbolSource("point of the second outline"),
+    **vector_symbols("p", "nearest point of the first body", "mm", lambda s, pair: nearest_points_of(s, pair)[0], LINKAGE),
+    **vector_symbols("q", "nearest point of the second body", "mm", lambda s, pair: nearest_points_of(s, pair)[1], LINKAGE),
 }  # fmt: skip
 
 # -- symbols of forces, shaft and stability -------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
 from core.numerics.derivatives import Derivatives, spread
 from core.shaft import Flywheel
+from core.study.clearances import pair_members
 from core.study.study import Study
 
 Part = Callable[[np.ndarray], np.ndarray]
@@ -558,6 +559,12 @@ def members(design: Design) -> Iterator[tuple[str, str]]:
         yield from _links(design)
         yield from _pairs(design)
     yield from _energies(design)
+    if design.outlines and not design.drive.is_alone:
+        yield from ((CLEARANCE, member) for member in pair_members(Study(design)))
+
+
+CLEARANCE = "clearance"
+"""Sort of the pairs of bodies with outlines."""
 
 
 def _links(design: Design) -> Iterator[tuple[str, str]]:

@@ -25,8 +25,10 @@ from core.dynamics.walk import input_of
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.shaft import Flywheel
+from core.study.clearances import clearance
 from core.study.drive_forces import roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
+    CLEARANCE,
     PUSHROD,
     SINGULAR_OF,
     SLIDER,
@@ -77,7 +79,7 @@ GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
-LINKAGE, ORBIT, SERVO = "linkage.csv", "orbit.csv", "servo.csv"
+LINKAGE, ORBIT, SERVO, CLEARANCES = "linkage.csv", "orbit.csv", "servo.csv", "clearance.csv"
 TABLES: Mapping[str, str] = MappingProxyType(
     {"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS, "stability": ORBIT}
 )
@@ -440,6 +442,8 @@ OF_SPEED = frozenset({"instant_centre_velocity", "reference_velocity", "sliding"
 # -- rows of members of a linkage ---------------------------------------------------------------------------
 
 TRANSMISSION = "transmission.{}"
+DISTANCE = "{}_mm"
+"""Name and column of the clearance of two bodies, whose member is the names of both: ``link_3__frame``."""
 OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
     {
         "link": (
@@ -543,6 +547,9 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         "driving slide": (
             Quantity("driver_force", "driver_force_n", "Driver force", "F_d", "force", "dynamics", lambda s: s.dynamics.driver),
         ),
+        CLEARANCE: (
+            Quantity(DISTANCE, DISTANCE, "Clearance of {}", "d", "length", "linkage", clearance, file=CLEARANCES),
+        ),
     }
 )  # fmt: skip
 """Sort of member -> its rows; a sort with one member has a name without {}. A name belongs to the first row that matches."""
@@ -562,7 +569,8 @@ def _match(name: str) -> tuple[str, Quantity, str] | None:
                 return sort, row, ""
             if has_member and name.startswith(before) and name.endswith(after):
                 member = name[len(before) : len(name) - len(after)]
-                if member.isdecimal() if sort in _NUMBERED else member.replace("_", "0").isalnum():
+                is_member = member.isdecimal() if sort in _NUMBERED else member.replace("_", "0").isalnum()
+                if is_member and (sort != CLEARANCE or "__" in member):
                     return sort, row, member
     return None
 
@@ -588,6 +596,7 @@ def quantity(name: str) -> Quantity:
         raise KeyError(name)
     sort, row, member = match
     words = re.sub(r"(?<=[a-z])(?=\d)", " ", member).replace("_", " ") if sort in _WORDED else member
+    words = _pair_words(member) if sort == CLEARANCE else words
     return replace(
         row,
         name=name,
@@ -598,6 +607,11 @@ def quantity(name: str) -> Quantity:
     )
 
 
+def _pair_words(member: str) -> str:
+    """Names of two bodies in words: ``link 3 and frame``."""
+    return " and ".join(name.replace("_", " ") for name in member.split("__"))
+
+
 def _member_value(row: Quantity, member: str, study: Study) -> np.ndarray:
     return row.value(study, member)
 
@@ -605,6 +619,8 @@ def _member_value(row: Quantity, member: str, study: Study) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _slugs() -> tuple[tuple[re.Pattern[str], str], ...]:
     def pattern(slug: str) -> re.Pattern[str]:
+        if slug == DISTANCE:
+            return re.compile(r"(\w+__\w+)_mm")
         return re.compile(re.escape(slug).replace(r"\{\}", r"(\w+)").replace(r"\{m\}", "(?:mm|deg)"))
 
     rows = (*_ROWS, *chain.from_iterable(OF_MEMBERS.values()))
@@ -614,7 +630,11 @@ def _slugs() -> tuple[tuple[re.Pattern[str], str], ...]:
 def label_of(column: str) -> str:
     """Label of a column, the same in every design; empty where no design has the column."""
     matches = ((pattern.fullmatch(column), label) for pattern, label in _slugs())
-    return next((label.format(*match.groups()) for match, label in matches if match), "")
+    found = next(((match.groups(), label) for match, label in matches if match), None)
+    if found is None:
+        return ""
+    groups, label = found
+    return label.format(*(map(_pair_words, groups) if label == OF_MEMBERS[CLEARANCE][0].label else groups))
 
 
 # -- quantities of a study and of a design -----------------------------------------------------------------------------
@@ -662,6 +682,8 @@ def _needs_of(kind: str) -> tuple[str, ...]:
 def why_absent(design: Design, slug: str) -> str:
     """Which designs have a column that this one lacks, after a semicolon; empty for a column that no design has."""
     rows = [row for row in _ROWS if slug in (row.slug.format(m="mm"), row.slug.format(m="deg"))]
+    if not rows and "__" in slug:
+        return "; designs with [[outlines]] of both bodies have it"
     if not rows:
         return "; designs of the kind linkage have it" if label_of(slug) and not design.drive.links else ""
     kind, units = design.drive.kind, {unit for unit in ("mm", "deg") if slug == rows[0].slug.format(m=unit)}

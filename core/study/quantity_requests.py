@@ -15,6 +15,7 @@ from core.findings import Finding
 from core.motion.extremes import Extreme
 from core.project.reading_faults import did_you_mean
 from core.study.camshaft import Camshaft
+from core.study.clearances import pair_members
 from core.study.drive_forces import PRESSURES, pairings, roller_lives
 from core.study.extremes import extremes_of, has_undercut
 from core.study.quantities import Quantity, names_of, quantity, why_absent
@@ -117,6 +118,8 @@ def quantity_request(design: Design, key: str) -> QuantityRequest:
     if design.listed:
         if slug == TORQUE:
             return QuantityRequest(key, "", statistic, 1.0)
+        if slug in _clearance_columns(design):
+            return QuantityRequest(key, slug, statistic, split_unit(slug)[1].factor)
         number, column = drive_at(slug) or (len(design.drives), "")
         if number >= len(design.drives):
             raise ValueError(
@@ -152,7 +155,14 @@ def request_columns(design: Design) -> tuple[str, ...]:
     """Columns that have statistics over the turn; of several drives the total torque, then the columns of every drive."""
     if not design.listed:
         return tuple(_columns(design))
-    return (TORQUE, *(path_of(i, slug) for i in range(len(design.drives)) for slug in _columns(only(design, i))))
+    of_drives = (path_of(i, slug) for i in range(len(design.drives)) for slug in _columns(only(design, i)))
+    return (TORQUE, *_clearance_columns(design), *of_drives)
+
+
+@lru_cache(maxsize=16)
+def _clearance_columns(design: Design) -> tuple[str, ...]:
+    """Columns of the clearances of a design with several drives."""
+    return tuple(f"{member}_mm" for member in pair_members(Study(design)))
 
 
 def number_fields(design: Design, paths: Iterable[str]) -> dict[str, Any]:

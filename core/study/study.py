@@ -18,7 +18,9 @@ from core.numerics.lazy import lazy
 from core.shaft import Flywheel
 from core.stress import load_ratings, pairings
 from core.study.camshaft import Camshaft, is_complete
+from core.study.clearances import Clearances, drawings_of
 from core.study.drive_forces import ROLLERS, DriveForces, has_servo
+from core.study.stages import memory
 
 if TYPE_CHECKING:
     from core.stability import Stability, SteadyTurn
@@ -58,6 +60,13 @@ class Study(DriveForces):
     def camshaft(self) -> Camshaft[Study]:
         """The drives together on their shaft, by machine angle."""
         return Camshaft(self.design, self.drives, self.samples)
+
+    @lazy
+    def clearances(self) -> Clearances:
+        """Clearances of the bodies with outlines, of all drives together."""
+        key = self.design, drawings_of(self.design), self._followed
+        clearances: Clearances = memory.get("clearances", key, lambda: Clearances(self._at_angles(None).camshaft))
+        return clearances
 
     @lazy
     def flywheel(self) -> Flywheel:

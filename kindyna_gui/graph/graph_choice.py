@@ -18,7 +18,7 @@ from core.errors import KindynaError
 from core.numerics.lazy import Cancelled
 from core.output.graph import DesignSource, Source, read_source
 from core.study import Quantity
-from core.study.quantities import DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
+from core.study.quantities import CLEARANCES, DYNAMICS, KINEMATICS, LINKAGE, ORBIT, PROFILE, SERVO
 from kindyna_gui.background import Background
 from kindyna_gui.forms.tables import CopyKey
 from kindyna_gui.pictures.style import SCREEN
@@ -28,6 +28,7 @@ GROUPS: Mapping[str, str] = MappingProxyType(
     {
         KINEMATICS: "Kinematics",
         LINKAGE: "Linkage",
+        CLEARANCES: "Clearances",
         PROFILE: "Cam profile",
         DYNAMICS: "Dynamics",
         SERVO: "Servo",

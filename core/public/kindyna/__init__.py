@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from core.errors import KindynaError
     from kindyna._design import Design, FindResult, Optimum, Study, design, example, examples, measured, open
     from kindyna._pictures import Picture
-    from kindyna._results import Channel, Explanation, Extreme, Finding, ManyResult
+    from kindyna._results import Channel, Clearance, Explanation, Extreme, Finding, ManyResult
 
 __all__ = [
-    "Channel", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Optimum", "Picture",
+    "Channel", "Clearance", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Optimum", "Picture",
     "Study", "design", "example", "examples", "measured", "open",
 ]  # fmt: skip
 
@@ -31,7 +31,7 @@ _MODULES = {
     "_columns": ("KindynaError",),
     "_design": ("Design", "FindResult", "Optimum", "Study", "design", "example", "examples", "measured", "open"),
     "_pictures": ("Picture",),
-    "_results": ("Channel", "Explanation", "Extreme", "Finding", "ManyResult"),
+    "_results": ("Channel", "Clearance", "Explanation", "Extreme", "Finding", "ManyResult"),
 }
 
 

@@ -55,6 +55,35 @@ class Channel:
 
 
 @dataclass(frozen=True)
+class Clearance:
+    """Least clearance of two bodies over the turn, proven.
+
+    Attributes
+    ----------
+    pair : names of both bodies
+    least_mm : least distance, 0 where they meet
+    at_least_mm : proven lower bound of it, never above the true least distance; 0 where they meet
+    angle_deg : angle of cam, driver or machine; where they meet, that at which they begin to
+    points_mm : nearest points of both bodies there, (x, y) in the global frame
+    collides_deg : ranges of angles in which they meet
+
+    Examples
+    --------
+    >>> import kindyna as kd
+    >>> c = kd.example("transfer_unit_outlines").study().clearances()[0]
+    >>> c.pair, round(c.least_mm, 3), c.at_least_mm > 40.76, c.collides_deg
+    (('feed.arm', 'lift.arm'), 40.763, True, ())
+    """
+
+    pair: tuple[str, str]
+    least_mm: float
+    at_least_mm: float
+    angle_deg: float
+    points_mm: tuple[tuple[float, float], tuple[float, float]]
+    collides_deg: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
 class Extreme:
     """An extreme of a channel over the turn.
 
@@ -120,6 +149,14 @@ class Finding:
 
     def __repr__(self) -> str:
         return brief(f"<kindyna.Finding {self.severity} {self.code}: {self.message}>")
+
+
+def clearance(data: Mapping[str, Any]) -> Clearance:
+    """Return a clearance of its JSON."""
+    (p, q), (first, second) = data["points"], data["pair"]
+    collides = tuple((float(begin), float(end)) for begin, end in data["collides"])
+    least, bound, angle = (float(data[key]) for key in ("least_mm", "at_least_mm", "cam_angle_deg"))
+    return Clearance((first, second), least, bound, angle, ((p[0], p[1]), (q[0], q[1])), collides)
 
 
 def finding(row: CoreFinding) -> Finding:

@@ -21,7 +21,7 @@ from core.study.study import Study as CoreStudy
 from kindyna._checks import Array, brief, number, path_to_write, points, text, unknown, vector, whole
 from kindyna._columns import Columns
 from kindyna._options import names_arguments
-from kindyna._results import Channel, Explanation, Extreme, Finding, explanation, finding, frame
+from kindyna._results import Channel, Clearance, Explanation, Extreme, Finding, clearance, explanation, finding, frame
 
 if TYPE_CHECKING:
     from kindyna._pictures import Picture
@@ -98,6 +98,39 @@ class StudyResults(Generic[D]):
         Extreme(value=17.60..., angle_deg=58.47..., unit='°')
         """
         return self._columns.extreme(name, of)
+
+    def clearances(self, *pairs: tuple[str, str], tolerance_mm: float = 0.001) -> tuple[Clearance, ...]:
+        """Return the least clearances of bodies with outlines over the full turn, proven, as the command ``clearance``.
+
+        Parameters
+        ----------
+        *pairs : (str, str)
+            Names of two bodies, as ``("link 3", "frame")``; every pair that does not touch by design where none is named.
+        tolerance_mm : float
+            Largest difference of a least distance and its proven bound.
+
+        Raises
+        ------
+        KindynaError
+            The design has no outlines, a body is unknown, or no two bodies have a common layer.
+
+        Examples
+        --------
+        >>> import kindyna as kd
+        >>> s = kd.example("transfer_unit_outlines").study()
+        >>> [round(c.least_mm, 2) for c in s.clearances()]
+        [40.76, 510.8, 313.05]
+        >>> s.clearances(("clamp.follower", "lift.arm"))[0].angle_deg.__round__(1)
+        86.0
+        """
+        from core.output.clearance import clearance_data  # few designs have outlines
+
+        tolerance = number("tolerance_mm", tolerance_mm)
+        if not 1e-6 <= tolerance <= 1e3:
+            raise ValueError(f"tolerance_mm = {tolerance:g}: allowed: 1e-06 ... 1000")
+        found = self._columns.full.clearances
+        chosen = tuple(found.pair(pair) for pair in pairs) or found.require_pairs()
+        return tuple(clearance(clearance_data(found.least(pair, 1e-3 * tolerance))) for pair in chosen)
 
     def to_dict(self, *names: str) -> dict[str, Array]:
         """Return channel -> values (n,), as Polars, matplotlib and scipy accept them.
