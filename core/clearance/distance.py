@@ -208,7 +208,17 @@ class Elements(NamedTuple):
     cos_half: np.ndarray
 
     def at(self, rows: np.ndarray) -> Elements:
-        """Some of the elements."""
+        """Some of the elements.
+
+        Parameters
+        ----------
+        rows : ndarray (r,) of int, dimensionless
+            Their numbers.
+
+        Returns
+        -------
+        Elements
+        """
         return Elements(*(values[rows] for values in self))
 
     def nearest(self, z: np.ndarray) -> np.ndarray:

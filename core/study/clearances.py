@@ -30,7 +30,7 @@ from core.clearance.bound import TOUCHING, relative
 from core.clearance.outlines import BodyGeometry, drawing_of, outline_shape
 from core.clearance.profile import profile_arcs
 from core.clearance.shapes import MM, Shape
-from core.design import Design, OscillatingFlat, Outline
+from core.design import Design, Outline
 from core.design.camshaft import drive_names, phase_path, slugs
 from core.design.outline_bodies import Body, body_named, body_of, outlined_bodies, pair_column
 from core.design.outlines import CAM, CARRIED, FRAME, PLANES, ROLLER
@@ -217,8 +217,8 @@ class Clearances:
             and (point := kinematics.bodies[carrier].points.get(self._roller_point(i))) is not None
         ):
             yield _Pin(Body(i, ROLLER), 0j, Body(i, carrier), seen(point))
-        if drive.is_linkage:
-            links = {n: link.places for n, link in drive.linkage.by_number.items()}
+        if drive.links:
+            links = {link.number: link.places for link in drive.links}
             for (m, first), (n, second) in combinations(links.items(), 2):
                 bodies = (frame if k == 1 else Body(i, f"link{k}") for k in (m, n))
                 a, b = bodies
@@ -233,8 +233,7 @@ class Clearances:
                 yield _Pin(Body(i, pair.body), seen(local), frame if other is None else Body(i, pair.on), seen(on))
 
     def _roller_point(self, i: int) -> str:
-        drive = self.design.drives[i]
-        return str(drive.cam.point) if drive.is_linkage else "roller"
+        return str(getattr(self.design.drives[i].cam, "point", "roller"))
 
     def _first(self, i: int) -> Kinematics:
         """Kinematics of a drive at the start of its turn."""
@@ -286,12 +285,12 @@ class Clearances:
                 np.zeros(0, dtype=complex),
                 profile=lambda: profile_arcs(lambda angles: study.at(angles).cam, study.program),
             )
-        if drive.is_linkage:
-            places = drive.linkage.by_number[int(body.name.removeprefix("link"))].places
-            return BodyGeometry(np.array([z * MM for z in places.values()]))
+        for link in drive.links:
+            if body.name == f"link{link.number}":
+                return BodyGeometry(np.array([z * MM for z in link.places.values()]))
         points = np.array(list(self._first(body.drive).bodies[body.name].points.values()))
-        flat = isinstance(drive.mechanism, OscillatingFlat)
-        return BodyGeometry(points, unit=-1j * SIDES[drive.follower.side] if flat else 1.0 + 0j)  # type: ignore[union-attr]
+        side = getattr(drive.mechanism, "side", None) if drive.cam is not None and drive.face.straight else None
+        return BodyGeometry(points, unit=1.0 + 0j if side is None else -1j * SIDES[side])
 
     # -- motions --------------------------------------------------------------------------------------------
 
