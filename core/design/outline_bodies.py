@@ -32,7 +32,7 @@ def body_words(drive: Drive) -> Mapping[str, str]:
         words = {f"link {n}": f"link{n}" for n in sorted(drive.linkage.by_number) if n != FRAME_LINK}
     else:
         words = dict(_BODIES[drive.kind])
-    if drive.cam is None or drive.mechanism is None:
+    if drive.cam is None or drive.mechanism is None or drive.is_alone:  # a cam in space is in no plane
         return words
     return words | {CAM: CAM} | ({} if drive.face.slides or drive.face.straight else {ROLLER: ROLLER})
 

@@ -32,7 +32,7 @@ from core.clearance.profile import profile_arcs
 from core.clearance.shapes import MM, Shape
 from core.design import Design, Outline
 from core.design.camshaft import drive_names, phase_path, slugs
-from core.design.outline_bodies import Body, body_named, body_of, outlined_bodies, pair_column
+from core.design.outline_bodies import Body, body_named, body_of, body_words, outlined_bodies, pair_column
 from core.design.outlines import CAM, CARRIED, FRAME, PLANES, ROLLER
 from core.design.parts import SIDES
 from core.errors import KindynaError
@@ -179,7 +179,7 @@ class Clearances:
         """Pairs that touch by design: a roller or a face and its cam, bodies pinned at a point inside the outlines of both."""
         result = {frozenset((Body(i, CAM), Body(i, ROLLER))) for i in range(len(self._studies))}
         for i, drive in enumerate(self.design.drives):
-            if drive.cam is not None and drive.face.slides:
+            if CAM in body_words(drive) and drive.face.slides:
                 kinematics = self._first(i)
                 result.add(frozenset((Body(i, CAM), Body(i, kinematics.carrier or kinematics.follower_body))))
         wanted = {frozenset(pair) for pair in pairs} - result
@@ -198,7 +198,7 @@ class Clearances:
 
     def _pins(self) -> Iterator[_Pin]:
         """Points that two bodies share: pins, the centres of rollers and of cams."""
-        cams = [i for i, drive in enumerate(self.design.drives) if drive.cam is not None]
+        cams = [i for i, drive in enumerate(self.design.drives) if CAM in body_words(drive)]
         on_shaft = [Body(None, FRAME), *(Body(i, CAM) for i in cams)]
         yield from (_Pin(first, 0j, second, 0j) for first, second in combinations(on_shaft, 2))
         for i in {body.drive for body in self.names if body.drive is not None}:
@@ -289,7 +289,7 @@ class Clearances:
             if body.name == f"link{link.number}":
                 return BodyGeometry(np.array([z * MM for z in link.places.values()]))
         points = np.array(list(self._first(body.drive).bodies[body.name].points.values()))
-        side = getattr(drive.mechanism, "side", None) if drive.cam is not None and drive.face.straight else None
+        side = getattr(drive.mechanism, "side", None) if CAM in body_words(drive) and drive.face.straight else None
         return BodyGeometry(points, unit=1.0 + 0j if side is None else -1j * SIDES[side])
 
     # -- motions --------------------------------------------------------------------------------------------
