@@ -149,6 +149,7 @@ page_to_save = _save("Export web page", {".html": "Web page"})
 handover_to_save = _save("Hand-over", {".zip": "Archive of all files"})
 comparison_to_save = _save("Save comparison", {".html": "Web page", **TABLES})
 inspection_to_save = _save("Export inspection table", TABLES)
+lift_table_to_save = _save("Export lift table", TABLES)
 drawing_to_save = _save("Export drawing", {**PDF, **SVG})
 timing_to_save = _save("Export timing chart", {**PDF, **SVG, ".png": "PNG picture", ".csv": "Table of events"})
 

@@ -93,6 +93,7 @@ class Exports(QObject):
         """Return the entries in the order of the menu."""
         session = self._session
         no_cam = "" if session.design.drive.has_disk else NO_CAM
+        motion = session.design.drive.motion
         has_motion = any(drive.motion is not None for drive in session.full_design.drives)
         return (
             Export(
@@ -123,6 +124,12 @@ class Exports(QObject):
                 "Write the lift that a probe measures on the cam, with its tolerance band, as CSV",
                 self.inspection,
                 no_cam,
+            ),
+            Export(
+                "&Lift table...",
+                "Write the lift of the drive's motion by cam degree from the nose, in mm or inches, as CSV for the grinder",
+                self.lift_table,
+                "" if motion is not None and motion.unit == "mm" else "This drive has no motion in mm",
             ),
             Export(
                 "Ti&ming chart...",
@@ -318,6 +325,20 @@ class Exports(QObject):
             return
         path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._drive_name}_lift.csv")
         self._write_in_background(path, lambda path: write_inspection(inspection, path))
+
+    def lift_table(self) -> None:
+        """Write the lift of the motion by cam degree from the nose."""
+        from core.output.export import csv
+        from core.valves import lift_table
+        from kindyna_gui.export_dialogs import ask_lift_table
+
+        request = ask_lift_table(self._window, self._drive)
+        if request is None:
+            return
+        path = dialogs.lift_table_to_save(self._window, self._settings.folder / f"{self._drive_name}_lobe.csv")
+        if path is not None:
+            table = csv(*lift_table(self._drive, request.step, request.unit))
+            self._report(self._write(path, lambda: table))
 
     def pose(self) -> None:
         """Write links and cam at the current angle."""

@@ -25,6 +25,8 @@ from PySide6.QtWidgets import (
 )
 
 from core.commands.export import ExportArguments
+from core.design import Design
+from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.controllers.rows import controllers
 from core.output.export import FORMATS, Film, file_names
@@ -32,6 +34,7 @@ from core.output.handover import HandoverRequest
 from core.output.report.document import PAPERS, PARTS, Cover
 from core.requests import build_request, command_words
 from core.study import Study
+from core.valves.card import LiftTableRequest, lift_table, table_steps
 from kindyna_gui.dialogs import file_to_save, give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices
@@ -128,6 +131,41 @@ class FilmDialog(RequestDialog):
 def _frame_summary(values: Mapping[str, Any]) -> str:
     frames, seconds = values["frames"], values["seconds"]
     return f"a frame every {short(360.0 / frames)}°, {short(frames / seconds, 3)} frames per second"
+
+
+class LiftTableDialog(RequestDialog):
+    """Dialog for step and unit of the lift table of a lobe."""
+
+    command, of_drive, file_option, help_page = "valve", True, "--table", "valves#From the card to both valves"
+
+    def __init__(self, parent: QWidget, design: Design) -> None:
+        def summary(values: Mapping[str, Any]) -> str:
+            try:
+                (_, lift_name), (_, lift) = lift_table(design, values["step"], values["unit"])
+            except KindynaError:
+                return f"{short(values['step'])}° does not divide the turn: use 360° over a whole number, such as 1° or 0.5°."
+            most = f"{short(lift.max(), 6)} {values['unit']}"
+            return f"{lift.size} rows from −180° to 180° of the cam from the nose, {lift_name} up to {most}, as CSV."
+
+        super().__init__(parent, "Export lift table", RequestForm(LiftTableRequest), "Export...", summary)
+
+    @property
+    def is_complete(self) -> bool:
+        if not super().is_complete:
+            return False
+        try:
+            return bool(table_steps(self.form.values["step"]))
+        except KindynaError:
+            return False
+
+    def command_options(self) -> tuple[str, list[str]]:
+        return ".csv", command_words(LiftTableRequest, self.form.values)
+
+
+def ask_lift_table(parent: QWidget, design: Design) -> LiftTableRequest | None:
+    """Ask for step and unit of the lift table of a drive; None where the user cancels."""
+    values = LiftTableDialog(parent, design).values()
+    return None if values is None else LiftTableRequest(**values)
 
 
 def ask_tables(parent: QWidget, folder: Path, study: Study) -> TablesRequest | None:

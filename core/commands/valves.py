@@ -9,16 +9,15 @@ from pathlib import Path
 from core.commands import DONE, Painter
 from core.commands.common import as_json, design_file, drive_name, ending_with
 from core.design import numbered
-from core.design.fields import choice, number
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.export import csv
 from core.output.summary import to_json
 from core.project import load, load_one
 from core.project.files import write_all
-from core.requests import option, text_option
+from core.requests import text_option
 from core.valves import LIFTS, lift_table, require_opening, valve_data, valve_timings
-from core.valves.card import INCH, valve_text
+from core.valves.card import INCH, LiftTableRequest, valve_text
 
 UNITS = {"": 1.0, "mm": 1.0, "in": INCH, "thou": INCH / 1000.0}
 """Unit of a lift -> its size [mm]."""
@@ -37,7 +36,7 @@ def lifts(text: str) -> tuple[float, ...]:
 
 
 @frozen(kw_only=True)
-class ValveArguments:
+class ValveArguments(LiftTableRequest):
     """Arguments of ``valve``: a design with valves, the lifts of the events, and a file for the lift table."""
 
     design: Path = design_file()
@@ -55,10 +54,6 @@ class ValveArguments:
         type=ending_with("table", ".csv"),
         metavar="FILE.csv",
     )
-    step: float = option(
-        number("Step", 0.001, 360.0, default=1.0, help="of the table, in degrees; it divides 360"), "--step"
-    )
-    unit: str = option(choice("Unit", ("mm", "in"), default="mm", help="of the lift in the table"))
     json: bool = as_json()
 
 

@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 
 from core.design import Design, nose_deg
+from core.design.fields import choice, number
 from core.dynamics import HelicalSpring
 from core.errors import KindynaError, NoSolution
+from core.frozen import frozen
 from core.motion import program
 from core.number_text import fixed_text, result_text
+from core.requests import option
 from core.study import Study, extremes_of, quantities_of
 from core.study.piston import crank_at
 from core.study.valve_findings import greatest_lift, least_clearance
@@ -258,6 +261,16 @@ def valve_text(data: dict[str, Any]) -> str:
 # -- table for the grinder --------------------------------------------------------------------------------------
 
 
+@frozen(kw_only=True)
+class LiftTableRequest:
+    """Step and unit of a lift table."""
+
+    step: float = option(
+        number("Step", 0.001, 360.0, default=1.0, help="of the table, in degrees; it divides 360"), "--step"
+    )
+    unit: str = option(choice("Unit", ("mm", "in"), default="mm", help="of the lift in the table"))
+
+
 def lift_table(design: Design, step_deg: float = 1.0, unit: str = "mm") -> tuple[tuple[str, str], list[np.ndarray]]:
     """Lift of the motion of one drive by cam angle from its nose, -180 to 180 degrees with both ends.
 
@@ -283,11 +296,17 @@ def lift_table(design: Design, step_deg: float = 1.0, unit: str = "mm") -> tuple
     motion = design.drive.motion
     if motion is None or motion.unit != "mm":
         raise KindynaError("valve --table: this drive has no motion in mm; allowed: a lobe, or segments in mm")
-    count = round(360.0 / step_deg)
-    if count < 1 or abs(count * step_deg - 360.0) > 1e-9 * 360.0:
-        raise KindynaError(f"--step = {step_deg:g}: does not divide the turn; allowed: 360 deg over a whole number")
+    count = table_steps(step_deg)
     angles = 360.0 * np.arange(count + 1) / count - 180.0
     compiled = program(motion)
     theta = np.deg2rad(nose_deg(motion) + angles)
     lift = (compiled.state(compiled.angles(theta)).displacement[0] * MM) - motion.start
     return ("cam_deg_from_nose", f"lift_{unit}"), [angles, lift / (INCH if unit == "in" else 1.0) + 0.0]
+
+
+def table_steps(step_deg: float) -> int:
+    """Number of steps of a lift table over the turn. Raises KindynaError for a step [deg] that does not divide it."""
+    count = round(360.0 / step_deg)
+    if count < 1 or abs(count * step_deg - 360.0) > 1e-9 * 360.0:
+        raise KindynaError(f"--step = {step_deg:g}: does not divide the turn; allowed: 360 deg over a whole number")
+    return count

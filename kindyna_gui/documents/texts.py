@@ -69,14 +69,19 @@ LINES = 4  # of the list of unsaved work
 # -- the command that does the same as a dialog ----------------------------------------------------------
 
 
-def command_line(name: str, design: Path | None, out: str, words: Sequence[str], drive: str = "") -> str:
-    """Return the command line with a design's file, the options, and the name of a drive, where they are given."""
+def command_line(
+    name: str, design: Path | None, out: str, words: Sequence[str], drive: str = "", file_option: str = "--out"
+) -> str:
+    """Return the command line with a design's file, the options, and the name of a drive, where they are given.
+
+    ``file_option`` is the option for the file that the command writes.
+    """
     from shlex import join  # imported here to save start-up time
 
     read = [] if design is None else [str(design)]
     file = f"{design.stem}{out}" if design is not None and out.startswith(".") and "/" not in out else out
     of_drive = ["--drive", drive] if drive else []
-    return join(["kindyna", "--headless", name, *read, *words, *of_drive, "--out", file])
+    return join(["kindyna", "--headless", name, *read, *words, *of_drive, file_option, file])
 
 
 def add_copy(
@@ -87,17 +92,18 @@ def add_copy(
     *,
     of_drive: bool = False,
     reads: bool = True,
+    file_option: str = "--out",
 ) -> QPushButton:
     """Add a button to a dialog that copies its command, and return it.
 
-    ``of_drive``: for one drive; ``reads``: the command reads a design.
+    ``of_drive``: for one drive; ``reads``: the command reads a design; ``file_option``: its option for the file it writes.
     """
 
     def line() -> str:
         session: Any = getattr(parent, "session", None)
         drive = session.design.name if session is not None and session.has_several_drives and of_drive else ""
         design = session.path if session is not None and session.path is not None else UNSAVED
-        return command_line(name, design if reads else None, *options(), drive)
+        return command_line(name, design if reads else None, *options(), drive, file_option)
 
     return add_copy_of_line(buttons, line)
 

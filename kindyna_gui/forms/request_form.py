@@ -458,10 +458,11 @@ def accepted(dialog: ComputedDialog) -> Any:
 class RequestDialog(QDialog):
     """A form with a summary in words below it.
 
-    ``command`` is the command that does the same, ``reads`` whether it reads a design, ``help_page`` the page of help.
+    ``command`` is the command that does the same, ``reads`` whether it reads a design, ``of_drive`` whether it is for one
+    drive, ``file_option`` its option for the file that it writes; ``help_page`` is the page of help.
     """
 
-    command, reads, help_page = "", True, "tour"
+    command, reads, of_drive, file_option, help_page = "", True, False, "--out", "tour"
 
     def __init__(self, parent: QWidget, title: str, form: RequestForm, accept: str, summary: Summary) -> None:
         super().__init__(parent)
@@ -470,7 +471,15 @@ class RequestDialog(QDialog):
         self.form, self.summary = form, QLabel(wordWrap=True)
         coloured(self.summary, SCREEN.quiet)
         buttons, self.accept_button = accept_buttons(self, accept)
-        self.copy = add_copy(buttons, parent, self.command, self.command_options, reads=self.reads)
+        self.copy = add_copy(
+            buttons,
+            parent,
+            self.command,
+            self.command_options,
+            of_drive=self.of_drive,
+            reads=self.reads,
+            file_option=self.file_option,
+        )
         column = QVBoxLayout(self)
         for widget in (form, self.summary, buttons):
             column.addWidget(widget)
