@@ -8,8 +8,8 @@ from functools import lru_cache, partial
 from types import MappingProxyType
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QActionGroup, QColor, QIcon, QPainter, QPen, QPixmap
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QWidget
+from PySide6.QtGui import QAction, QActionGroup, QColor, QIcon, QPainter, QPen, QPixmap, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QToolButton, QWidget
 
 from core.design import (
     RESERVED,
@@ -30,7 +30,7 @@ from core.findings import ERROR
 from core.frozen import frozen
 from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.labels import reason
-from kindyna_gui.look import sign, tool_bar
+from kindyna_gui.look import described, sign, tool_bar
 from kindyna_gui.pictures.style import BALANCE, SCREEN
 from kindyna_gui.rebuilt import fill
 
@@ -201,8 +201,14 @@ ARRANGEMENTS: Mapping[str, tuple[str, str]] = MappingProxyType(
 """Arrangements of the drives in the drawing: text and tip."""
 
 
+LEAST_NAME, LEAST_LETTER = 28, 12  # width of a name that ends in …, and of its first letter alone, pixels
+AROUND = 12  # margins of the strip, and the frame of its bar, pixels
+
+
 class DriveStrip(QWidget):
     """A button for each drive, and at the right end the arrangement of the drives in the drawing.
+
+    Where they have no room next to each other the arrangements are in a list, then the names of the drives are shortened.
 
     - chosen (number): a drive was clicked
     - arranged (name in ``ARRANGEMENTS``): an arrangement was clicked
@@ -231,11 +237,50 @@ class DriveStrip(QWidget):
             self.arrangements[name] = action
             self.arrangement_bar.addAction(action)
         self.arrangements[ONE].setChecked(True)
-        fill(QHBoxLayout(self), (self.bar, 1), self.arrangement_bar, margins=(4, 1, 4, 1), spacing=0)
+        self.arrangement_list = described(
+            QToolButton(autoRaise=True, popupMode=QToolButton.ToolButtonPopupMode.InstantPopup),
+            name="Arrangement of the drives",
+            tip="Arrange the drives in the drawing",
+        )
+        menu = QMenu(self.arrangement_list)
+        menu.addActions(list(self.arrangements.values()))
+        self.arrangement_list.setMenu(menu)
+        self.arrangement_list.hide()
+        arrangements.triggered.connect(self._fit)
+        layout = QHBoxLayout(self)
+        fill(layout, (self.bar, 1), self.arrangement_bar, self.arrangement_list, margins=(4, 1, 4, 1), spacing=0)
         self.hide()
 
     def _arrange(self, name: str, *_: object) -> None:
         self.arranged.emit(name)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._fit()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self._fit()
+
+    def _fit(self, *_: object) -> None:
+        """Put the arrangements in a list where the strip is narrow, and shorten the longest names until all have room."""
+        advance, names = self.fontMetrics().horizontalAdvance, [row.name for row in self._rows]
+        buttons = [self.bar.widgetForAction(action) for action in self.actions_of_drives]
+        texts = [action.iconText() for action in self.actions_of_drives]
+        around = sum(b.sizeHint().width() - advance(text) for b, text in zip(buttons, texts, strict=True))
+        around += AROUND + self.bar.layout().spacing() * len(buttons)  # type: ignore[union-attr]
+        widths = [advance(name) for name in names]
+        is_narrow = sum(widths) + around + self.arrangement_bar.sizeHint().width() > self.width()
+        chosen = next(action for action in self.arrangements.values() if action.isChecked())
+        self.arrangement_list.setText(chosen.text())
+        self.arrangement_bar.setVisible(not is_narrow)
+        self.arrangement_list.setVisible(is_narrow)
+        right = self.arrangement_list if is_narrow else self.arrangement_bar
+        most = _widest(widths, self.width() - around - right.sizeHint().width())
+        for name, action in zip(names, self.actions_of_drives, strict=True):
+            elided = self.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, most)
+            shown = elided if most >= LEAST_NAME else name[:1]
+            action.setIconText(shown.replace("&", "&&"))
 
     def show_drives(self, rows: Sequence[DriveRow], chosen: int) -> None:
         """Show these drives, and the selected one."""
@@ -263,6 +308,15 @@ class DriveStrip(QWidget):
             action.setStatusTip(tip)
             action.triggered.connect(partial(self._choose, number))
             self.bar.addAction(action)
+        self._fit()
 
     def _choose(self, number: int, *_: object) -> None:
         self.chosen.emit(number)
+
+
+def _widest(widths: Sequence[int], room: int) -> int:
+    """Largest width of a name with which all names have room; at least that of a letter."""
+    left = sorted(widths)
+    while left and left[0] * len(left) <= room:
+        room -= left.pop(0)
+    return max(room // len(left), LEAST_LETTER) if left else max(widths, default=LEAST_NAME)

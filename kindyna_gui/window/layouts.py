@@ -20,7 +20,7 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import TaskLayout
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import CENTRE, COLUMNS, VIEWS, Dock
-from kindyna_gui.window.room import Plan, plan_docks
+from kindyna_gui.window.room import FORMS, Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, TASKS, Task
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
@@ -278,8 +278,9 @@ class Layouts(QObject):
             self._apply((*of_kind, *first), self._fronts((*of_kind, *first)))
 
     def _fronts(self, names: Iterable[str]) -> list[str]:
-        """The first of these docks in each group."""
-        rows = ([name for name in names if name in members] for _, members in self._row.all_docks)
+        """The first of these docks in each group; the parameters before all others."""
+        ordered = sorted(names, key=lambda name: name != FORMS)
+        rows = ([name for name in ordered if name in members] for _, members in self._row.all_docks)
         return [row[0] for row in rows if row]
 
     def _apply(

@@ -317,4 +317,4 @@ def share(total: int, parts: Sequence[float], least: Sequence[int], most: Sequen
     return [max(sizes[i], 1) for i in range(len(parts))]
 
 
-__all__ = ["HEAD", "PlacedGroup", "Plan", "plan_docks", "share"]
+__all__ = ["FORMS", "HEAD", "PlacedGroup", "Plan", "plan_docks", "share"]

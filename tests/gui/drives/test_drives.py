@@ -131,6 +131,27 @@ def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> No
     assert session.chosen == 2
 
 
+def test_all_drives_of_the_strip_are_in_sight_in_a_narrow_drawing(unit: User) -> None:
+    """The arrangements are in a list there, and the names are shortened; the tips have them in full."""
+    unit.window.show_task("compo")
+    strip = unit.drawing().strip
+    extension = strip.bar.findChild(QToolButton, "qt_toolbar_ext_button")
+    for width in (640, 300, 240):
+        strip.setFixedWidth(width)
+        settle()
+        assert not extension.isVisible(), width
+        assert strip.arrangement_list.isVisible() == (width < 400)
+    assert [action.iconText() for action in strip.actions_of_drives] == ["F", "C", "L", "T"]
+    assert strip.actions_of_drives[2].toolTip() == "Show Lift in the forms and plots"
+    menu = strip.arrangement_list.menu()
+    next(action for action in menu.actions() if action.text() == "Side by side").trigger()
+    settle()
+    assert strip.arrangement_list.text() == "Side by side"
+    strip.setMinimumWidth(0)
+    strip.setMaximumWidth(10_000)
+    strip.arrangements["one"].trigger()
+
+
 def test_the_list_of_drives(unit: User) -> None:
     session, view = unit.session, listed(unit)
     assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]

@@ -181,6 +181,16 @@ def test_explain_is_read_in_make_and_the_parameters_keep_their_width(open_user: 
     assert walk(user, SIZES[0], ("make", "kine"), ("explain", "timing")) == {}
 
 
+@pytest.mark.parametrize("task", ["kine", "dyna"])
+def test_the_parameters_are_in_front_of_the_drives(open_user: Open, task: str) -> None:
+    user = open_user(example("transfer_unit"), size=SIZES[0], whole=True)
+    user.window.show_task(task)
+    rest(user.window, 1.0)
+    view = user.window.view("parameters")
+    assert view is not None
+    assert view.on_screen()
+
+
 def test_long_sentences_come_to_rest_where_they_have_room(open_user: Open) -> None:
     """In a row they have fewer lines than in a column: what is laid in the row must not go back for that."""
     user = open_user(example("lecture_six_bar"), size=SIZES[0], whole=True)
