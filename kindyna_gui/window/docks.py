@@ -71,8 +71,8 @@ class Need:
         return self.row_height or self.height if area in ROWS else self.height
 
 
-PLOT = (250, 140)
-"""Least size of a plot with its axes and a line of names: 160 by 80 pixels inside."""
+PLOT = (250, 152)
+"""Least size of a plot with its axes and two lines of names: 160 by 80 pixels inside."""
 
 Make = Callable[[Session, Player], View]
 
