@@ -335,13 +335,13 @@ class ExplainView(View):
             self.table.show_rows([])
             self.proof.clear()
             return
-        self.header.setText("\n".join([number.headline(MOST_DIGITS), *number.equations, f"source: {number.source}"]))
+        self.header.setText("\n".join([number.headline(RESULT_DIGITS), *number.equations, f"source: {number.source}"]))
         self.table.update_rows(
             [
                 TableRow(
                     (
                         symbol.symbol,
-                        digits(symbol.value, MOST_DIGITS),
+                        digits(symbol.value, MOST_DIGITS),  # with which the equation gives the digits of the number
                         symbol.unit,
                         sentence(symbol.meaning),
                         symbol.origin,

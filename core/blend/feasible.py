@@ -341,7 +341,7 @@ def _out_of_range(
     if any(_is_well_within(r, _shown_value(request, constraint)) for r in ranges):
         shown = " or ".join(r.text(name) for r in ranges)
         text = f"{text}: many motions have this value{tail}, so it does not determine one"
-        return BlendError(f"{text}; set another one, or one within {shown} {unit}", name, allowed)
+        return BlendError(f"{text}; set another one, or one within {shown} {unit}", name, allowed, ranges)
     return infeasible(text, name, ranges, unit, others)
 
 

@@ -233,10 +233,17 @@ class BlendError(KindynaError):
     ----------
     setting : name of the setting, empty where the error concerns several
     allowed : (low, high), or None
+    ranges : feasible ranges of the setting in the message
     """
 
-    def __init__(self, message: str, setting: str = "", allowed: tuple[float, float] | None = None) -> None:
-        self.setting, self.allowed = setting, allowed
+    def __init__(
+        self,
+        message: str,
+        setting: str = "",
+        allowed: tuple[float, float] | None = None,
+        ranges: Sequence[SettingRange] = (),
+    ) -> None:
+        self.setting, self.allowed, self.ranges = setting, allowed, tuple(ranges)
         super().__init__(message)
 
 
@@ -245,7 +252,7 @@ def infeasible(text: str, name: str, ranges: Sequence[SettingRange], unit: str, 
     tail = f" with {other_settings}" if other_settings else ""
     shown = " or ".join(r.text(name) for r in ranges) or "none"
     allowed = (ranges[0].low, ranges[-1].high) if ranges else None
-    return BlendError(f"{text} is not feasible{tail}; feasible: {shown} {unit}", name, allowed)
+    return BlendError(f"{text} is not feasible{tail}; feasible: {shown} {unit}", name, allowed, ranges)
 
 
 @frozen

@@ -14,6 +14,7 @@ from core.blend import (
     FLATS,
     MOTION_TYPES,
     BlendCandidate,
+    BlendError,
     BlendResult,
     Request,
     SettingRange,
@@ -24,7 +25,7 @@ from core.blend.request import RETURN_NAMES, rounded
 from core.design import UNITS, Motion, NamedCurve, Segment, join_angles
 from core.design.edits import is_dwell
 from core.frozen import frozen
-from core.number_text import MINUS, shortest
+from core.number_text import COMPARED_DIGITS, MINUS, MOST_DIGITS, digits_apart, shortest
 from core.output.texts import changed_segment, curve_rows, flat_rows
 from kindyna_gui.labels import law_label
 from kindyna_gui.pictures.units import brief, measure, number, readable, short
@@ -34,7 +35,7 @@ POINT = "point"
 AUTOMATIC = ""  # the settings select the sequence
 CONSTANT_LAWS = ("cv1", "cv2")  # constant velocity of a rise and of a return
 SAME = 1e-9  # a range narrower than this, relative to its ends, is one value
-DIGITS = 6  # of the ends of a range
+DIGITS = MOST_DIGITS  # of a value that the other settings determine
 PENDING = "…"  # shown while a range is computed
 HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "To {u}")
 
@@ -438,7 +439,13 @@ def range_text(ranges: Sequence[SettingRange], name: str, size: float = 1.0) -> 
     ranges = [replace(interval, low=interval.low / size, high=interval.high / size) for interval in ranges]
     if is_single_value(ranges):
         return f"= {_text(rounded(ranges[0].low, DIGITS))}, determined by the other settings"
-    return with_signs(" or ".join(_positive(interval).text(name, DIGITS, SAME, _text) for interval in ranges))
+    return with_signs(" or ".join(_range_text(_positive(interval), name) for interval in ranges))
+
+
+def _range_text(interval: SettingRange, name: str) -> str:
+    """Text of one range, with the digits of limits and more only to tell its ends apart."""
+    ends = [interval.low, *([interval.high] if isfinite(interval.high) else [])]
+    return interval.text(name, digits_apart(ends, COMPARED_DIGITS), SAME, _text)
 
 
 def _positive(interval: SettingRange) -> SettingRange:
@@ -466,8 +473,15 @@ def initial_value(ranges: Sequence[SettingRange], share: float) -> float | None:
 
 
 def reason(error: Exception) -> str:
-    """Text of an error with ≤ and ≥; its first letter stays small, for h1 is a height and H1 a curve."""
-    return with_signs(str(error))
+    """Text of an error with ≤ and ≥; its first letter stays small, for h1 is a height and H1 a curve.
+
+    The ranges in it have the digits of limits; the core writes as many as a command needs.
+    """
+    text = str(error)
+    if isinstance(error, BlendError):
+        for interval in error.ranges:
+            text = text.replace(interval.text(error.setting), _range_text(interval, error.setting))
+    return with_signs(text)
 
 
 def with_signs(text: str) -> str:

@@ -13,7 +13,7 @@ from core.errors import KindynaError, NoSolution
 from core.findings import Finding, Residual
 from core.frozen import frozen
 from core.motion.extremes import Extreme
-from core.number_text import input_text, result_text
+from core.number_text import COMPARED_DIGITS, result_text
 from core.output.channels import channels, existing
 from core.output.explain.shaft import FIGURES, has_figure, shaft_columns
 from core.output.explain.workings import calculation_of
@@ -71,7 +71,7 @@ class Explanation:
 
     def headline(self, most: int) -> str:
         """Label, angle and value with at most this number of digits; why it is infinite, where it is."""
-        at = "" if self.at_deg is None else f" at {input_text(self.at_deg)}°"
+        at = "" if self.at_deg is None else f" at {result_text(self.at_deg, max(most, COMPARED_DIGITS))}°"
         text = f"{self.label}{at}: {digits(self.value, most)} {self.unit if not self.why else ''}".rstrip()
         return f"{text}: {self.why}" if self.why else text
 

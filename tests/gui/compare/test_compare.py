@@ -509,7 +509,7 @@ def test_the_peak_of_a_shaft_is_explained_at_its_machine_angle(open_user: Open) 
     assert isinstance(view, ExplainView)
     wait_for(lambda: view.up_to_date)
     wanted = explained(user.session.full_study, "torque_nm")
-    assert view.header.text().startswith(wanted.headline(7))
+    assert view.header.text().startswith(wanted.headline(4))
     assert [each.cells[3] for each in view.table.rows.rows][:2] == ["Torque of Feed", "Torque of Clamp"]
 
 
@@ -522,9 +522,7 @@ def test_every_number_of_the_design_can_be_chosen(user: User) -> None:
     view.choice.activated.emit(place)
     wait_for(lambda: view.up_to_date)
     assert view.header.text().startswith("Flywheel needed")
-    assert pytest.approx(34944.9, rel=1e-4) == float(
-        view.header.text().split(":")[1].split(" ")[1].replace("\u202f", "")
-    )
+    assert view.header.text().split(":")[1].split(" ")[1] == "34\u202f940"
 
 
 def test_a_picture_is_copied_twice_as_fine_as_the_screen(user: User, app: QApplication) -> None:
