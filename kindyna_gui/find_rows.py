@@ -40,7 +40,7 @@ from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
-from kindyna_gui.pictures.units import brief, signed
+from kindyna_gui.pictures.units import brief, readable_text, signed
 from kindyna_gui.rebuilt import ContentArea, clear_menu, fill
 from kindyna_gui.settings import in_units, symbol_of
 
@@ -222,6 +222,10 @@ def solution_html(design: Design, solution: Solution) -> str:
     met = [key for key in listed if key in solution.limits and (key in LIMITS or key == FORCE)]
     others = met[1:]  # the first is the tightest
     lines += [_line(design, solution, key) for key in listed if key not in others]
+    if TORQUE in solution.before and TORQUE in solution.cost:
+        taken, present = solution.cost[TORQUE][1], solution.before[TORQUE]
+        texts = [readable_text(torque, "N·m", digits_apart([taken, present])) for torque in (taken, present)]
+        lines += [f"Torque {texts[0]}{_now(texts[1])}"] if texts[0] != texts[1] else []
     if others:
         texts = (
             f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in others

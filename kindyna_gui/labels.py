@@ -265,7 +265,9 @@ def entry_label(design: Design, entry: Entry) -> str:
 
 
 def entry_name(design: Design, entry: Entry) -> str:
-    """Label of a value with the part that it belongs to: ``Segment 3, span``, ``Link 3: A x``."""
+    """Label of a value with the part that it belongs to: ``Segment 3, span``, ``Link 3: A x``, ``Speed of link 2``."""
+    if entry.path.startswith("linkage.driver."):
+        return f"{entry_label(design, entry)} of link {design.drive.linkage.driver.link}"
     label, heading, number = entry_label(design, entry), heading_of(design, entry.path), segment_of(entry.path)
     if heading:
         return f"{heading}: {label}"

@@ -25,7 +25,7 @@ from core.design import Design, only, with_only
 from core.design.fields import choice
 from core.errors import KindynaError
 from core.find import BOUNDS, CAM_SEARCHES, LIMITS, SEARCHES, SHAFT_SEARCHES, Solution, StatedLimits, find, same_design
-from core.find.rounding import NO_ROUNDING
+from core.find.rounding import NO_ROUNDING, TORQUE
 from core.findings import ERROR
 from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, distinct_texts
@@ -144,6 +144,9 @@ def _text(solution: Solution, step: float | None) -> str:
     heading = f"{solution.target}:" if solution.is_valid else "the best value, which violates limits:"
     lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items())]
     lines += rounding_lines(solution.answer, solution.exact, solution.rounding, solution.cost, step)
+    if TORQUE in solution.before:
+        taken, present = distinct_texts((solution.cost[TORQUE][1], solution.before[TORQUE]))
+        lines.append(f"  {TORQUE} = {taken}, now {present}")
     lines.append("reached:")
     for key, value in solution.reached.items():
         limit, reason = solution.limits.get(key), solution.reasons.get(key)

@@ -127,7 +127,7 @@ def _driver(drive: Drive) -> Iterator[Fault]:
     if driver == NO_DRIVER:
         return
     if driver.speed_rpm == 0.0:
-        yield Fault("linkage.driver.speed_rpm", driver.speed_rpm, "is zero", "> 0, or < 0 for clockwise")
+        yield Fault("linkage.driver.speed_rpm", driver.speed_rpm, "must not be 0", "> 0, or < 0 for clockwise")
     if absent := list(_no_moving_link(linkage, driver.link, "linkage.driver.link")):
         yield from absent
     elif FRAME_LINK in _numbers(linkage):

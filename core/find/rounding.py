@@ -138,13 +138,13 @@ def rounded(solution: Solution, step: float = 0.0) -> Solution:
 def _cost(solution: Solution, design: Design, reached: Mapping[str, float]) -> Mapping[str, tuple[float, float]]:
     """Values reached of the limits, and the largest torque of the cam, with the exact and with the rounded result."""
     cost = {key: (value, reached[key]) for key, value in solution.reached.items() if key in reached}
-    torques = [_torque(made) for made in (solution.design, design)]
+    torques = [cam_torque(made) for made in (solution.design, design)]
     if all(math.isfinite(torque) for torque in torques):
         cost[TORQUE] = (torques[0], torques[1])
     return cost
 
 
-def _torque(design: Design) -> float:
+def cam_torque(design: Design) -> float:
     """Largest torque of the cam [N m]; NaN where the design has none, or several drives."""
     study = Study(design)
     if len(design.drives) > 1 or "dynamics" not in study.stages:

@@ -82,7 +82,8 @@ class Solution:
     present : dict
         Path -> value in the present design; None where it has none.
     before : dict
-        Limit, of all that exist -> value reached by the present design; empty where this has no cam.
+        Limit, of all that exist -> value reached by the present design; empty where this has no cam. Of a rounded result also
+        the largest torque of the cam.
     violations : tuple of str
         Why the result is not valid; empty where it satisfies every limit.
     end : str

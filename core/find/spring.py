@@ -17,7 +17,7 @@ from core.errors import KindynaError
 from core.find import search
 from core.find.goals import CAM_SEARCHES, INSTALLED, LIFT_OFF, PRELOADS, SPRING_RATES, WIRE, has, speed_path
 from core.find.offer import StatedLimits, available_searches, search_request
-from core.find.rounding import rounded, rounded_flywheel
+from core.find.rounding import TORQUE, cam_torque, rounded, rounded_flywheel
 from core.find.shaft import SHAFT_SEARCHES, available_shaft_searches, find_on_shaft, with_least_flywheel
 from core.find.solution import Judge, Judgement, Solution, out_of_bounds, search_with_findings
 from core.find.trial import (
@@ -508,6 +508,8 @@ def round_solution(solution: Solution, design: Design, step: float = 0.0, machin
         Design -> the machine that contains it.
     """
     result = rounded(solution, step)
+    if TORQUE in result.cost and math.isfinite(torque := cam_torque(design)):
+        result = replace(result, before={**result.before, TORQUE: torque})
     return (
         _with_flywheel(result, machine(design), machine(result.design), rounded_flywheel) if result.rounding else result
     )

@@ -57,6 +57,10 @@ def test_the_smallest_cam_is_rounded_to_the_side_on_which_its_limit_holds(
         ]
     ]
     assert told["cost"]["drive_torque_nm"] == pytest.approx(torque)
+    assert main(["find", str(LIFT), "base-radius", "--round"]) == 0
+    ends = extremes_of(Study(load(LIFT)), "dynamics", ("drive_torque",))["drive_torque"]
+    now = max(abs(ends.low.value), abs(ends.high.value))
+    assert f"  drive_torque_nm = {torque[1]:.4g}, now {now:.4g}\n" in capsys.readouterr().out
     taken = load(into)
     assert get(taken, BASE) == 327.0
     assert get(taken, "shaft.flywheel_inertia_kg_m2") == told["taken"]["shaft.flywheel_inertia_kg_m2"] == 35200.0

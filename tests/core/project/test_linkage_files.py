@@ -222,7 +222,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
         (SIX, {"linkage.driver.kind": "crnk"}, {"linkage.driver.kind": "did you mean 'crank'?"}),
         (SIX, {"linkage.driver.kind": GONE}, {"linkage.driver.kind": "missing; allowed: crank | motion"}),
         (SIX, {"linkage.driver.speed_rpm": GONE}, {"linkage.driver.speed_rpm": "missing"}),
-        (SIX, {"linkage.driver.speed_rpm": 0.0}, {"linkage.driver.speed_rpm": "is zero"}),
+        (SIX, {"linkage.driver.speed_rpm": 0.0}, {"linkage.driver.speed_rpm": "must not be 0"}),
         (SIX, {"linkage.driver.speed_rpm": "fast"}, {"linkage.driver.speed_rpm": "must be a number"}),
         (SIX, {"linkage.driver.kind": "motion"}, {"motion": "missing; allowed: a table [motion] that the driver follows"}),
         # branches

@@ -14,8 +14,10 @@ from window_user import Open, User, end_pauses, settle, wait_for
 from core.design import edited, get
 from core.find import CAM_SEARCHES, find
 from core.project import load
+from core.study import Study, extremes_of
 from kindyna_gui.find import FindView
 from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.units import readable_text
 from kindyna_gui.places import example
 
 
@@ -187,6 +189,9 @@ def test_a_speed_just_below_that_of_lift_off_is_taken_over(open_user: Open) -> N
     fact = find(before, "lift-off-speed", {}).answer["shaft.speed_rpm"]
     assert text_of(view).splitlines()[0].startswith(f"Speed 1130 rpm, exact {fact:.8g} rpm: torque ")
     assert "% by rounding" in text_of(view).splitlines()[0], "not the change from the present design"
+    torques = next(line for line in text_of(view).splitlines() if line.startswith("Torque "))
+    ends = extremes_of(Study(before), "dynamics", ("drive_torque",))["drive_torque"]
+    assert torques.endswith(f" now {readable_text(max(abs(ends.low.value), abs(ends.high.value)), 'N·m')}")
     QTest.mouseClick(view.exact, Qt.MouseButton.LeftButton)
     assert text_of(view).splitlines()[0] == f"Speed {fact:.8g} rpm now 300 rpm"
     assert text_of(view).endswith("Applied just below this value, so that the limit is met.")

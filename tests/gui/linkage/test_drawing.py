@@ -835,7 +835,7 @@ def test_a_finished_linkage_with_a_value_that_is_refused_says_which(open_user: O
     pen.user.enter("linkage.driver.speed_rpm", "0")
     note = pen.user.drawing().note
     assert note.isVisible()
-    assert note.text().startswith("Link 2 turns at constant speed: Speed: is zero; allowed: > 0")
+    assert note.text().startswith("Speed of link 2: must not be 0; allowed: > 0")
 
 
 def test_no_field_is_framed_while_a_drawing_only_lacks_something(open_user: Open) -> None:
