@@ -224,8 +224,8 @@ def solution_html(design: Design, solution: Solution) -> str:
     lines += [_line(design, solution, key) for key in listed if key not in others]
     if TORQUE in solution.before and TORQUE in solution.cost:
         taken, present = solution.cost[TORQUE][1], solution.before[TORQUE]
-        texts = [readable_text(torque, "N·m", digits_apart([taken, present])) for torque in (taken, present)]
-        lines += [f"Torque {texts[0]}{_now(texts[1])}"] if texts[0] != texts[1] else []
+        torques = [readable_text(torque, "N·m", digits_apart([taken, present])) for torque in (taken, present)]
+        lines += [f"Torque {torques[0]}{_now(torques[1])}"] if torques[0] != torques[1] else []
     if others:
         texts = (
             f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in others

@@ -21,9 +21,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from kindyna_gui.forms.tab_bars import TabList
 from kindyna_gui.pictures.plots.plot import FixedPlot
 from kindyna_gui.rebuilt import is_in_sight
-from kindyna_gui.tab_bars import TabList
 from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
 

@@ -22,6 +22,7 @@ from kindyna_gui.documents.texts import back_text, misfit_sentences
 from kindyna_gui.forms.fields import Field, NameField, in_tab_order
 from kindyna_gui.forms.form import EDIT_CARD, Form, IncompleteBar, ValvePage, part_of
 from kindyna_gui.forms.loads_page import LoadsPage, first_field, row_of
+from kindyna_gui.forms.tab_bars import FittingTabs
 from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import coloured, described, sign
 from kindyna_gui.pictures.style import SCREEN
@@ -30,7 +31,6 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import call_soon, fill
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import in_units, size_of
-from kindyna_gui.tab_bars import FittingTabs
 from kindyna_gui.view import View, ViewHost
 
 if TYPE_CHECKING:

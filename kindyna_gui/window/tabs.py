@@ -11,8 +11,8 @@ from PySide6.QtCore import QChildEvent, QEvent, QObject
 from PySide6.QtWidgets import QTabBar
 from shiboken6 import isValid
 
+from kindyna_gui.forms.tab_bars import TabList, fitting_tabs
 from kindyna_gui.rebuilt import single_shot
-from kindyna_gui.tab_bars import TabList, fitting_tabs
 from kindyna_gui.window.base import Window
 from kindyna_gui.window.docks import VIEWS, Dock
 

@@ -20,9 +20,9 @@ from kindyna_gui.export import Exports
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import SECTIONS
+from kindyna_gui.forms.tab_bars import TabList
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
-from kindyna_gui.tab_bars import TabList
 
 ROD, ARM, X = "follower.rod_mm", "follower.roller_arm_mm", "follower.pivot_x_mm"
 LIFT = load(example("transfer_lift"))

@@ -9,11 +9,11 @@ from room import unreadable
 from sampled import spread
 from window_user import Open, User, settle
 
+from kindyna_gui.forms.tab_bars import TabList
 from kindyna_gui.look import apply_preferences
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
 from kindyna_gui.settings import INCH, Preferences
-from kindyna_gui.tab_bars import TabList
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS, Need
 from kindyna_gui.window.room import Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, SEPARATOR, TASKS
