@@ -57,6 +57,8 @@ _CHOICES: Mapping[str, str] = MappingProxyType(
     {
         "rms_acceleration": "rms of acceleration",
         "rms_jerk": "rms of jerk",
+        "contact_force": "contact force",
+        "motor_rms": "rms of the motor's torque",
         "ccw": "counter-clockwise",
         "cw": "clockwise",
         "roller": "roller",

@@ -459,17 +459,26 @@ def _drive_faults(design: Design) -> list[Fault]:
 
 def _laws_have_effects(drive: Drive) -> Iterator[Fault]:
     """The machine of an optimal law has the torque or force that it minimises."""
-    if drive.motion is None or not drive.motion.needs_machine:
-        return
-    turns = drive.cam is not None or drive.motion.unit == "deg" or drive.servo is not None
-    has = {"torque": turns, "contact_force": drive.cam is not None, "motor_rms": drive.servo is not None}
-    needs = {"torque": "a cam, a motion in degrees, or [servo]", "contact_force": "a cam", "motor_rms": "[servo]"}
-    for i, segment in enumerate(drive.motion.segments):
-        aim = segment.curve.minimise if isinstance(segment.curve, OptimalCurve) else ""
-        if not has.get(aim, True):
-            problem = f"needs {needs[aim]}, which this design does not have"
-            allowed = " | ".join(word for word in MINIMISED if has.get(word, True))
-            yield Fault(f"motion.segments[{i}].minimise", aim, problem, allowed)
+    for i, segment in enumerate(() if drive.motion is None else drive.motion.segments):
+        curve = segment.curve
+        if isinstance(curve, OptimalCurve) and (needs := missing_for_effect(drive, curve.minimise)):
+            problem = f"needs {needs}, which this design does not have"
+            allowed = " | ".join(word for word in MINIMISED if not missing_for_effect(drive, word))
+            yield Fault(f"motion.segments[{i}].minimise", curve.minimise, problem, allowed)
+
+
+def missing_for_effect(drive: Drive, aim: str) -> str:
+    """What a drive lacks for the torque or force that an optimal law minimises, in words; empty where it has all."""
+    turns = (
+        drive.cam is not None or drive.servo is not None or (drive.motion is not None and drive.motion.unit == "deg")
+    )
+    rows = {
+        "torque": (turns, "a cam, a motion in degrees, or [servo]"),
+        "contact_force": (drive.cam is not None, "a cam"),
+        "motor_rms": (drive.servo is not None, "[servo]"),
+    }
+    has, needs = rows.get(aim, (True, ""))
+    return "" if has else needs
 
 
 def _valve_faults(design: Design) -> list[Fault]:

@@ -12,9 +12,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.design import Design, OptimalCurve, Segment, only
+from core.design import Design, OptimalCurve, Segment, faults, only
 from core.design.curves import optimal_task, solve_machines_by
-from core.errors import NoSolution
+from core.design.rules import missing_for_effect
+from core.errors import DesignError, Fault, NoSolution
 from core.laws.local import LocalLaw, local_law
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, spread
@@ -100,12 +101,19 @@ class _MachineEffect:
 def law_in_machine(segment: Segment, whole_turn: bool) -> LocalLaw:
     """Law that is optimal in its machine, the best of searches from five laws; of least rms acceleration where it has no solution.
 
-    The ends of the segment are resolved. Raises NoOptimalLaw where no law satisfies limits, points, ends and bounds.
+    The ends of the segment are resolved. Raises NoOptimalLaw where no law satisfies limits, points, ends and bounds; DesignError
+    where the machine has faults, or lacks what the law minimises.
     """
     curve = segment.curve
     assert isinstance(curve, OptimalCurve)
     assert curve.machine is not None
-    effect = _MachineEffect(only(curve.machine.design, 0), curve.machine.segment, curve.minimise)
+    design, index = only(curve.machine.design, 0), curve.machine.segment
+    wrong = faults(design)
+    if needs := missing_for_effect(design.drive, curve.minimise):
+        wrong.append(Fault(f"motion.segments[{index}].minimise", curve.minimise, f"needs {needs}", "another aim"))
+    if wrong:
+        raise DesignError(wrong)
+    effect = _MachineEffect(design, index, curve.minimise)
     return local_law(optimal_task(curve, segment, whole_turn), effect)
 
 

@@ -31,6 +31,7 @@ from core.design import (
     get,
     require_motion,
 )
+from core.design.motions import needs_machine
 from core.laws import find_law, peaks
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
@@ -110,7 +111,7 @@ class LimitField(EndField):
 
     def _show_refusals(self) -> None:
         super()._show_refusals()
-        if self._misfit and not self._refusals and not self.is_obsolete:
+        if ".limits." in self.spec.path and self._misfit and not self._refusals and not self.is_obsolete:
             from kindyna_gui.motion.optimal_form import refusal_of_limit  # imported here to save start-up time
 
             self.message.show_refusal(*refusal_of_limit(self.session, self.session.typed, self.spec.path))
@@ -153,6 +154,7 @@ class SegmentCurveForm(QWidget):
         self._shown: tuple[int, type | str, tuple[str, ...]] = (-1, "", ())
         self.fields: dict[str, Field] = {}
         self.points: ListsTable | None = None
+        self._note: QLabel | None = None
         self._form_area = ContentArea(session, player)
         self._column = fill(QVBoxLayout(self), self._form_area, margins=(10, 3, 6, 0), spacing=2)
         self.update_style()
@@ -173,10 +175,12 @@ class SegmentCurveForm(QWidget):
             field.refresh(design)
         if self.points is not None:
             self.points.show_segment(design, index)
+        if self._note is not None:
+            self._note.setVisible(needs_machine(motion.segments[index].curve))
 
     def _build(self, design: Design, index: int, kind: type | None) -> None:
         self._paper = QWidget()
-        self.fields, self.points = {}, None
+        self.fields, self.points, self._note = {}, None, None
         if kind is None:
             self._add_sentence(f"{law_label(require_motion(design).segments[index].curve.law)}: no further settings")
         else:
@@ -232,7 +236,9 @@ class SegmentCurveForm(QWidget):
         from kindyna_gui.motion.optimal_form import add_rows, scrolled_grid  # imported here to save start-up time
 
         settings = QWidget()
-        add_rows(design, index, scrolled_grid(settings), lambda spec: self._register(LimitField(self._session, spec)))
+        self._note = add_rows(
+            design, index, scrolled_grid(settings), lambda spec: self._register(LimitField(self._session, spec))
+        )
         self.points = ListsTable(self._session, self._player, OPTIMAL_LISTS, settings)
         fill(QVBoxLayout(self._paper), self.points, margins=0)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from core.design import Design, entries, get, require_motion
 from core.design.curves import least_limit
@@ -16,8 +16,11 @@ from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.number_box import row_height
 from kindyna_gui.forms.refusal import NO_REMEDIES, Remedies
 from kindyna_gui.labels import segment_of
+from kindyna_gui.look import coloured
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
 
+LOCAL = "Local: best of searches from five laws"
 LEFT, RIGHT = 0, 3  # columns of a grid at which the two halves begin
 ROWS: tuple[tuple[str, int, int], ...] = (
     ("minimise", 0, LEFT), ("start", 1, LEFT), ("end", 2, LEFT), ("intervals", 3, LEFT),
@@ -57,8 +60,8 @@ def scrolled_grid(paper: QWidget) -> QGridLayout:
     return fill(QGridLayout(inner), margins=(0, 0, 4, 0), spacing=(6, 2))
 
 
-def add_rows(design: Design, index: int, grid: QGridLayout, register: Callable[[FieldSpec], Field]) -> None:
-    """Add the rows of an optimal law to a grid."""
+def add_rows(design: Design, index: int, grid: QGridLayout, register: Callable[[FieldSpec], Field]) -> QLabel:
+    """Add the rows of an optimal law to a grid; returns the note of a law that is optimal in its machine."""
     path = f"motion.segments[{index}]"
     specs = {entry.path: entry for entry in entries(design, "motion") if segment_of(entry.path) == index}
     for key, row, column in ROWS:
@@ -72,3 +75,6 @@ def add_rows(design: Design, index: int, grid: QGridLayout, register: Callable[[
         grid.setRowMinimumHeight(row, row_height(field.editor))
     for column in (LEFT + 1, RIGHT + 1):
         grid.setColumnStretch(column, 1)
+    note = coloured(QLabel(LOCAL), SCREEN.quiet)
+    grid.addWidget(note, 3, RIGHT, 1, 2)
+    return note

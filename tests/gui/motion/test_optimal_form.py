@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractItemView
+from PySide6.QtWidgets import QAbstractItemView, QLabel
 from window_user import Open, User, settle, wait_for
 
 from core.design import CurveBound, CurveLimits, OptimalCurve, edited, require_motion
@@ -174,3 +174,28 @@ def test_its_parameters_have_names(user: User) -> None:
         ("intervals", "intervals"),
     ):
         assert name_of(design, f"{PATH}.{key}") == f"Segment 2, {name}"
+
+
+def test_a_law_of_least_torque_is_chosen_and_marked_local(user: User) -> None:
+    def note() -> bool:
+        return any(
+            label.isVisible()
+            for label in user.motion().curve.findChildren(QLabel)
+            if label.text().startswith("Local: ")
+        )
+
+    assert not note()
+    before = np.abs(user.session.study.dynamics.torque[175:382]).max()
+    box = user.field(f"{PATH}.minimise").editor
+    assert isinstance(box, WordBox)
+    box.setCurrentIndex(box.findData("torque"))
+    box.activated.emit(box.currentIndex())
+    settle()
+    assert curve(user).minimise == "torque"
+    assert np.abs(user.session.study.dynamics.torque[175:382]).max() < before
+    assert note()
+    box.setCurrentIndex(box.findData("motor_rms"))
+    box.activated.emit(box.currentIndex())
+    settle()
+    assert user.design.drive.motion.segments[1].curve.minimise == "torque", "there is no servo"
+    assert "Needs [servo]" in user.field(f"{PATH}.minimise").trouble
