@@ -1,8 +1,9 @@
 """Flanks of a cam in space: contact with a cylindrical or conical roller, normal, curvature and sliding, for every kind.
 
-The relative velocity of a point on the roller's axis against the cam is w, by cam angle. At the point where a normal of the roller meets
-its axis the normal is perpendicular to w: n = cos τ e + sin τ a, with a the axis, e ⟂ a and n · w = 0. The contact is at r e from
-the axis. Derivatives are in closed form.
+A frame moves with the roller: a along its axis, t in the direction of its motion, s = a × t. Against the cam the frame has the
+velocity V of its origin on the axis and the angular velocity Ω, by cam angle. A point of the axis at u has the velocity w = V + Ω × u a.
+The contact is at r e from the axis, e = t cos β + s sin β, with the normal n = cos τ e + sin τ a. It meets the axis at u - r tan τ,
+where n · w = 0. All derivatives are in closed form.
 
 Sources: Litvin and Fuentes, *Gear Geometry and Applied Theory*, equation of meshing n · v = 0; Gonzalez-Palacios and Angeles, *Cam
 Synthesis*, indexing cams.
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.frozen import frozen
-from core.numerics.lazy import Lazy
+from core.numerics.lazy import lazy
 from core.spatial.kinds import Machine, RollerAxis, roller_axis
 
 AHEAD, BEHIND = "ahead", "behind"
@@ -50,9 +51,7 @@ def crossed(v: np.ndarray, w: np.ndarray) -> np.ndarray:
     -------
     ndarray (3, ...) [product of both units]
     """
-    return np.stack(
-        (v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0])
-    )  # three times as fast as np.cross
+    return np.stack((v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]))
 
 
 def turned(v: np.ndarray, angle: np.ndarray) -> np.ndarray:
@@ -96,74 +95,138 @@ class MotionRows(NamedTuple):
         return self._replace(y=self.y + offset)
 
 
+class RelativeMotion(NamedTuple):
+    """Motion of the roller's frame against the cam, by cam angle, as components along a, t and s.
+
+    Attributes
+    ----------
+    velocity, velocity_1 : ndarray (3, n) [m/rad]
+        Velocity V of the frame's origin, and the derivative of its components.
+    turning, turning_1 : ndarray (3, n), dimensionless
+        Angular velocity Ω, and the derivative of its components.
+    """
+
+    velocity: np.ndarray
+    velocity_1: np.ndarray
+    turning: np.ndarray
+    turning_1: np.ndarray
+
+
+def relative_motion(line: RollerAxis, motion: MotionRows, sense: float) -> RelativeMotion:
+    """Motion of the roller's frame against the cam: V = c' - d ẑ × c, Ω = y' σ - d ẑ, with the carrier's turn σ.
+
+    Parameters
+    ----------
+    line : RollerAxis
+    motion : MotionRows
+    sense : float
+        Sense of rotation d, ±1.
+
+    Returns
+    -------
+    RelativeMotion
+    """
+    y_1, y_2 = motion.y_1, motion.y_2
+    s = crossed(line.a, line.t)
+    swept, swept_1 = (np.stack((-v[1], v[0], np.zeros_like(v[2]))) for v in (line.c, line.c_y * y_1))
+    velocity, velocity_1 = line.c_y * y_1 - sense * swept, line.c_yy * y_1**2 + line.c_y * y_2 - sense * swept_1
+    turning = line.turn * y_1 - sense * np.array([[0.0], [0.0], [1.0]])
+    basis = (line.a, line.t, s)
+    basis_1 = [crossed(line.turn * y_1, b) for b in basis]
+
+    def components(vector: np.ndarray, vector_1: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        rates = (dots(vector_1, b) + dots(vector, b_1) for b, b_1 in zip(basis, basis_1, strict=True))
+        return np.stack([dots(vector, b) for b in basis]), np.stack(list(rates))
+
+    return RelativeMotion(*components(velocity, velocity_1), *components(turning, line.turn * y_2))
+
+
 @frozen(eq=False)
 class SpatialFlank:
     """One flank under one roller at n cam angles and at distances u along the roller, which broadcast to (m, n).
 
-    Vectors are in the global frame; derivatives by cam angle are those seen from the cam. ``turned(v, -sense θ)`` gives them in
-    the cam's frame.
+    Vectors are in the global frame; ``in_cam`` gives them in the frame of the cam. Tangents of the roller at the contact are
+    g along its surface outwards and f around it; the line of contact has the direction g + h f.
 
     Attributes
     ----------
     side : str
         ``ahead`` or ``behind``.
-    sense : float
-        Sense of rotation of the cam, +1 counter-clockwise about +z.
+    sense, taper : float
+        Sense of rotation of the cam, +1 counter-clockwise about +z; half angle of the roller's cone [rad].
     theta : ndarray (n,) [rad]
         Cam angles.
-    u : ndarray (m, n) [m]
-        Distances along the roller's axis.
-    radius : ndarray (m, n) [m]
-        Radius of the flank about the axis there, with the play of a groove.
-    axis : ndarray (3, m, n) [m]
-        Points of the roller's axis.
-    along : ndarray (3, m, n), dimensionless
-        Direction of the axis.
-    moving : ndarray (3, m, n) [1 or m]
-        Derivative of the axis point by the motion.
-    point : ndarray (3, m, n) [m]
-        Points of contact.
-    normal : ndarray (3, m, n), dimensionless
-        Unit normals, from the roller into the cam.
-    by_theta, by_u : ndarray (3, m, n) [m/rad], dimensionless
-        Derivatives of the point by cam angle and by u.
-    normal_by_theta, normal_by_u : ndarray (3, m, n) [1/rad], [1/m]
-        Derivatives of the normal.
-    pressure_angle : ndarray (m, n) [rad]
-        Acute angle between the normal and the direction in which the roller moves.
-    gain : ndarray (m, n) [1 or m]
-        |∂p/∂y · n|: work of one newton of contact per unit of the motion.
-    margin : ndarray (m, n), dimensionless
-        (∂θ × ∂u) · n over that of the roller's axis: 1 for a thin roller, 0 where the flank has an edge, negative where undercut.
-    stretch, turning : ndarray (m, n) [m/rad], [1/rad]
-        Derivatives ∂p · T and ∂n · T by cam angle, with T the unit tangent across the line of contact.
-    curvature : ndarray (m, n) [1/m]
-        Normal curvature κ = -(∂n/∂T · T) across the line of contact, positive where the cam is convex.
+    line, relative : axis of the roller, and its motion against the cam
+    u, radius : ndarray (m, n) or (m, 1) [m]
+        Distances along the roller's axis, and radius of the flank about it, with the play of a groove.
+    e_t, e_s : ndarray (m, n), dimensionless
+        Components of the direction e from the axis to the contact.
+    w_f : ndarray (m, n) [m/rad]
+        Velocity w · f where the normal meets the axis.
+    beta_1, beta_u : ndarray (m, n) [dimensionless], [1/m]
+        Derivatives of the angle β of the contact around the roller, by cam angle and by u.
     """
 
     side: str
     sense: float
+    taper: float
     theta: np.ndarray
+    line: RollerAxis
+    relative: RelativeMotion
     u: np.ndarray
     radius: np.ndarray
-    axis: np.ndarray
-    along: np.ndarray
-    moving: np.ndarray
-    point: np.ndarray
-    normal: np.ndarray
-    by_theta: np.ndarray
-    by_u: np.ndarray
-    normal_by_theta: np.ndarray
-    normal_by_u: np.ndarray
-    thin_area: np.ndarray
-    carrier_velocity: np.ndarray
-    pressure_angle: Lazy[np.ndarray] = Lazy(lambda flank: _pressure_angle(flank))
-    gain: Lazy[np.ndarray] = Lazy(lambda flank: np.abs(dots(flank.moving, flank.normal)))
-    margin: Lazy[np.ndarray] = Lazy(
-        lambda flank: dots(crossed(flank.by_theta, flank.by_u), flank.normal) / flank.thin_area
-    )
-    rates: Lazy[tuple[np.ndarray, np.ndarray]] = Lazy(lambda flank: _tangent_rates(flank))
-    curvature: Lazy[np.ndarray] = Lazy(lambda flank: _curvature(flank))
+    e_t: np.ndarray
+    e_s: np.ndarray
+    w_f: np.ndarray
+    beta_1: np.ndarray
+    beta_u: np.ndarray
+
+    # -- scalars ------------------------------------------------------------------------------------------
+
+    @lazy
+    def pressure_angle(self) -> np.ndarray:
+        """Acute angle ψ (m, n) [rad] between the normal and the direction of the motion, tan ψ = |n × v|/|n · v|."""
+        if not self.taper:
+            return np.arctan2(np.abs(self.e_s), np.abs(self.e_t))
+        cos, sin = np.cos(self.taper), np.sin(self.taper)
+        return np.arctan2(np.sqrt(sin * sin + (cos * self.e_s) ** 2), np.abs(cos * self.e_t))
+
+    @lazy
+    def gain(self) -> np.ndarray:
+        """|∂p/∂y · n| (m, n) [1 or m]: work of one newton of contact per unit of the motion."""
+        return np.abs(np.cos(self.taper) * self.e_t * (self.line.reach + self.u * self.line.reach_u))
+
+    @lazy
+    def slip(self) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity of the contact against the cam, of a roller that does not turn, along g and f (m, n) [m/rad]."""
+        (v_a, v_t, v_s), (o_a, o_t, o_s) = self.relative.velocity, self.relative.turning
+        e_t, e_s, u, r = self.e_t, self.e_s, self.u, self.radius
+        turn_f = e_t * o_s - e_s * o_t
+        around = e_t * (v_s - u * o_t) - e_s * (v_t + u * o_s) + r * o_a
+        if not self.taper:
+            return v_a - r * turn_f, around
+        cos, sin = np.cos(self.taper), np.sin(self.taper)
+        return cos * v_a - sin * (e_t * v_t + e_s * v_s) - (u * sin + r * cos) * turn_f, around
+
+    @lazy
+    def rates(self) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives ∂p/∂θ · T [m/rad] and ∂n/∂θ · T [1/rad] (m, n) along T, the unit tangent across the line of contact."""
+        o_a, o_t, o_s = self.relative.turning
+        cos, sin = float(np.cos(self.taper)), float(np.sin(self.taper))
+        along, around = self.slip
+        around = around + self.radius * self.beta_1
+        h, size = self.skew
+        turn_f = self.e_t * o_s - self.e_s * o_t
+        turn_g = cos * o_a - sin * (self.e_t * o_t + self.e_s * o_s) if sin else o_a
+        share = cos * (along + h * around) / (size * size)
+        turning = cos * self.beta_1 + turn_g + h * turn_f - share * cos * self.beta_u
+        return (around - h * along) / size, turning / size
+
+    @lazy
+    def skew(self) -> tuple[np.ndarray, np.ndarray]:
+        """Slope h = r cos τ ∂β/∂u of the line of contact around the roller, and √(1 + h²) (m, n)."""
+        h = self.radius * np.cos(self.taper) * self.beta_u
+        return h, np.sqrt(1.0 + h * h)
 
     @property
     def stretch(self) -> np.ndarray:
@@ -172,8 +235,88 @@ class SpatialFlank:
 
     @property
     def turning(self) -> np.ndarray:
-        """∂n/∂θ · T along T (m, n) [1/rad]."""
+        """∂n/∂θ · T (m, n) [1/rad]."""
         return self.rates[1]
+
+    @lazy
+    def curvature(self) -> np.ndarray:
+        """Normal curvature κ = -(∂n/∂T · T) across the line of contact (m, n) [1/m], positive where the cam is convex."""
+        with np.errstate(divide="ignore", invalid="ignore"):  # infinite at an edge
+            return np.asarray(-self.turning / self.stretch)
+
+    @lazy
+    def margin(self) -> np.ndarray:
+        """Area |∂θ × ∂u| over that of a thin roller (m, n): 0 where the flank has an edge, negative where it is undercut."""
+        return np.asarray(self.stretch * self.skew[1] / (np.cos(self.taper) * self.w_f))
+
+    # -- vectors ------------------------------------------------------------------------------------------
+
+    def vector(self, along_a: np.ndarray, along_t: np.ndarray, along_s: np.ndarray) -> np.ndarray:
+        """Vector of these components.
+
+        Parameters
+        ----------
+        along_a, along_t, along_s : ndarray (m, n) [any unit]
+            Components in the roller's frame.
+
+        Returns
+        -------
+        ndarray (3, m, n) [any unit]
+        """
+        a, t = self.line.a[:, None], self.line.t[:, None]
+        return np.asarray(along_a * a + along_t * t + along_s * crossed(a, t))
+
+    @lazy
+    def axis(self) -> np.ndarray:
+        """Points of the roller's axis (3, m, n) [m]."""
+        return np.asarray(self.line.c[:, None] + self.u * self.line.a[:, None])
+
+    @lazy
+    def point(self) -> np.ndarray:
+        """Points of contact (3, m, n) [m]."""
+        return self.line.c[:, None] + self.vector(self.u, self.radius * self.e_t, self.radius * self.e_s)
+
+    @lazy
+    def normal(self) -> np.ndarray:
+        """Unit normals (3, m, n) from the roller into the cam."""
+        cos, sin = np.cos(self.taper), np.sin(self.taper)
+        return self.vector(sin + 0.0 * self.e_t, cos * self.e_t, cos * self.e_s)
+
+    @lazy
+    def moving(self) -> np.ndarray:
+        """Derivative of the axis point by the motion (3, m, n) [1 or m]."""
+        return np.asarray((self.line.reach + self.u * self.line.reach_u) * self.line.t[:, None] + 0.0 * self.e_t)
+
+    def _tangent(self, along_g: np.ndarray, along_f: np.ndarray) -> np.ndarray:
+        cos, sin = np.cos(self.taper), np.sin(self.taper)
+        e_part = -sin * along_g
+        return self.vector(
+            cos * along_g, e_part * self.e_t - along_f * self.e_s, e_part * self.e_s + along_f * self.e_t
+        )
+
+    @lazy
+    def by_theta(self) -> np.ndarray:
+        """Derivative of the point by cam angle, as seen from the cam (3, m, n) [m/rad]."""
+        along, around = self.slip
+        return self._tangent(along, around + self.radius * self.beta_1)
+
+    @lazy
+    def by_u(self) -> np.ndarray:
+        """Derivative of the point by u (3, m, n)."""
+        return self._tangent(1.0 / np.cos(self.taper) + 0.0 * self.e_t, self.radius * self.beta_u)
+
+    @lazy
+    def normal_by_theta(self) -> np.ndarray:
+        """Derivative of the normal by cam angle, as seen from the cam (3, m, n) [1/rad]."""
+        (o_a, o_t, o_s), cos, sin = self.relative.turning, np.cos(self.taper), np.sin(self.taper)
+        turn_f = self.e_t * o_s - self.e_s * o_t
+        turn_g = cos * o_a - sin * (self.e_t * o_t + self.e_s * o_s)
+        return self._tangent(-turn_f, cos * self.beta_1 + turn_g)
+
+    @lazy
+    def normal_by_u(self) -> np.ndarray:
+        """Derivative of the normal by u (3, m, n) [1/m]."""
+        return self._tangent(0.0 * self.e_t, np.cos(self.taper) * self.beta_u)
 
     def in_cam(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors in the frame of the cam.
@@ -189,8 +332,14 @@ class SpatialFlank:
         """
         return turned(vectors, -self.sense * self.theta)
 
+    @lazy
+    def cam_point(self) -> np.ndarray:
+        """Points of contact in the frame of the cam (3, m, n) [m]."""
+        c, a, t, s = (turned(v, -self.sense * self.theta) for v in (*self.line[:3], crossed(*self.line[1:3])))
+        across_t, across_s = self.radius * self.e_t, self.radius * self.e_s
+        return np.stack([c[i] + self.u * a[i] + across_t * t[i] + across_s * s[i] for i in range(3)])
 
-@np.errstate(invalid="ignore", divide="ignore")
+
 def flank(machine: Machine, motion: MotionRows, u: np.ndarray, sense: float, side: str) -> SpatialFlank:
     """Flank of a cam in space under one roller, with all derivatives in closed form: n = cos τ e + sin τ a, tan ψ = |n × v|/|n · v|.
 
@@ -211,99 +360,30 @@ def flank(machine: Machine, motion: MotionRows, u: np.ndarray, sense: float, sid
     SpatialFlank
         NaN where the roller has no line of contact.
     """
-    line, y_1, y_2 = roller_axis(machine, motion.y), motion.y_1, motion.y_2
+    line = roller_axis(machine, motion.y)
+    relative, tan = relative_motion(line, motion, sense), float(np.tan(machine.taper))
     u = np.atleast_2d(np.asarray(u, dtype=float))
-    a, tan, cos, sin = line.a[:, None], *(float(f(machine.taper)) for f in (np.tan, np.cos, np.sin))
-    radius = machine.roller_radius(u) + (machine.play if side == BEHIND else 0.0) + np.zeros_like(motion.y)
-    # relative velocity w where the normal meets the axis, at u - r tan τ, with its derivatives
+    radius = machine.roller_radius(u) + (machine.play if side == BEHIND else 0.0)
     foot = u - radius * tan
-    q, q_y, q_yy = (_on_axis(c, d, foot) for c, d in ((line.c, line.a), (line.c_y, line.a_y), (line.c_yy, line.a_yy)))
-    a_1 = (line.a_y * y_1)[:, None]
-    w = q_y * y_1 - sense * _swept(q)
-    w_1 = q_yy * y_1**2 + q_y * y_2 - sense * _swept(q_y * y_1)
-    w_u = (a_1 - sense * _swept(a)) * (1.0 + tan * tan)
-    e, e_1, e_u, thin = _direction(
-        a, a_1, (w, w_1, w_u), tan, _ahead_sign(line, q, sense) * (1.0 if side == AHEAD else -1.0)
-    )
-    axis, moving = _on_axis(line.c, line.a, u), _on_axis(line.c_y, line.a_y, u)
-    point, velocity = axis + radius * e, moving * y_1
+    (v_a, v_t, v_s), (_, o_t, o_s) = relative.velocity, relative.turning
+    (a_1, t_1, s_1), (_, o_t_1, o_s_1) = relative.velocity_1, relative.turning_1
+    w_t, w_s = v_t + foot * o_s, v_s - foot * o_t
+    # across w, towards +t on the flank ahead
+    way = np.where(w_s >= 0.0, 1.0, -1.0) * (1.0 if side == AHEAD else -1.0)
+    scale = way / np.sqrt(w_t * w_t + w_s * w_s)
+    e_t, e_s = w_s * scale, -w_t * scale
+    if tan:
+        share = -tan * v_a * np.abs(scale)  # e · w/|w|
+        with np.errstate(invalid="ignore"):
+            rest = np.sqrt(1.0 - share * share)
+        e_t, e_s = rest * e_t - way * share * e_s, rest * e_s + way * share * e_t
+    w_f = e_t * w_s - e_s * w_t
+    rate = e_t * (t_1 + foot * o_s_1) + e_s * (s_1 - foot * o_t_1)
+    beta_1 = -(rate + tan * a_1) / w_f if tan else -rate / w_f
+    beta_u = -(1.0 + tan * tan) * (e_t * o_s - e_s * o_t) / w_f
     return SpatialFlank(
-        side, sense, motion.theta, u + np.zeros_like(motion.y), radius, axis, np.broadcast_to(a, axis.shape), moving, point,
-        normal=cos * e + sin * a,
-        by_theta=velocity + radius * e_1 - sense * _swept(point),
-        by_u=a - tan * e + radius * e_u,
-        normal_by_theta=cos * e_1 + sin * a_1 - sense * _swept(cos * e + sin * a),
-        normal_by_u=cos * e_u,
-        thin_area=thin,
-        carrier_velocity=velocity + crossed(line.turn[:, None], radius * e) * y_1 - sense * _swept(point),
-    )  # fmt: skip
-
-
-def _on_axis(c: np.ndarray, a: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """C + u a (3, m, n) [unit of c]."""
-    return np.asarray(c[:, None] + u * a[:, None])
-
-
-def _swept(v: np.ndarray) -> np.ndarray:
-    """Vector product ẑ × v (3, ...)."""
-    return np.stack((-v[1], v[0], np.zeros_like(v[2])))
-
-
-def _ahead_sign(line: RollerAxis, q: np.ndarray, sense: float) -> np.ndarray:
-    """Sign s (m, n) with which s (a × w) points in the direction of the growing motion; y′ has no part in it."""
-    a, moving = line.a[:, None], np.broadcast_to(line.c_y[:, None], q.shape) + 0.0
-    if line.a_y.any():
-        moving = line.a_y[:, None] + 0.0 * q  # c_y = 0: the point moves along a_y, in proportion to its distance
-    return np.where(dots(crossed(a, -sense * _swept(q)), moving) >= 0.0, 1.0, -1.0)
-
-
-def _direction(
-    a: np.ndarray, a_1: np.ndarray, velocities: tuple[np.ndarray, np.ndarray, np.ndarray], tan: float, sign: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Direction e ⟂ a of the contact from the axis, with e · w = -tan τ a · w, its derivatives by θ and u, and (w × a) · e.
-
-    ``velocities``: w with its derivatives by θ and u.
-    """
-    w, w_1, w_u = velocities
-    b = crossed(a, w)
-    size = np.sqrt(dots(b, b))
-    b = b / size
-    if not tan:
-        e = sign * b
-        side = crossed(a, e)  # along -w across the axis
-        share = 0.0
-    else:
-        across = crossed(b, a)  # unit vector of w across the axis
-        share = -tan * dots(a, w) / size
-        e = share * across + sign * np.sqrt(1.0 - share * share) * b
-        side = crossed(a, e)
-    w_side, w_a = dots(w, side), dots(w, a)
-    # derivatives from e · e = 1, e · a = 0, e · w + tan τ a · w = 0
-    turning = dots(e, a_1)
-    e_1 = -turning * a + (turning * w_a - dots(e, w_1) - tan * (dots(a_1, w) + dots(a, w_1))) / w_side * side
-    e_u = -(dots(e, w_u) + tan * dots(a, w_u)) / w_side * side
-    return e, e_1, e_u, dots(crossed(w, a), e)
-
-
-def _pressure_angle(flank: SpatialFlank) -> np.ndarray:
-    across = crossed(flank.normal, flank.moving)
-    return np.arctan2(np.sqrt(dots(across, across)), np.abs(dots(flank.normal, flank.moving)))
-
-
-def _tangent_rates(flank: SpatialFlank) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives ∂p · T and ∂n · T by cam angle along the tangent T across the line of contact ∂u."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        across = crossed(flank.normal, flank.by_u)
-        across = across / np.sqrt(dots(across, across))
-        skew = dots(flank.by_theta, flank.by_u) / dots(flank.by_u, flank.by_u)
-        turning = flank.normal_by_theta - skew * flank.normal_by_u
-        return dots(flank.by_theta, across), dots(turning, across)
-
-
-def _curvature(flank: SpatialFlank) -> np.ndarray:
-    """κ = -(∂n/∂T · T), with T the unit tangent across the line of contact."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # infinite at an edge
-        return np.asarray(-flank.turning / flank.stretch)
+        side, sense, machine.taper, motion.theta, line, relative, u, np.asarray(radius), e_t, e_s, w_f, beta_1, beta_u
+    )
 
 
 def sliding(flank: SpatialFlank, rolling: SpatialFlank) -> np.ndarray:
@@ -334,15 +414,55 @@ def sliding_parts(flank: SpatialFlank, rolling: SpatialFlank) -> tuple[np.ndarra
     Returns
     -------
     along, around : ndarray (m, n) [m/rad]
-        Along the line on the roller's surface towards its outer end, and around the roller.
+        Along the roller's surface towards its outer end, and around it.
     """
-    around = _around(flank)
-    spin = -dots(rolling.carrier_velocity, _around(rolling)) / rolling.radius
-    return dots(flank.carrier_velocity, crossed(around, flank.normal)), dots(
-        flank.carrier_velocity, around
-    ) + spin * flank.radius
+    along, around = flank.slip
+    return along, around - rolling.slip[1] / rolling.radius * flank.radius
 
 
-def _around(flank: SpatialFlank) -> np.ndarray:
-    """Direction a × e (3, m, n), in which the surface of a turning roller moves."""
-    return crossed(flank.along, (flank.point - flank.axis) / flank.radius)
+# -- proofs -----------------------------------------------------------------------------------------------------
+
+
+def meshing(flank: SpatialFlank) -> np.ndarray:
+    """Residual of the equation of meshing, |n · w|/|w| where the normal meets the roller's axis.
+
+    Parameters
+    ----------
+    flank : SpatialFlank
+
+    Returns
+    -------
+    ndarray (m, n), dimensionless
+    """
+    foot = (flank.u - flank.radius * np.tan(flank.taper)) * flank.line.a[:, None]
+    velocity, turning = (
+        flank.vector(*(row[None] for row in rows)) for rows in (flank.relative.velocity, flank.relative.turning)
+    )
+    w = velocity + crossed(turning, foot)
+    return np.abs(dots(flank.normal, w)) / np.sqrt(dots(w, w))
+
+
+def intrusion(machine: Machine, flank: SpatialFlank, step: int) -> np.ndarray:
+    """Depth of points of a flank inside of the roller at all other cam angles, relative to its radius; 0 outside.
+
+    Parameters
+    ----------
+    machine : Machine
+    flank : SpatialFlank
+        At one distance u along the roller (1, n).
+    step : int
+        Every how many cam angles a point is compared.
+
+    Returns
+    -------
+    ndarray (k,), dimensionless
+        Greatest depth of each of the k points.
+    """
+    points = flank.cam_point[:, 0, ::step]
+    c, a = (turned(v, -flank.sense * flank.theta) for v in flank.line[:2])
+    away = points[:, :, None] - c[:, None]
+    along = dots(away, a[:, None])
+    radius = machine.roller_radius(along) + (machine.play if flank.side == BEHIND else 0.0)
+    depth = radius - np.sqrt(np.maximum(dots(away, away) - along * along, 0.0))
+    inside = (along >= machine.inner) & (along <= machine.outer)
+    return np.asarray(np.where(inside, depth, 0.0).max(axis=1).clip(0.0) / machine.radius)

@@ -109,21 +109,24 @@ class RollerAxis(NamedTuple):
 
     Attributes
     ----------
-    c, a : ndarray (3, n) [m], dimensionless
-        Point at u = 0, and unit direction.
-    c_y, a_y, c_yy, a_yy : ndarray (3, n) [1 or m], by y
-        First and second derivatives.
+    c, a, t : ndarray (3, n) [m], dimensionless
+        Point at u = 0, unit direction of the axis, and unit direction ∂p/∂y/|∂p/∂y| in which it moves, at right angles to a.
+    c_y, c_yy : ndarray (3, n) [1 or m], by y
+        Derivatives of c.
     turn : ndarray (3, 1), dimensionless
         Angular velocity of the roller's carrier per unit of y; 0 where it slides.
+    reach, reach_u : float [1 or m], dimensionless
+        |∂p/∂y| = reach + u reach_u.
     """
 
     c: np.ndarray
     a: np.ndarray
+    t: np.ndarray
     c_y: np.ndarray
-    a_y: np.ndarray
     c_yy: np.ndarray
-    a_yy: np.ndarray
     turn: np.ndarray
+    reach: float
+    reach_u: float
 
 
 def _rows(x: np.ndarray | float, y: np.ndarray | float, z: np.ndarray | float) -> np.ndarray:
@@ -143,17 +146,12 @@ def sliding_axis(machine: Machine, y: np.ndarray) -> RollerAxis:
     -------
     RollerAxis
     """
-    zero, one = np.zeros_like(y), np.ones_like(y)
-    nothing = _rows(zero, zero, zero)
+    zero = np.zeros_like(y)
+    along = _rows(zero, zero, zero + 1.0)
     return RollerAxis(
-        _rows(zero, zero, y),
-        _rows(one, zero, zero),
-        _rows(zero, zero, one),
-        nothing,
-        nothing,
-        nothing,
-        np.zeros((3, 1)),
-    )
+        c=_rows(zero, zero, y), a=_rows(zero + 1.0, zero, zero), t=along, c_y=along, c_yy=_rows(zero, zero, zero),
+        turn=np.zeros((3, 1)), reach=1.0, reach_u=0.0,
+    )  # fmt: skip
 
 
 def parallel_axis(machine: Machine, y: np.ndarray) -> RollerAxis:
@@ -169,18 +167,12 @@ def parallel_axis(machine: Machine, y: np.ndarray) -> RollerAxis:
     -------
     RollerAxis
     """
-    arm, cos, sin = machine.lever, np.cos(y), np.sin(y)
-    zero, one = np.zeros_like(y), np.ones_like(y)
-    nothing = _rows(zero, zero, zero)
+    arm, cos, sin, zero = machine.lever, np.cos(y), np.sin(y), np.zeros_like(y)
+    across = _rows(zero, -sin, cos)
     return RollerAxis(
-        _rows(zero, arm * (cos - 1.0), arm * sin),
-        _rows(one, zero, zero),
-        _rows(zero, -arm * sin, arm * cos),
-        nothing,
-        _rows(zero, -arm * cos, -arm * sin),
-        nothing,
-        np.array([[1.0], [0.0], [0.0]]),
-    )
+        c=_rows(zero, arm * (cos - 1.0), arm * sin), a=_rows(zero + 1.0, zero, zero), t=across, c_y=arm * across,
+        c_yy=-arm * _rows(zero, cos, sin), turn=np.array([[1.0], [0.0], [0.0]]), reach=arm, reach_u=0.0,
+    )  # fmt: skip
 
 
 def radial_axis(machine: Machine, y: np.ndarray) -> RollerAxis:
@@ -199,14 +191,9 @@ def radial_axis(machine: Machine, y: np.ndarray) -> RollerAxis:
     cos, sin, zero = np.cos(y), np.sin(y), np.zeros_like(y)
     nothing = _rows(zero, zero, zero)
     return RollerAxis(
-        _rows(machine.lever + zero, zero, zero),
-        _rows(-cos, zero, sin),
-        nothing,
-        _rows(sin, zero, cos),
-        nothing,
-        _rows(cos, zero, -sin),
-        np.array([[0.0], [1.0], [0.0]]),
-    )
+        c=_rows(machine.lever + zero, zero, zero), a=_rows(-cos, zero, sin), t=_rows(sin, zero, cos), c_y=nothing, c_yy=nothing,
+        turn=np.array([[0.0], [1.0], [0.0]]), reach=0.0, reach_u=1.0,
+    )  # fmt: skip
 
 
 class SpatialKind(NamedTuple):

@@ -29,6 +29,7 @@ from core.study.study import Study
 
 OPTIMUM_GAP = 1e-3  # bound of the gap between a law and the best one
 NO_OPTIMUM = 1e-9  # a least peak below it is 0: the law is straight
+_CONTACTS = 24  # points of a flank in space that are compared with the roller at all angles
 _POSITIONS = 120  # of the mechanism, at which Kennedy's theorem is checked
 _MAX_BOUND = 1e-6  # of unit vectors: a greater bound would accept lines that clearly miss each other
 
@@ -145,17 +146,16 @@ def _flank_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
 
 
 def _surface_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
-    """Both flanks of a cam in space at both ends of the roller: n · w = 0, and the normal is perpendicular to the surface."""
+    """Both flanks of a cam in space: n · w = 0 where the normal meets the roller's axis; no point is inside the turning roller."""
     from core import spatial  # imported here to save start-up time
 
     shape = study.surface
-    ends = np.array([[shape.machine.inner], [shape.machine.outer]])
     for side, motion in shape.tracks:
-        surface = spatial.flank(shape.machine, motion, ends, shape.sense, side)
-        for name, vector in (("meshing", surface.carrier_velocity), ("tangency", surface.by_theta)):
-            size = np.sqrt(spatial.dots(vector, vector) + spatial.dots(surface.point, surface.point))
-            residual = np.abs(spatial.dots(surface.normal, vector) / size).max(axis=0)
-            yield f"{name}_{side}", _worst(residual, np.full(residual.size, 64.0 * EPS))
+        surface = spatial.flank(shape.machine, motion, np.array([[shape.machine.middle]]), shape.sense, side)
+        yield f"meshing_{side}", _worst(spatial.meshing(surface)[0], np.full(motion.theta.size, 64.0 * EPS))
+        if not shape.machine.is_turret and shape.margin.min() > 0.0:
+            step = max(1, motion.theta.size // _CONTACTS)
+            yield f"tangency_{side}", _worst(spatial.intrusion(shape.machine, surface, step), 64.0 * EPS * np.ones(1))
 
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:

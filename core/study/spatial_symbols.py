@@ -22,7 +22,7 @@ SPATIAL_FORMULAS: tuple[Formula, ...] = (
             "rolling in the middle of the roller", f"{_CONTACT}.sliding", working="v_s = ω √(v_1² + v_2²)",
             values="ω v_1.space v_2.space", remark=_WORST),
     Formula("surface_curvature", "Curvature of the flank", ("κ = -(∂n/∂T · T)",), "κ.space n.space T.space", "normal curvature",
-            f"{_CONTACT}.SpatialFlank", working="κ = -k/t", values="k.space t.space",
+            f"{_CONTACT}.SpatialFlank.curvature", working="κ = -k/t", values="k.space t.space",
             remark=f"T: unit tangent across the line of contact; positive where the cam is convex; {_WORST}"),
     Formula(f"contact_force{SURFACE}", "Contact force", ("F_c = Q/|∂p/∂y · n|",), "F_c Q.space p.space y n.space", "Virtual power",
             "dynamics.forces.with_cam_in_space", working="F_c = Q/g", values="Q.space g.middle",

@@ -31,6 +31,7 @@ from core.mechanism.unfinished import mobility
 from core.motion.tables import lobe_to_segments
 from core.process import keep_freed_memory
 from core.project import load
+from core.spatial import flank
 from core.study import Study, certificate_of, findings_of
 from core.valves import LIFTS, valve_data, valve_timings
 
@@ -48,6 +49,7 @@ LOBE = "lobe: a new duration, by a law"
 VALVES = "valve: two drives, by their check"
 DRAGGED = "chain after a dragged duration, by a dragged join"
 OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
+FLANK = "flank of a barrel, 3,600 × 20 points with angle and curvature, by the profile of the lift"
 DURATIONS = count(1)  # solved lobes and laws are remembered
 DURATION = "motion.lobe.duration[1].crank_deg"
 JOIN = ("motion.segments[0].span_deg", "motion.segments[1].span_deg")  # of a dwell and the run-up
@@ -77,6 +79,7 @@ def keys() -> dict[str, Callable[[], float]]:
         VALVES: look_at_valves,
         DRAGGED: look_at_dragged_duration,
         OPTIMUM: look_at_optimum,
+        FLANK: look_at_flank,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
         **{
@@ -193,6 +196,23 @@ def look_at_optimum(seconds: float = SECONDS) -> float:
 
     ours = Fresh(lambda: partial(segment_shape, another(), False, "segment"))
     told = measure({"ours": ours, "rival": partial(np.sin, angles)}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_flank(seconds: float = SECONDS) -> float:
+    """Points of a flank of the barrel with pressure angle and curvature, by profile and pressure angle of the lift at 3,600 angles."""
+    kernel = next(kernel for kernel in kernels() if kernel.name == "profile")
+    there = kernel.given(kernel.grid(3600))
+    shape = Study(load(EXAMPLES / "barrel_feeder.toml"), 3600).surface
+    side, motion = shape.tracks[0]
+    along = np.linspace(shape.machine.inner, shape.machine.outer, 20)[:, None]
+
+    def ours() -> object:
+        surface = flank(shape.machine, motion, along, shape.sense, side)
+        return surface.cam_point, surface.pressure_angle, surface.curvature
+
+    rival = Fresh(lambda: partial(kernel.ours.cold, kernel.again(there), None))
+    told = measure({"ours": ours, "rival": rival}, seconds).seconds
     return told["ours"] / told["rival"]
 
 

@@ -202,3 +202,30 @@ def test_pressure_angle_of_a_globoidal_cam_in_closed_form():
     u = np.linspace(machine.inner, machine.outer, 7)[:, None]
     angle = flank(machine, rows, u, -1.0, AHEAD).pressure_angle
     assert angle == pytest.approx(np.arctan(u * np.abs(rows.y_1) / (machine.lever - u * np.cos(rows.y))), abs=1e-14)
+
+
+@pytest.mark.parametrize(("name", "side", "sense"), list(itertools.product(MACHINES, SIDES, (1.0, -1.0))))
+def test_derivatives_of_point_and_normal_are_those_of_differences(name, side, sense):
+    """Central differences of fourth order in the frame of the cam."""
+    machine, theta, u = (
+        replace(MACHINES[name], taper=0.12),
+        np.linspace(0.1, 6.0, 9),
+        np.array([[MACHINES[name].middle]]),
+    )
+    known, h = flank(machine, motion(name, theta), u, sense, side), 1e-3
+
+    def vectors(theta, u):
+        there = flank(machine, motion(name, theta), u, sense, side)
+        return np.array([there.cam_point, there.in_cam(there.normal)])
+
+    def difference(at):
+        return (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h)
+
+    by_theta, by_u = (
+        difference(lambda x: vectors(theta + x, u)),
+        difference(lambda x: vectors(theta, u + 1e-2 * x)) * 1e2,
+    )
+    for ours, theirs in zip(
+        (known.by_theta, known.normal_by_theta, known.by_u, known.normal_by_u), (*by_theta, *by_u), strict=True
+    ):
+        assert known.in_cam(ours) == pytest.approx(theirs, abs=1e-8)
