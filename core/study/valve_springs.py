@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from itertools import pairwise
 
 import numpy as np
@@ -109,7 +110,7 @@ def valve_spring_stress(study: Study) -> np.ndarray:
     """
     lift, springs = valve_lift(study), springs_of(study.design)
     stresses = [spring.stress_per_force * (spring.preload + spring.rate * lift) for spring in springs]
-    return np.asarray(np.max(stresses, axis=0))
+    return np.asarray(reduce(np.maximum, stresses))
 
 
 def surging_contact_force(study: Study) -> np.ndarray:

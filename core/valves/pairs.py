@@ -110,10 +110,13 @@ def _joins(timing: ValveTiming) -> list[float]:
 
 
 def valve_pairs(timings: Sequence[ValveTiming]) -> tuple[ValvePair, ...]:
-    """Every inlet valve (centre after TDC of overlap) with every exhaust valve (before it) of the same cylinder."""
+    """Every inlet valve (centre after TDC of overlap) with every exhaust valve (before it) of the same cylinder.
+
+    Valves belong to one cylinder where their TDCs of overlap agree; they recur after 720° of the crank.
+    """
     return tuple(
         ValvePair(inlet, exhaust)
         for inlet in timings
         for exhaust in timings
-        if inlet.centre > 0.0 > exhaust.centre and inlet.valve.cylinder_deg == exhaust.valve.cylinder_deg
+        if inlet.centre > 0.0 > exhaust.centre and inlet.cylinder == exhaust.cylinder
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core.design import Design, Valve, drive_names, nose_deg, only
-from core.design.engine import CRANK_PER_CAM
+from core.design.engine import CRANK_PER_CAM, within_cycle
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.motion import Angles, CompiledMotion, program
@@ -81,6 +81,11 @@ class ValveTiming:
     def centre(self) -> float:
         """Crank angle of the nose from TDC of overlap [deg]."""
         return self.valve.centre_deg
+
+    @property
+    def cylinder(self) -> float:
+        """Crank angle by which the cylinder's TDC of overlap comes later, -360 to 360 [deg]: equal of one cylinder."""
+        return float(within_cycle(self.valve.cylinder_deg))
 
     @lazy
     def nose(self) -> float:

@@ -97,7 +97,7 @@ class CrankChart(TimingChart):
         self.bands = tuple(
             self._band(names[i], self.curves[i]) if i in self.curves else NO_BAND for i in range(len(design.drives))
         )
-        cylinders = [curve.timing.valve.cylinder_deg for curve in self.curves.values()]
+        cylinders = [curve.timing.cylinder for curve in self.curves.values()]
         self.cylinders = tuple(dict.fromkeys(cylinders))
         texts = [text for i, curve in self.curves.items() for text in (self.bands[i].name, _lift_text(curve))]
         widest = max(map(QFontMetricsF(font(SMALL, bold=True)).horizontalAdvance, texts))
@@ -108,7 +108,7 @@ class CrankChart(TimingChart):
     @staticmethod
     def panel_count(design: Design) -> int:
         """Number of cylinders of a design with valves."""
-        return len({curve.timing.valve.cylinder_deg for curve in crank_curves(design)})
+        return len({curve.timing.cylinder for curve in crank_curves(design)})
 
     def _band(self, name: str, curve: CrankCurve) -> MotionBand:
         joins = (curve.centre, *(angle for _, angle, _ in curve.edges))
@@ -134,7 +134,7 @@ class CrankChart(TimingChart):
 
     def box(self, index: int) -> QRectF:
         """Box of the panel of a drive's cylinder."""
-        return self._panel(self.cylinders.index(self.curves[index].timing.valve.cylinder_deg))
+        return self._panel(self.cylinders.index(self.curves[index].timing.cylinder))
 
     def _panel(self, row: int) -> QRectF:
         return QRectF(self.left, TOP + row * self.band_height, self.right - self.left, self.band_height)
@@ -180,7 +180,7 @@ class CrankChart(TimingChart):
         """Drive and box of each name, in its panel from the top down."""
         names, height = [], 2.0 * sized(TEXT_HEIGHT) + 6.0
         for row, cylinder in enumerate(self.cylinders):
-            drives = [i for i, curve in self.curves.items() if curve.timing.valve.cylinder_deg == cylinder]
+            drives = [i for i, curve in self.curves.items() if curve.timing.cylinder == cylinder]
             panel = self._panel(row)
             names += [
                 (drive, QRectF(0.0, panel.top() + k * height, self.left - sized(LIFTS) - 6.0, height))
@@ -325,7 +325,7 @@ class CrankChart(TimingChart):
     def _paint_pair_texts(self, painter: QPainter, pair: ValvePair, top: float) -> None:
         """Write overlap, separation and advance below each other at TDC of overlap, where the lobes leave room at the top."""
         painter.setPen(QColor(self.theme.limit))
-        x = self.x(within_cycle(pair.inlet.valve.cylinder_deg))
+        x = self.x(pair.inlet.cylinder)
         *others, longest = pair_text(pair).split(", ")
         for row, text in enumerate((longest, *others)):
             width = self._metrics.horizontalAdvance(text) + 6.0

@@ -213,6 +213,18 @@ def test_springs_of_a_pushrod_train_act_on_its_valve() -> None:
     assert value(Study(slow), "valve_spring_force") == pytest.approx(313.9808468 + 29902.93779 * lift, abs=0.02)
 
 
+@pytest.mark.parametrize("field", ["valve_springs[0].installed_mm", "valve_springs[1].wire_mm"])
+def test_many_nested_springs_are_those_one_by_one(field: str) -> None:
+    """Stress of the spring that has the greatest, though one of them is the same in all designs."""
+    inner = SPRING.replace("3.8", "2.8").replace("24.0", "17.0").replace("51.5", "46.0")
+    nested, path = design(springs=SPRING + inner, lash=0.1), f"loads.{field}"
+    values = get(nested, path) * np.array([0.96, 1.0, 1.02])
+    result = many(nested, {path: values}, ["valve_spring_stress_mpa:max"]).value["valve_spring_stress_mpa:max"]
+    for number, stress in zip(values.tolist(), result.tolist(), strict=True):
+        study = Study(put(nested, path, number), samples=3600)
+        assert stress == pytest.approx(1e-6 * value(study, "valve_spring_stress").max(), rel=1e-6)
+
+
 def test_many_wires_are_those_one_by_one() -> None:
     wires = np.array([3.6, 3.8, 4.0])
     result = many(

@@ -180,6 +180,14 @@ def test_the_centre_is_the_phase_of_its_drive() -> None:
     assert varied == pytest.approx(shifted, rel=1e-9)
 
 
+def test_a_cylinder_recurs_after_a_cycle_of_the_crank() -> None:
+    """540° and -180° are the same cylinder, 180° is another one."""
+    for inlet, exhaust, is_pair in ((540.0, -180.0, True), (720.0, 0.0, True), (180.0, 540.0, False)):
+        design = put(machine(), "drives[0].valve.cylinder_deg", inlet)
+        pairs = card(put(design, "drives[1].valve.cylinder_deg", exhaust))["pairs"]
+        assert [pair["separation_deg"] for pair in pairs] == [108.0] * is_pair
+
+
 def test_segments_have_their_nose_where_they_are_highest() -> None:
     """A dwell at the top: its middle; a polynomial that turns inside: where it turns."""
     rows = '[[drives.motion.segments]]\nlaw = "{}"\nspan_deg = {}\nrise_mm = {}\n'
