@@ -103,6 +103,8 @@ class Solution:
         The machine with all that; None: `design`.
     assumed : dict
         Path -> assumed value on which the result depends.
+    binding : tuple of (str, float)
+        Limit that holds the result -> its change for 1 % of relief, the strongest first; of the top speed.
     judge : Judge or None
         Judgement of other values of the result.
     exact : dict
@@ -132,6 +134,7 @@ class Solution:
     applied: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
     complete: Design | None = None
     assumed: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
+    binding: tuple[tuple[str, float], ...] = ()
     judge: Judge | None = field(default=None, compare=False, repr=False)
     exact: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
     rounding: Mapping[str, float] = field(default_factory=lambda: _EMPTY)

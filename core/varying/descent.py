@@ -7,26 +7,27 @@ and the problem is solved again, until no peak of the solution exceeds t or a li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property, partial
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
 
-from core.design import Design, get
+from core.design import Design, get, only
 from core.errors import KindynaError
-from core.frozen import frozen
 from core.motion import Angles
 from core.numerics.lazy import checkpoint
 from core.study import many
-from core.study.batch import design_block, is_batchable
+from core.study.batch import design_block, is_batchable, paths_inside
 from core.study.highest import clenshaw_curtis_nodes
+from core.study.limits import SPEEDS
 from core.study.quantity_requests import QuantityRequest, quantity_request, request_columns
 from core.study.stages_of_many import DesignBlock
 from core.varying.in_step import Ask, in_step
 from core.varying.linear import LinearLimit, linear_limits
 from core.varying.request import Goal, StudyLimit, StudyOfMany, StudyQuantity
 from core.varying.space import Axis, constant_column
+from core.varying.terms import Arrival, Figures, Peaks, PeakSearch, Samples, Term, goal_sign, needs_forces
 from core.varying.tolerances import bounds_of
 
 # -- minimax by SLSQP -------------------------------------------------------------------------------------------
@@ -131,129 +132,6 @@ ProgressCallback = Callable[[Mapping[str, Any], float, int], None]
 """Called with the fields of an intermediate design, its goal, and the number of its start; an exception stops the search."""
 
 
-@frozen(eq=False)
-class Term:
-    """A figure with an upper bound, ``side`` times a quantity over the turn: a limit, or the goal, whose bound is t.
-
-    Attributes
-    ----------
-    row : StudyQuantity
-    request : QuantityRequest
-        Of a value with a ``line`` only its name.
-    side : float
-        +1 for an upper limit or a minimised goal, else -1.
-    bound : float or None
-        None for the goal.
-    peaks : tuple of float
-        Signs of the quantity whose peaks over the turn are all constrained; empty where a single value is.
-    radius : float [mm]
-        Roller radius r, for the curvature of a profile; else 0.
-    line : (float, ndarray (k,)) or None
-        Constant and slopes of a value that is linear in the coordinates; None for a figure.
-    """
-
-    row: StudyQuantity
-    request: QuantityRequest
-    side: float
-    bound: float | None
-    peaks: tuple[float, ...] = ()
-    radius: float = 0.0
-    line: tuple[float, np.ndarray] | None = None
-
-    def smoothed(self, value: Any) -> Any:
-        """A value in a form without poles: of a profile's curvature κ that of the pitch curve, κ/(1 + κ r), 1/r at a cusp."""
-        if not self.radius:
-            return value
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(np.isinf(value), 1.0 / self.radius, value / (1.0 + value * self.radius))
-
-    def on_line(self, u: np.ndarray) -> np.ndarray:
-        """``side`` times a linear value.
-
-        Parameters
-        ----------
-        u : ndarray (k, m), dimensionless
-            Coordinates of m designs.
-
-        Returns
-        -------
-        ndarray (m,) [unit of the value]
-        """
-        assert self.line is not None, "a linear value"
-        constant, slopes = self.line
-        return np.asarray(self.side * (constant + slopes @ u))
-
-    def original(self, value: Any) -> Any:
-        """The value of which ``smoothed`` returns this one."""
-        return value / (1.0 - value * self.radius) if value * self.radius < 1.0 else np.inf
-
-
-Peaks = dict[int, list[tuple[float, int, float]]]
-"""Number of a term with peaks -> its peaks: cam angle [rad], piece, sign."""
-
-
-@frozen(eq=False)
-class Samples:
-    """Question: quantities of terms, each at its own angles, of some designs.
-
-    Attributes
-    ----------
-    u : ndarray (k, m), dimensionless
-        Coordinates of the designs.
-    angles : sequence of (theta, piece)
-        Cam angles (n,) [rad] and pieces (n,) of every term.
-    terms : sequence of Term
-    """
-
-    u: np.ndarray
-    angles: Sequence[tuple[np.ndarray, np.ndarray]]
-    terms: Sequence[Term]
-
-
-@frozen(eq=False)
-class Figures:
-    """Question: figures of terms over the turn, of designs u (k, m)."""
-
-    u: np.ndarray
-    terms: Sequence[Term]
-
-
-@frozen(eq=False)
-class Arrival:
-    """Question: whether another search was at the coordinates u (k,) before this one, ``goal`` being the value there."""
-
-    number: int
-    u: np.ndarray
-    goal: float
-
-
-class _PeakSearch:
-    """Brackets (b,) of the peaks of a term with one sign: cam angles from ``low`` to ``high`` [rad] in a piece.
-
-    Every pass narrows them to a quarter; a kink, where friction reverses, has a peak on both sides.
-    """
-
-    def __init__(self, term: int, sign: float, low: np.ndarray, high: np.ndarray, piece: np.ndarray) -> None:
-        self.term, self.sign, self.low, self.high, self.piece = term, sign, low, high, piece
-        self._height, self._theta = np.empty(0), np.empty(0)
-
-    def samples(self) -> np.ndarray:
-        """Cam angles (b, 9) [rad] at which the term is evaluated."""
-        return np.asarray(self.low[:, None] + (self.high - self.low)[:, None] * np.linspace(0.0, 1.0, 9))
-
-    def narrow(self, samples: np.ndarray, values: np.ndarray) -> None:
-        """Narrow the brackets to the neighbours of the peaks among the values (b, 9) at the samples."""
-        g = np.pad(self.sign * values, ((0, 0), (1, 1)), constant_values=-np.inf)
-        rows, top = np.nonzero((g[:, 1:-1] > g[:, :-2]) & (g[:, 1:-1] >= g[:, 2:]))
-        self.low, self.high = samples[rows, np.maximum(top - 1, 0)], samples[rows, np.minimum(top + 1, 8)]
-        self._height, self._theta, self.piece = g[rows, top + 1], samples[rows, top], self.piece[rows]
-
-    def peaks(self) -> list[tuple[float, float, int, float]]:
-        """Height, cam angle [rad], piece and sign of every peak."""
-        rows = zip(self._height.tolist(), self._theta.tolist(), self.piece.tolist(), strict=True)
-        return [(height, theta, piece, self.sign) for height, theta, piece in rows]
-
-
 class Descent:
     """Local search over the numbers of a design with fixed words; coordinates u go from 0 to 1 between the bounds."""
 
@@ -267,13 +145,13 @@ class Descent:
         self.paths = tuple(axis.field for axis in numbers)
         ends = [(min(axis.listed), max(axis.listed)) if axis.listed else (axis.low, axis.high) for axis in numbers]
         self.low, self.high = (np.array([end[i] for end in ends], dtype=float) for i in (0, 1))
+        self.nominal = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
         self.terms = [self._term(row, side, bound) for row, side, bound in self._limits(margins)]
         self.terms += [self._linear_term(row) for row in linear_limits(design, self.paths, self.high - self.low)]
         self.goals = [
             self._field_term(goal) if goal.field else self._term(goal, goal_sign(goal), None)
             for goal in study.file.goals
         ]
-        self.nominal = (np.array([float(get(design, path)) for path in self.paths]) - self.low) / (self.high - self.low)
 
     def _limits(self, margins: Mapping[str, float]) -> Iterator[tuple[StudyQuantity, float, float]]:
         for limit, side, bound in bounds_of(self.study.file.limits):
@@ -306,10 +184,9 @@ class Descent:
 
     def _has_common_angles(self, request: QuantityRequest) -> bool:
         """Whether designs can be evaluated in a block, at common cam angles."""
-        if request.drive is not None or not request.name or not is_batchable(self.design, self.paths, request):
+        if not request.name or not is_batchable(self.design, self.paths, request):
             return False
-        middle = self._numbers(np.full((len(self.paths), 1), 0.5))
-        return not design_block(self.design, self.paths, middle).separate.any()
+        return not self._block(self.nominal[:, None], request.drive).separate.any()
 
     def _numbers(self, u: np.ndarray) -> np.ndarray:
         """Numbers of the fields (k, m) at coordinates u (k, m)."""
@@ -364,19 +241,34 @@ class Descent:
         return float(term.side * term.smoothed(term.side * term.bound))
 
     def scale(self, term: Term) -> float:
-        """Size of the bound of a limit."""
-        return abs(self.smoothed_bound(term)) or 1.0
+        """Size of the bound of a limit; of a bound of 0 the largest value of its quantity in the design of the study."""
+        return abs(self.smoothed_bound(term)) or self._largest(term.request)
+
+    @cache  # noqa: B019 - as long as the search
+    def _largest(self, request: QuantityRequest) -> float:
+        """Largest value over the turn of the quantity of a figure, before the search; 1 where it has none."""
+        if not request.statistic:
+            return 1.0
+        key = request.key if not request.name else f"{request.key.partition(':')[0]}:abs"
+        value = many(self.design, constant_column(self.design, 1), [key], polish=False).value[key][0]
+        return abs(float(value)) if np.isfinite(value) and value else 1.0
 
     # -- answers to the questions of searches -------------------------------------------------------------
 
-    def _block(self, u: np.ndarray) -> DesignBlock:
-        """Block of the designs u (k, m)."""
-        return design_block(self.design, self.paths, self._numbers(u))
+    def _block(self, u: np.ndarray, drive: int | None) -> DesignBlock:
+        """Block of the designs u (k, m), or of one of their drives."""
+        numbers = self._numbers(u)
+        if drive is None:
+            return design_block(self.design, self.paths, numbers)
+        single, inside = only(self.design, drive), paths_inside(self.design, self.paths, drive)
+        if not inside:  # the drive is the same in all designs
+            return design_block(single, SPEEDS[:1], np.full((1, u.shape[1]), single.speed_rpm))
+        return design_block(single, tuple(inside), numbers[[self.paths.index(path) for path in inside.values()]])
 
-    @cached_property
-    def nodes(self) -> Angles:
-        """Cam angles (n,) over the turn that bracket the peaks of every design."""
-        return clenshaw_curtis_nodes(self._block(np.full((len(self.paths), 1), 0.5)).program)[0]
+    @cache  # noqa: B019 - as long as the search
+    def nodes(self, drive: int | None) -> Angles:
+        """Cam angles (n,) over the turn that bracket the peaks of every design, or of one of its drives."""
+        return clenshaw_curtis_nodes(self._block(self.nominal[:, None], drive).program)[0]
 
     def answers(self, questions: Mapping[int, Any]) -> Mapping[int, Any]:
         """Answers by number of the search: to all arrivals, which decide who goes on; where there is none, to all others."""
@@ -414,28 +306,40 @@ class Descent:
             return [[np.full((q.u.shape[1], theta.size), np.nan) for theta, _ in q.angles] for q in questions]
 
     def _joint_samples(self, questions: Sequence[Samples]) -> list[list[np.ndarray]]:
+        u = np.hstack([q.u for q in questions])
+        result: list[dict[int, np.ndarray]] = [{} for _ in questions]
+        for drive in dict.fromkeys(term.request.drive for q in questions for term in q.terms):
+            self._sample_drive(drive, u, questions, result)
+        return [[row[i] for i in range(len(q.terms))] for q, row in zip(questions, result, strict=True)]
+
+    def _sample_drive(
+        self, drive: int | None, u: np.ndarray, questions: Sequence[Samples], result: list[dict[int, np.ndarray]]
+    ) -> None:
+        """Write the quantities of the terms of one drive into ``result``, by the numbers of the terms in their question."""
+        which = [[i for i, term in enumerate(q.terms) if term.request.drive == drive] for q in questions]
         rows, first = [], 0
-        for q in questions:
-            m, (theta, piece) = q.u.shape[1], (np.concatenate(row) for row in zip(*q.angles, strict=True))
+        for q, own in zip(questions, which, strict=True):
+            m = q.u.shape[1]
+            theta, piece = (
+                np.concatenate(row) if row else np.zeros(0, int) for row in _columns(q.angles[i] for i in own)
+            )
             rows.append((np.tile(theta, m), np.tile(piece, m), np.repeat(np.arange(first, first + m), theta.size)))
             first += m
         theta, piece, owner = (np.concatenate(row) for row in zip(*rows, strict=True))
-        terms = [term for q in questions for term in q.terms]
-        block = self._block(np.hstack([q.u for q in questions]))
+        terms = [q.terms[i] for q, own in zip(questions, which, strict=True) for i in own]
+        block = self._block(u, drive)
         names = list(dict.fromkeys(term.request.name for term in terms))
         values = block.values(names, block.state(theta, piece, owner), owner)
-        failed = block.failed_at("dynamics" if any(_needs_forces(term) for term in terms) else "cam")
+        failed = block.failed_at("dynamics" if any(needs_forces(term) for term in terms) else "cam")
         values = {name: np.where(failed[owner], np.nan, row) for name, row in values.items()}
-        result, first = [], 0
-        for q, (theta, _, _) in zip(questions, rows, strict=True):
-            every, start = [], 0
-            for term, (at, _) in zip(q.terms, q.angles, strict=True):
-                row = values[term.request.name][first : first + theta.size].reshape(q.u.shape[1], -1)
-                every.append(row[:, start : start + at.size] / term.request.unit)
-                start += at.size
-            result.append(every)
+        first = 0
+        for q, own, (theta, _, _), every in zip(questions, which, rows, result, strict=True):
+            start = 0
+            for i in own:
+                row = values[q.terms[i].request.name][first : first + theta.size].reshape(q.u.shape[1], -1)
+                every[i] = row[:, start : start + q.angles[i][0].size] / q.terms[i].request.unit
+                start += q.angles[i][0].size
             first += theta.size
-        return result
 
     def _figures(self, questions: Sequence[Figures], polish: bool = True) -> list[tuple[np.ndarray, np.ndarray]]:
         """``side`` times the figures of the terms of every question (t, m), and the mask (m,) of designs that can be built."""
@@ -639,12 +543,12 @@ class LocalSearch:
 
     def _highest_peaks(self, u: np.ndarray) -> list[list[tuple[float, int, float]]]:
         """Cam angle [rad], piece and sign of the highest peaks of every term over the turn of a design (k,)."""
-        theta, piece = self.descent.nodes.theta, self.descent.nodes.piece
-        every = self.ask(Samples(u[:, None], [(theta, piece)] * len(self.peaked), self.peaked))
-        first = np.append(True, np.diff(piece) != 0)
-        last = np.append(np.diff(piece) != 0, True)
-        searches: list[_PeakSearch] = []
-        for number, (term, row) in enumerate(zip(self.peaked, every, strict=True)):
+        nodes = [self.descent.nodes(term.request.drive) for term in self.peaked]
+        every = self.ask(Samples(u[:, None], [(angles.theta, angles.piece) for angles in nodes], self.peaked))
+        searches: list[PeakSearch] = []
+        for number, (term, row, angles) in enumerate(zip(self.peaked, every, nodes, strict=True)):
+            theta, piece = angles.theta, angles.piece
+            first, last = np.append(True, np.diff(piece) != 0), np.append(np.diff(piece) != 0, True)
             values = term.smoothed(row[0])
             spread = float(np.ptp(values)) if np.isfinite(values).all() else np.inf
             for sign in term.peaks:
@@ -652,12 +556,12 @@ class LocalSearch:
                 left, right = np.where(first, -np.inf, np.roll(f, 1)), np.where(last, -np.inf, np.roll(f, -1))
                 local = np.flatnonzero((f >= left) & (f >= right) & (f >= f.max() - NEAR_TOP * spread))
                 lo, hi = theta[np.where(first[local], local, local - 1)], theta[np.where(last[local], local, local + 1)]
-                searches.append(_PeakSearch(number, sign, lo, hi, piece[local]))
+                searches.append(PeakSearch(number, sign, lo, hi, piece[local]))
         searches = [search for search in searches if search.low.size]
         for _ in range(PEAK_PASSES if searches else 0):
             samples = [search.samples() for search in searches]
-            angles = [(at.ravel(), np.repeat(s.piece, at.shape[1])) for s, at in zip(searches, samples, strict=True)]
-            rows = self.ask(Samples(u[:, None], angles, [self.peaked[search.term] for search in searches]))
+            within = [(at.ravel(), np.repeat(s.piece, at.shape[1])) for s, at in zip(searches, samples, strict=True)]
+            rows = self.ask(Samples(u[:, None], within, [self.peaked[search.term] for search in searches]))
             for search, at, row in zip(searches, samples, rows, strict=True):
                 search.narrow(at, self.peaked[search.term].smoothed(row[0]).reshape(at.shape))
         result: list[list[tuple[float, int, float]]] = []
@@ -667,15 +571,10 @@ class LocalSearch:
         return result
 
 
-def goal_sign(goal: Goal) -> float:
-    """1 for a goal to be minimised, -1 for one to be maximised."""
-    return 1.0 if goal.minimise else -1.0
-
-
-def _needs_forces(term: Term) -> bool:
-    from core.study.quantities import quantity
-
-    return quantity(term.request.name).stage == "dynamics"
+def _columns(rows: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Angles and pieces of several rows."""
+    listed = list(rows)
+    return [theta for theta, _ in listed], [piece for _, piece in listed]
 
 
 def _neighbours(u: np.ndarray, step: float) -> np.ndarray:

@@ -66,7 +66,8 @@ def _sequence_limits(design: Design, paths: Sequence[str], width: np.ndarray) ->
     slopes = np.zeros((len(present), len(paths)))
     for i in at:
         step = min(float(width[i]), MOST_STEP)
-        changed = distances(varied(design, {paths[i]: numbers[i] + step}))
+        values = dict(zip(paths, (float(x) for x in numbers + step * (np.arange(len(paths)) == i)), strict=True))
+        changed = distances(varied(design, values))
         for k, (before, after) in enumerate(zip(present, changed, strict=True)):
             slopes[k, i] = ((after.after_deg - before.after_deg + 180.0) % 360.0 - 180.0) / step
     for number, (row, distance) in enumerate(zip(design.timing, present, strict=True)):

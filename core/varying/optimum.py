@@ -28,9 +28,10 @@ from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.study.quantities import quantity
 from core.study.quantity_requests import quantity_request
 from core.units import split_unit
-from core.varying.descent import Descent, LocalSearch, ProgressCallback, Term, goal_sign
+from core.varying.descent import Descent, LocalSearch, ProgressCallback
 from core.varying.request import Goal, StudyFile, StudyOfMany
 from core.varying.space import Axis, Space, constant_column, is_discrete, none_built_text, with_words
+from core.varying.terms import Term, goal_sign
 from core.varying.tolerances import ONE_SIDED, Scatter, Share, bounds_of
 
 # -- the best design of a study ---------------------------------------------------------------------------------
@@ -273,7 +274,8 @@ class _Search(Descent):
         order = [int(i) for i in np.argsort(np.where(equal, worth.min(), worth), kind="stable") if keeps[i]]
         if not order and not nominal_is_feasible:
             return self._optimum(points[int(np.argmin(over[:-1]))], len(points), 0, is_feasible=False)
-        check = FindingsCheck(self.study.base, waived=waived(self.study.file))
+        is_field = any(goal.line is not None for goal in self.goals)  # no note stops it: it has limits
+        check = FindingsCheck(self.study.base, waived=waived(self.study.file), notes=not is_field)
         rejection = ""
         for i in order:
             if nominal_is_feasible and goals[i] > goals[-1] - BETTER * abs(goals[-1]):
@@ -381,10 +383,9 @@ class _Search(Descent):
             elif self.smoothed_bound(term) - value <= BINDING * self.scale(term):
                 b = term.bound or 0.0
                 step = self.smoothed_bound(replace(term, bound=b * (1.0 + 1e-6))) - self.smoothed_bound(term)
-                rate = abs(step) / (abs(b) * 1e-6 or 1.0)
                 names.append(term.row.column)
                 columns.append(np.append(slope / self.scale(term), 0.0))
-                weights_of_limits.append(abs(b) * rate / self.scale(term))
+                weights_of_limits.append(abs(step) * 1e6 / self.scale(term) if b else 1.0)
         for i, path in enumerate(self.paths):
             for at, sign, end in ((0.0, -1.0, float(self.low[i])), (1.0, 1.0, float(self.high[i]))):
                 if abs(u[i] - at) < 1e-7:

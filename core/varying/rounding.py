@@ -40,7 +40,8 @@ def rounded_optimum(study: StudyOfMany, optimum: Optimum, step: float = 0.0) -> 
     base = with_words(study.base, words)
     if not optimum.is_feasible or not optimum.is_better or not axes or base is None:
         return optimum
-    check = FindingsCheck(study.base, waived=waived(study.file))
+    has_fields = any(goal.field for goal in study.file.goals)
+    check = FindingsCheck(study.base, waived=waived(study.file), notes=not has_fields)
 
     def judged(values: Mapping[str, float]) -> Optimum | None:
         if not all(axes[path].low <= value <= axes[path].high for path, value in values.items()):

@@ -99,7 +99,7 @@ def in_decimals(design: Design) -> Design:
     """Every number as it was typed, 1302.162 and not the float next to it: the table was computed so."""
     for section in ("motion", "follower", "cam"):
         for entry in entries(design, section):
-            if not entry.info.choices and entry.value is not None:
+            if not (entry.info.choices or entry.info.flag) and entry.value is not None:
                 design = put(design, entry.path, MP.mpf(repr(entry.value)))
     return design
 

@@ -205,7 +205,7 @@ class Design:
         (378.45..., (44, 2))
         """
         from core.commands.find import FindArguments, search  # a design is edited and studied without it
-        from core.find import SEARCHES
+        from core.varying import SEARCHES
 
         if text("goal", goal) not in SEARCHES:
             raise unknown("goal of find", goal, SEARCHES)
@@ -215,7 +215,7 @@ class Design:
         )
         fixed = {"design": Path(), "what": goal, "drive": text("drive", drive), "limit": given}
         solution = search(self._design, requested(FindArguments, options, "into", "json", **fixed))
-        answer = {path: float(value) for path, value in solution.answer.items()}
+        answer = {path: _plain(value) for path, value in solution.answer.items()}
         if not solution.is_valid:
             raise _no_solution(f"find {goal}: no value satisfies every limit", answer, solution.violations)
         curve = read_only(np.array(solution.curve, dtype=float).reshape(-1, 2))
@@ -420,6 +420,11 @@ class Design:
     def _before(self, answer: Iterable[str]) -> dict[str, Any]:
         values = file_values(self._design)
         return {path: values[path] for path in answer if path in values}
+
+
+def _plain(value: Any) -> Any:
+    """Return a word as it is, and a number as a float."""
+    return value if isinstance(value, str) else float(value)
 
 
 def _mapping(what: str, value: Any) -> Mapping[str, Any]:
