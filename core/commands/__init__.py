@@ -139,6 +139,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
             "figures",
         ),
         "linkage-from": _row("a linkage from Pyslvs, PMKS+ or Linkage", "linkages", "linkage_from"),
+        "synthesise": _row(
+            "linkages for a task: poses of a body, a path, pairs of angles, or a swing", "synthesis", "synthesise"
+        ),
         "circuits": _row("assemblies of a linkage, as drawn or by signs", "linkages", "circuits"),
         "curves": _row("curves of points of a linkage, as CSV, DXF or SVG", "linkages", "curves"),
         "pose": _row("links and cam at one angle, a layer each, as DXF or SVG", "linkages", "pose"),

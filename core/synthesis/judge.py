@@ -1,0 +1,323 @@
+"""Judgement of proposed linkages by their solved kinematics: errors, defects, transmission angle, and sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import degrees, inf, pi, radians
+
+import numpy as np
+
+from core.design import Linkage, Side
+from core.design.linkage_rules import sided_joints
+from core.errors import NoPosition
+from core.frozen import frozen
+from core.mechanism.branches import four_bar
+from core.mechanism.driver_ranges import TURN, DriverRange, DriverRanges, driver_ranges_of
+from core.mechanism.kinematics import Kinematics
+from core.mechanism.linkage import plan_of
+from core.mechanism.mechanism import body_name
+from core.mechanism.solving import unit_speed_kinematics
+from core.synthesis.candidates import (
+    COUPLER,
+    CRANK_LINK,
+    CRANK_PIN,
+    CRANK_PIVOT,
+    FRAME,
+    SIDE_LINK,
+    SIDE_PIN,
+    SIDE_PIVOT,
+    TRACER,
+    Candidate,
+    Errors,
+)
+from core.synthesis.task import Task
+
+BRANCH, CIRCUIT, ORDER = "branch", "circuit", "order"
+"""Defects: the task needs another assembly; it leaves a range of the driver; its positions are passed in another order."""
+SAMPLES = 181  # driver positions for the box of all joints
+AT_END = 1e-9  # [rad]: a position this far outside of a range is at its end
+SAME_ERROR = 1e-9  # of the size: errors that differ by less are equal
+OTHER_ASSEMBLY = 0.5  # of the error: another assembly with a smaller one fits the task
+EXACT = 1e-6  # of the size: a smaller error needs no other assembly
+TURNS_FREELY = 1e-9
+SAME_LINKAGE = 1e-5  # of the largest coordinate: linkages that differ by less are one
+
+
+@frozen(eq=False)
+class Answer:
+    """A judged linkage.
+
+    Attributes
+    ----------
+    candidate : Candidate
+    error_mm, error_deg : float
+        Largest errors at the positions of the task.
+    defects : tuple of str
+        Of ``branch``, ``circuit``, ``order``.
+    transmission_deg : float
+        Least transmission angle over the driver's range that contains the task: a full turn, else from the first position to the last.
+    grashof : bool
+        A side link can turn fully; of a four-bar, Grashof's condition.
+    length_ratio : float
+        Longest to shortest link.
+    size_mm : float
+        Diagonal of the box of all joints and of P over the same range.
+    violated : tuple of str
+        Limits of the task that the linkage exceeds.
+    cognates : tuple of Answer
+        Other four-bars with the same path.
+    """
+
+    candidate: Candidate
+    error_mm: float
+    error_deg: float
+    defects: tuple[str, ...]
+    transmission_deg: float
+    grashof: bool
+    length_ratio: float
+    size_mm: float
+    turns_fully: bool
+    violated: tuple[str, ...] = ()
+    cognates: tuple[Answer, ...] = ()
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it has no defect and exceeds no limit."""
+        return not self.defects and not self.violated
+
+
+def ranked(answers: Sequence[Answer], size: float) -> list[Answer]:
+    """Answers without defects first, then by error, equal ones by transmission angle; ``size`` is that of the task [mm]."""
+
+    def rank(answer: Answer) -> tuple[bool, int, float, float]:
+        error = answer.error_mm / size + radians(answer.error_deg)
+        step = round(error / SAME_ERROR) if error < inf else 2**62
+        return not answer.is_good, len(answer.defects), step, -answer.transmission_deg
+
+    return sorted(answers, key=rank)
+
+
+def is_same(answer: Answer, other: Answer) -> bool:
+    """Whether two answers are one linkage, up to the names of its links."""
+    if answer.candidate.kind != other.candidate.kind:
+        return False
+    mine, theirs = (_signature(each.candidate.linkage) for each in (answer, other))
+    return len(mine) == len(theirs) and bool(np.abs(mine - theirs).max() <= SAME_LINKAGE * np.abs(mine).max())
+
+
+def _signature(linkage: Linkage) -> np.ndarray:
+    """Fixed pivots, with the lengths of the side links at them, in an order that does not depend on the driver [mm]."""
+    frame, crank = linkage.by_number[FRAME].places, linkage.by_number[CRANK_LINK].places
+    side = linkage.by_number[SIDE_LINK].places
+    rows = [(frame[CRANK_PIVOT], abs(crank[CRANK_PIN]))]
+    if SIDE_PIVOT in frame:
+        rows.append((frame[SIDE_PIVOT], abs(side.get(SIDE_PIN, 0j))))
+    rows.sort(key=lambda row: (round(row[0].real, 3), row[0].imag))
+    coupler = linkage.by_number[COUPLER].places
+    pins = [abs(z) for name, z in coupler.items() if name != TRACER]
+    lines = [part for slider in linkage.sliders for part in (slider.through_x_mm, slider.through_y_mm)]
+    return np.array([part for z, length in rows for part in (z.real, z.imag, length)] + sorted(pins) + lines)
+
+
+def best_driven(answers: Sequence[Answer]) -> Answer:
+    """Of one linkage driven by either side link: without defects, then with a full turn, then by transmission angle."""
+    return min(answers, key=lambda a: (len(a.defects), not a.turns_fully, -a.transmission_deg))
+
+
+def judge(candidate: Candidate, task: Task) -> Answer | None:
+    """Judge a proposed linkage; None where it cannot be assembled at any position of the task."""
+    linkage = candidate.linkage
+    size = plan_of(linkage).size * 1e3
+    try:
+        ranges = driver_ranges_of(linkage)
+    except NoPosition:
+        return None
+    if not ranges.ranges:
+        return None
+    driver_range = ranges.ranges[0]
+    turns_fully = not ranges.is_swinging and driver_range.is_free
+    positions = _in_range(candidate.positions, driver_range, turns_fully)
+    inside = np.isfinite(positions)
+    error_mm, error_deg = _errors(candidate, linkage, ranges, positions)
+    other_mm, other_deg = _other_errors(candidate)
+    defects = []
+    with np.errstate(invalid="ignore"):
+        error, other = (mm / size + np.deg2rad(deg) for mm, deg in ((error_mm, error_deg), (other_mm, other_deg)))
+        changes = inside & (error > EXACT) & (other < OTHER_ASSEMBLY * error)
+    if changes.any():
+        defects.append(BRANCH)
+    if not inside.all():
+        defects.append(CIRCUIT)
+    elif task.limits.order and not _in_order(positions, turns_fully):
+        defects.append(ORDER)
+    use_other = changes | ~inside
+    error_mm, error_deg = np.where(use_other, other_mm, error_mm), np.where(use_other, other_deg, error_deg)
+    if turns_fully:
+        low, high = driver_range.low, driver_range.low + TURN
+    elif inside.any():
+        low, high = float(np.nanmin(positions)), float(np.nanmax(positions))
+    else:
+        return None
+    transmission, box = _over_range(linkage, ranges, low, high)
+    answer = Answer(
+        candidate,
+        _largest(error_mm),
+        _largest(error_deg),
+        tuple(defects),
+        transmission,
+        _is_grashof(linkage, turns_fully),
+        _length_ratio(candidate),
+        box,
+        turns_fully,
+    )
+    return replace(answer, violated=tuple(_violated(answer, task)))
+
+
+def _largest(errors: np.ndarray) -> float:
+    """Largest error; infinite where the linkage does not reach a position."""
+    return float(np.where(np.isfinite(errors), errors, inf).max(initial=0.0))
+
+
+def _in_range(positions: np.ndarray, driver_range: DriverRange, turns_fully: bool) -> np.ndarray:
+    """Positions (n,) [rad] with the turns that bring them into the range; NaN where they are outside."""
+    low, high = driver_range.low, driver_range.high
+    if turns_fully:
+        return low + np.mod(positions - low, TURN)
+    moved = low + np.mod(positions - low, TURN)
+    moved = np.where(moved > low + TURN - AT_END, low, moved)
+    moved = np.where((moved > high) & (moved <= high + AT_END), high, moved)
+    return np.where(moved <= high, moved, np.nan)
+
+
+def _in_order(positions: np.ndarray, turns_fully: bool) -> bool:
+    """Whether positions (n,) [rad] are passed in their order, in either direction."""
+    if turns_fully:
+        steps = np.diff(np.append(positions, positions[0]))
+        return any(round(float(np.mod(sign * steps, TURN).sum() / TURN)) == 1 for sign in (1.0, -1.0))
+    steps = np.diff(positions)
+    return bool((steps > 0.0).all() or (steps < 0.0).all())
+
+
+def _errors(
+    candidate: Candidate, linkage: Linkage, ranges: DriverRanges, positions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors at driver positions (n,) [rad] of the task, [mm] and [deg]; NaN where these are NaN, or out of the ranges."""
+    error_mm, error_deg = np.full(positions.size, np.nan), np.full(positions.size, np.nan)
+    usable = np.isfinite(positions)
+    if usable.any():
+        at = np.where(usable, positions, positions[usable][0])
+        mm, deg = candidate.errors(unit_speed_kinematics(linkage, at, ranges))
+        error_mm[usable], error_deg[usable] = mm[usable], deg[usable]
+    return error_mm, error_deg
+
+
+def _other_errors(candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
+    """Least errors over both assemblies, [mm] and [deg]; NaN where neither reaches a position."""
+    plain = replace(candidate.linkage, drawn=None)
+    n = candidate.positions.size
+    best_mm, best_deg = np.full(n, np.nan), np.full(n, np.nan)
+    for joint in sided_joints(plain):
+        for sign in (1, -1):
+            signed = replace(plain, branch=(Side(joint, sign),))
+            ranges = driver_ranges_of(signed)
+            positions = np.full(n, np.nan)
+            for driver_range in ranges.ranges:
+                at = _in_range(candidate.positions, driver_range, False)
+                positions = np.where(np.isfinite(at), at, positions)
+            mm, deg = _errors(candidate, signed, ranges, positions)
+            is_better = ~(mm + deg >= best_mm + best_deg) & np.isfinite(mm + deg)
+            best_mm, best_deg = np.where(is_better, mm, best_mm), np.where(is_better, deg, best_deg)
+    return best_mm, best_deg
+
+
+def _over_range(linkage: Linkage, ranges: DriverRanges, low: float, high: float) -> tuple[float, float]:
+    """Least transmission angle [deg], and the diagonal [mm] of the box of all joints, for the driver at low ... high [rad]."""
+    at = np.unique(np.concatenate((np.linspace(low, high, SAMPLES), list(_in_line(linkage, low, high)))))
+    kinematics = unit_speed_kinematics(linkage, at, ranges)
+    transmission = min(degrees(float(np.min(angle))) for angle in kinematics.transmission.values())
+    return transmission, _box(linkage, kinematics)
+
+
+def _in_line(linkage: Linkage, low: float, high: float) -> Iterator[float]:
+    """Driver positions [rad] at which the transmission angle is extreme: the crank is along the frame, or across the guide."""
+    if SIDE_PIVOT in (frame := linkage.by_number[FRAME].places):
+        line = float(np.angle(frame[SIDE_PIVOT] - frame[CRANK_PIVOT]))
+    else:
+        line = radians(linkage.sliders[0].angle_deg) + 0.5 * pi
+    for angle in (line, line + pi):
+        at = low + (angle - low) % TURN
+        if at <= high:
+            yield at
+
+
+def _box(linkage: Linkage, kinematics: Kinematics) -> float:
+    points = []
+    for link in linkage.links:
+        body = kinematics.bodies["frame" if link.number == FRAME else body_name(link.number)]
+        for point in link.places.values():
+            points.append(np.atleast_1d(body.fixed_point(1e-3 * point)[0]))
+    z = np.concatenate(points)
+    return 1e3 * float(np.hypot(np.ptp(z.real), np.ptp(z.imag)))
+
+
+def _lengths(candidate: Candidate) -> Iterator[float]:
+    """Lengths of the links [mm] between two pins."""
+    links: Mapping[int, Mapping[str, complex]] = {
+        number: link.places for number, link in candidate.linkage.by_number.items()
+    }
+    for number, names in (
+        (FRAME, (CRANK_PIVOT, SIDE_PIVOT)),
+        (CRANK_LINK, (CRANK_PIVOT, CRANK_PIN)),
+        (COUPLER, (CRANK_PIN, SIDE_PIN)),
+        (SIDE_LINK, (SIDE_PIN, SIDE_PIVOT)),
+    ):
+        places = links[number]
+        if all(name in places for name in names):
+            yield abs(places[names[0]] - places[names[1]])
+
+
+def _length_ratio(candidate: Candidate) -> float:
+    lengths = list(_lengths(candidate))
+    return max(lengths) / min(lengths) if min(lengths) > 0.0 else inf
+
+
+def _is_grashof(linkage: Linkage, turns_fully: bool) -> bool:
+    bar = four_bar(plan_of(linkage))
+    return turns_fully if bar is None else bar.kind != "triple rocker"
+
+
+def _violated(answer: Answer, task: Task) -> Iterator[str]:
+    least, most = task.limits.transmission_deg_min, task.longest_to_shortest
+    if least is not None and not answer.transmission_deg >= least - TURNS_FREELY:
+        yield "transmission_deg_min"
+    if most is not None and not answer.length_ratio <= most * (1.0 + TURNS_FREELY):
+        yield "length_ratio_max"
+
+
+def position_errors(z: np.ndarray, angles: np.ndarray | None) -> Errors:
+    """Errors of the coupler against positions of its point P, and against its angles.
+
+    Parameters
+    ----------
+    z : ndarray (n,) complex [mm]
+        Positions of P.
+    angles : ndarray (n,) [rad], or None
+        Angles of the coupler; None where they do not count.
+
+    Returns
+    -------
+    callable
+        As ``Candidate.errors``.
+    """
+
+    def errors(kinematics: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+        body = kinematics.bodies[body_name(COUPLER)]
+        point = 1e3 * body.fixed_point(0j)[0]
+        distance = np.abs(point - z)
+        if angles is None:
+            return distance, np.zeros(z.size)
+        turn = np.angle(np.exp(1j * (body.angle[0] - angles)))
+        return distance, np.abs(np.rad2deg(turn))
+
+    return errors
