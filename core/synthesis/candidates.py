@@ -40,12 +40,15 @@ class Candidate:
         Driver angles of the task's positions, in their order.
     errors : callable
         Deviations from the task at these angles.
+    expected : float
+        Largest error with which it was proposed [mm or deg].
     """
 
     linkage: Linkage
     kind: str
     positions: np.ndarray
     errors: Errors
+    expected: float = 0.0
 
     @property
     def design(self) -> Design:

@@ -98,7 +98,13 @@ class ScaledPoses:
         return np.column_stack(columns)
 
     def line_row(self, pivot: Pivot) -> np.ndarray:
-        """Condition of a line for a pivot, Re(n̄ G) = -c q₁ or Re(n̄ A) = c q₁, as a row (8,)."""
+        """Condition of a line for a pivot, Re(n̄ G) = -c q₁ or Re(n̄ A) = c q₁.
+
+        Returns
+        -------
+        ndarray (8,), dimensionless
+            As a row of ``rows``.
+        """
         x, y, direction = pivot.line
         normal = cmath.rect(1.0, np.deg2rad(direction) + 0.5 * pi)
         at = self.scaled(complex(x, y), pivot.of)

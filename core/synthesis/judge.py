@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import degrees, inf, pi, radians
+from types import MappingProxyType
 
 import numpy as np
 
 from core.design import Linkage, Side
 from core.design.linkage_rules import sided_joints
-from core.errors import NoPosition
+from core.errors import NoPosition, collecting_failures
 from core.frozen import frozen
-from core.mechanism.branches import four_bar
+from core.mechanism.branches import Branch, four_bar
 from core.mechanism.driver_ranges import TURN, DriverRange, DriverRanges, driver_ranges_of
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.linkage import plan_of
@@ -39,7 +40,7 @@ SAMPLES = 181  # driver positions for the box of all joints
 AT_END = 1e-9  # [rad]: a position this far outside of a range is at its end
 SAME_ERROR = 1e-9  # of the size: errors that differ by less are equal
 OTHER_ASSEMBLY = 0.5  # of the error: another assembly with a smaller one fits the task
-EXACT = 1e-6  # of the size: a smaller error needs no other assembly
+EXACT = 1e-6  # of the size, beyond the error with which it was proposed: a smaller error needs no other assembly
 TURNS_FREELY = 1e-9
 SAME_LINKAGE = 1e-5  # of the largest coordinate: linkages that differ by less are one
 
@@ -120,9 +121,19 @@ def _signature(linkage: Linkage) -> np.ndarray:
     return np.array([part for z, length in rows for part in (z.real, z.imag, length)] + sorted(pins) + lines)
 
 
-def best_driven(answers: Sequence[Answer]) -> Answer:
-    """Of one linkage driven by either side link: without defects, then with a full turn, then by transmission angle."""
-    return min(answers, key=lambda a: (len(a.defects), not a.turns_fully, -a.transmission_deg))
+def best_driven(driven: Sequence[Candidate], task: Task) -> Answer | None:
+    """Judge a linkage driven by either side link: without defects, then with a full turn, then by transmission angle.
+
+    The second driver is not judged where the first one turns fully without a defect; None where neither can be assembled.
+    """
+    answers: list[Answer] = []
+    for candidate in driven:
+        answer = judge(candidate, task)
+        if answer is not None:
+            answers.append(answer)
+            if answer.turns_fully and not answer.defects:
+                break
+    return min(answers, key=lambda a: (len(a.defects), not a.turns_fully, -a.transmission_deg), default=None)
 
 
 def judge(candidate: Candidate, task: Task) -> Answer | None:
@@ -140,11 +151,15 @@ def judge(candidate: Candidate, task: Task) -> Answer | None:
     positions = _in_range(candidate.positions, driver_range, turns_fully)
     inside = np.isfinite(positions)
     error_mm, error_deg = _errors(candidate, linkage, ranges, positions)
-    other_mm, other_deg = _other_errors(candidate)
+    error = error_mm / size + np.deg2rad(error_deg)
+    other_mm, other_deg = np.full(error.size, np.nan), np.full(error.size, np.nan)
+    allowed = EXACT + max(candidate.expected / size, radians(candidate.expected))
+    if not (inside & (error <= allowed)).all():
+        other_mm, other_deg = _other_errors(candidate)
     defects = []
     with np.errstate(invalid="ignore"):
-        error, other = (mm / size + np.deg2rad(deg) for mm, deg in ((error_mm, error_deg), (other_mm, other_deg)))
-        changes = inside & (error > EXACT) & (other < OTHER_ASSEMBLY * error)
+        other = other_mm / size + np.deg2rad(other_deg)
+        changes = inside & (error > allowed) & (other < OTHER_ASSEMBLY * error)
     if changes.any():
         defects.append(BRANCH)
     if not inside.all():
@@ -217,15 +232,13 @@ def _other_errors(candidate: Candidate) -> tuple[np.ndarray, np.ndarray]:
     plain = replace(candidate.linkage, drawn=None)
     n = candidate.positions.size
     best_mm, best_deg = np.full(n, np.nan), np.full(n, np.nan)
+    everywhere = (DriverRange(-inf, inf),)
     for joint in sided_joints(plain):
         for sign in (1, -1):
             signed = replace(plain, branch=(Side(joint, sign),))
-            ranges = driver_ranges_of(signed)
-            positions = np.full(n, np.nan)
-            for driver_range in ranges.ranges:
-                at = _in_range(candidate.positions, driver_range, False)
-                positions = np.where(np.isfinite(at), at, positions)
-            mm, deg = _errors(candidate, signed, ranges, positions)
+            ranges = DriverRanges(plan_of(signed), everywhere, (), Branch(), MappingProxyType({}))
+            with collecting_failures(lambda code, failed: None):  # NaN where the links do not meet
+                mm, deg = candidate.errors(unit_speed_kinematics(signed, candidate.positions, ranges))
             is_better = ~(mm + deg >= best_mm + best_deg) & np.isfinite(mm + deg)
             best_mm, best_deg = np.where(is_better, mm, best_mm), np.where(is_better, deg, best_deg)
     return best_mm, best_deg

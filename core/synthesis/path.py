@@ -69,14 +69,36 @@ class Placed:
     angles: np.ndarray
 
     def at(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tracer, its derivative and the coupler's direction in the plane, as of ``trace``."""
+        """Tracer, its derivative and the coupler's direction in the plane, as of ``trace``.
+
+        Parameters
+        ----------
+        angles : ndarray (n,) [rad]
+            Angles of the crank.
+
+        Returns
+        -------
+        tuple of ndarray (n,) complex [mm], [mm/rad], dimensionless
+        """
         turn = cmath.exp(1j * self.direction)
         point, slope, coupler = trace(self.bars, angles)
         return self.pivot + turn * point, turn * slope, turn * coupler
 
 
 def path_points(task: Task) -> np.ndarray:
-    """Points (n,) complex [mm] of a task's path. Raises FileError, and DesignError for points of a file that are no path."""
+    """Points of a task's path.
+
+    Returns
+    -------
+    ndarray (n,) complex [mm]
+
+    Raises
+    ------
+    FileError
+        Its file cannot be read.
+    DesignError
+        The points of its file are no path.
+    """
     assert task.path is not None
     if not task.path.file:
         return np.array([vector(p.x_mm, p.y_mm) for p in task.path.points])
@@ -295,7 +317,8 @@ def _candidate(placed: Placed, points: np.ndarray) -> Candidate:
     z, _, direction = placed.at(placed.angles)
     linkage = linkage_of(first, second, complex(z[0]), cmath.phase(complex(direction[0])))
     pins = z - tracer * direction - placed.pivot
-    return Candidate(linkage, FOUR_BAR, np.angle(pins), position_errors(points, None))
+    expected = float(np.abs(z - points).max())
+    return Candidate(linkage, FOUR_BAR, np.angle(pins), position_errors(points, None), expected)
 
 
 def cognates(candidate: Candidate) -> Iterator[tuple[Candidate, ...]]:
@@ -321,5 +344,5 @@ def cognates(candidate: Candidate) -> Iterator[tuple[Candidate, ...]]:
         for (first, second), pin in ((dyads, near), (dyads[::-1], far)):
             positions = np.angle(pin - first.fixed)
             cognate = linkage_of(first, second, complex(p[0]), 0.0)
-            options.append(Candidate(cognate, FOUR_BAR, positions, candidate.errors))
+            options.append(Candidate(cognate, FOUR_BAR, positions, candidate.errors, candidate.expected))
         yield tuple(options)

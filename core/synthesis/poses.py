@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from itertools import combinations
 from math import radians
 
@@ -46,8 +47,9 @@ class PoseDyads:
         return tuple(dict.fromkeys((*self.first, *self.second)))
 
 
+@lru_cache(maxsize=4)
 def pose_dyads(task: Task) -> PoseDyads:
-    """All dyads through the poses of a task, or those of a sweep of the conditions that are missing."""
+    """All dyads through the poses of a task, or those of a sweep of the conditions that are missing; cached."""
     first = _dyads(task.poses, task, 1)
     second = first if pivots_of(task, 1) == pivots_of(task, 2) else _dyads(task.poses, task, 2)
     return PoseDyads(first[0], second[0], first[1] and second[1])

@@ -12,7 +12,7 @@ from core.numerics.lazy import checkpoint
 from core.synthesis import angles, path, poses, rocker
 from core.synthesis.candidates import Candidate
 from core.synthesis.dyads import Dyad
-from core.synthesis.judge import Answer, best_driven, is_same, judge, ranked
+from core.synthesis.judge import Answer, best_driven, is_same, ranked
 from core.synthesis.task import ANGLES, PATH, POSES, ROCKER, Task, task_size
 
 
@@ -117,7 +117,7 @@ def synthesise(task: Task) -> Synthesis:
     answers: list[Answer] = []
     for driven in kind.candidates(task):
         checkpoint()
-        answer = _judged(driven, task)
+        answer = best_driven(driven, task)
         if answer is not None and not any(is_same(answer, other) for other in answers):
             answers.append(answer)
     if not answers:
@@ -129,12 +129,6 @@ def synthesise(task: Task) -> Synthesis:
     return Synthesis(tuple(answers), sum(answer.is_good for answer in answers), dyads, kind.complete(task))
 
 
-def _judged(driven: tuple[Candidate, ...], task: Task) -> Answer | None:
-    """The better of a linkage's possible drivers; None where neither can be assembled."""
-    judged = [answer for candidate in driven if (answer := judge(candidate, task)) is not None]
-    return best_driven(judged) if judged else None
-
-
 def _with_cognates(answers: list[Answer], task: Task) -> list[Answer]:
     """Answers with their cognates, without those that are a cognate of a better one."""
     result: list[Answer] = []
@@ -142,6 +136,6 @@ def _with_cognates(answers: list[Answer], task: Task) -> list[Answer]:
         if any(is_same(answer, cognate) for other in result for cognate in other.cognates):
             continue
         checkpoint()
-        judged = (_judged(driven, task) for driven in path.cognates(answer.candidate))
+        judged = (best_driven(driven, task) for driven in path.cognates(answer.candidate))
         result.append(replace(answer, cognates=tuple(cognate for cognate in judged if cognate is not None)))
     return result

@@ -127,7 +127,8 @@ def test_the_driver_is_at_its_angles_at_the_points() -> None:
 def test_limits_hide_answers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     task = tmp_path / "task.toml"
     task.write_text(
-        f'kind = "path"\n[path]\npoints = {rows(HOEKEN)}\nclosed = true\n[limits]\ntransmission_deg_min = 89.0\n'
+        f'kind = "path"\n[path]\npoints = {rows(HOEKEN)}\nclosed = true\n[limits]\ntransmission_deg_min = 89.0\n',
+        "utf-8",
     )
     assert main(["synthesise", str(task), "--all"]) == 1
     captured = capsys.readouterr()
@@ -137,8 +138,8 @@ def test_limits_hide_answers(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 def test_points_come_from_a_table_next_to_the_task(tmp_path: Path) -> None:
     lines = ["x_mm;y_mm", *(f"{z.real};{z.imag}" for z in HOEKEN)]
-    (tmp_path / "curve.csv").write_text("\n".join(lines))
-    (tmp_path / "task.toml").write_text('kind = "path"\n[path]\nfile = "curve.csv"\nclosed = true\n')
+    (tmp_path / "curve.csv").write_text("\n".join(lines), "utf-8")
+    (tmp_path / "task.toml").write_text('kind = "path"\n[path]\nfile = "curve.csv"\nclosed = true\n', "utf-8")
     assert main(["synthesise", str(tmp_path / "task.toml"), "--into", str(tmp_path / "best.toml")]) == 0
     assert load(tmp_path / "best.toml").drive.linkage.by_number[3].places["P"] == 0j
 
@@ -160,7 +161,7 @@ def test_bad_paths_are_refused_with_their_field(path: dict[str, object], message
 
 
 def test_a_missing_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "task.toml").write_text('kind = "path"\n[path]\nfile = "curve.csv"\n')
+    (tmp_path / "task.toml").write_text('kind = "path"\n[path]\nfile = "curve.csv"\n', "utf-8")
     assert main(["synthesise", str(tmp_path / "task.toml")]) == 2
     assert "curve.csv" in capsys.readouterr().err
 

@@ -264,7 +264,7 @@ def test_poses_in_two_ranges_of_the_driver_are_a_circuit_defect() -> None:
 def test_a_written_answer_runs_through_the_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     task, out = tmp_path / "task.toml", tmp_path / "out"
     lines = [f"[[poses]]\nx_mm = {p.x_mm}\ny_mm = {p.y_mm}\nangle_deg = {p.angle_deg}" for p in THREE]
-    task.write_text('kind = "poses"\n' + "\n".join(lines))
+    task.write_text('kind = "poses"\n' + "\n".join(lines), "utf-8")
     assert main(["synthesise", str(task), "--out", str(out), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert {"answers", "dyads", "hidden", "complete"} == set(data)
@@ -272,7 +272,7 @@ def test_a_written_answer_runs_through_the_poses(tmp_path: Path, capsys: pytest.
     assert first["rank"] == 1
     assert first["design"] == "rank1.toml"
     assert first["error_mm"] < 1e-9
-    header, row, *_ = (out / "answers.csv").read_text().splitlines()
+    header, row, *_ = (out / "answers.csv").read_text("utf-8").splitlines()
     assert (
         header == "rank,kind,design,error_mm,error_deg,defects,transmission_deg,grashof,length_ratio,size_mm,cognates"
     )
@@ -341,7 +341,7 @@ def test_poses_without_dyads_name_the_change_that_gives_some(
             break
     task = tmp_path / "task.toml"
     lines = [f"[[poses]]\nx_mm = {p.x_mm}\ny_mm = {p.y_mm}\nangle_deg = {p.angle_deg}" for p in poses]
-    task.write_text('kind = "poses"\n' + "\n".join(lines))
+    task.write_text('kind = "poses"\n' + "\n".join(lines), "utf-8")
     assert main(["synthesise", str(task)]) == 2
     message = capsys.readouterr().err
     assert "poses: have no two dyads; allowed: poses[" in message
