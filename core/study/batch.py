@@ -117,7 +117,12 @@ def _keeps_its_lash(design: Design, paths: Sequence[str]) -> bool:
     if valve is None or (valve.link is None and not valve.lash_mm):
         return True
     fixed = ("loads.", "shaft.", *(("follower.", "cam.") if design.drive.is_valve_motion else ()))
-    return valve.link is None and all(path.startswith(fixed) for path in paths)
+    if valve.link is not None or not all(path.startswith(fixed) for path in paths):
+        return False
+    try:
+        return Study(design).lash is not None
+    except NoSolution:  # one by one each design has its reason
+        return False
 
 
 @np.errstate(invalid="ignore", over="ignore", divide="ignore")  # infinite values of some designs, at dead centres

@@ -112,13 +112,14 @@ class DesignBlock:
         if motion is not None:
             uncut = program(with_all_pieces(uncut.motion, motion))
         self.motions = None if motion is None else BlockMotions(uncut, motion, count)
-        switches = tuple(sorted(Study(self.plain).loading.cuts(uncut).tolist()))
+        plain = Study(self.plain)
+        switches, lash = tuple(sorted(plain.loading.cuts(uncut).tolist())), plain.lash
         self.program: Any = SubdividedTurn(uncut, switches) if switches else uncut
         self.separate = self.no_design if self.motions is None else self.motions.differing
         with collecting_failures(self._note), np.errstate(all="ignore"):
             row = BUILDERS[type(drive.mechanism)]
             self.mechanism = row.build(*row.needs(drive.mechanism, drive.cam))
-            self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism, Study(self.plain).lash)
+            self.loading = dynamics.loading_of(drive.mechanism, drive.loads, self.mechanism, lash)
         if self.mechanism.ranged:
             is_drawn = drive.linkage.drawn is not None or bool(drive.linkage.drivers)  # solved one by one
             self.separate = self.separate | ~self._path.simple | is_reversed | is_drawn

@@ -182,6 +182,14 @@ def test_many_designs_with_lash_are_those_one_by_one(name: str, path: str, facto
             assert result.value[column][i] == pytest.approx(high / split_unit(row.slug)[1].factor, rel=1e-9), column
 
 
+def test_many_trains_that_stay_closed_have_a_reason() -> None:
+    closed = put(put(trained("pushrod_train.toml", 0.2), "follower.pad_mm", 4.0), "valve.lash_mm", 3.0)
+    for path in ("loads.preload_n", "shaft.speed_rpm", "follower.pushrod_mm"):
+        result = many(closed, {path: get(closed, path) * np.array([1.0, 1.001])}, ["contact_force_n:max"])
+        assert result.reason.tolist() == ["no-assembly"] * 2
+        assert np.isnan(result.value["contact_force_n:max"]).all()
+
+
 # -- opening and seating ----------------------------------------------------------------------------------------
 
 
