@@ -33,6 +33,7 @@ from core.process import keep_freed_memory
 from core.project import load
 from core.spatial import flank
 from core.study import Study, certificate_of, findings_of
+from core.synthesis import BodyPose, Task, load_task, synthesise
 from core.valves import LIFTS, valve_data, valve_timings
 
 FILE = Path(__file__).with_name("limits.json")
@@ -50,6 +51,8 @@ VALVES = "valve: two drives, by their check"
 DRAGGED = "chain after a dragged duration, by a dragged join"
 OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
 FLANK = "flank of a barrel, 3,600 × 20 points with angle and curvature, by the profile of the lift"
+POSES = "linkages for five poses, by a fresh study of the four-bar"
+PATH = "linkages for a path, by a fresh study of the four-bar"
 DURATIONS = count(1)  # solved lobes and laws are remembered
 DURATION = "motion.lobe.duration[1].crank_deg"
 JOIN = ("motion.segments[0].span_deg", "motion.segments[1].span_deg")  # of a dwell and the run-up
@@ -80,6 +83,8 @@ def keys() -> dict[str, Callable[[], float]]:
         DRAGGED: look_at_dragged_duration,
         OPTIMUM: look_at_optimum,
         FLANK: look_at_flank,
+        POSES: partial(look_at_task, five_poses),
+        PATH: partial(look_at_task, hoeken_path),
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
         **{
@@ -213,6 +218,36 @@ def look_at_flank(seconds: float = SECONDS) -> float:
 
     rival = Fresh(lambda: partial(kernel.ours.cold, kernel.again(there), None))
     told = measure({"ours": ours, "rival": rival}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def five_poses() -> Task:
+    """Five poses on the coupler of the four-bar, a little different each time."""
+    more = 1e-9 * next(DURATIONS)
+    angles = np.radians([10.0, 30.0, 55.0, 80.0, 120.0])
+    body = Study(load(EXAMPLES / "four_bar.toml")).at_theta(angles).linkage.bodies["link3"]
+    z, turn = 1e3 * body.fixed_point(0j)[0], np.degrees(body.angle[0])
+    return Task(kind="poses", poses=tuple(BodyPose(p.real + more, p.imag, t) for p, t in zip(z, turn, strict=True)))
+
+
+def hoeken_path() -> Task:
+    """The path of the ready task of Hoeken's line."""
+    return load_task(EXAMPLES.parent / "tasks" / "hoeken_line.toml")
+
+
+def look_at_task(task: Callable[[], Task], seconds: float = 2.0 * SECONDS) -> float:
+    """Judged answers of a task, by all positions, velocities and forces of the four-bar at 3,600 angles with another length."""
+    bar = load(EXAMPLES / "four_bar.toml")
+    synthesise(hoeken_path())  # the list of curves is calculated once
+
+    def study(design: Design) -> None:
+        fresh = Study(design, 3600)
+        for body in fresh.linkage.bodies.values():
+            _ = [(body.x[order], body.y[order], body.angle[order]) for order in range(3)]
+        _ = fresh.dynamics.torque
+
+    rival = Fresh(lambda: partial(study, put(bar, "linkage.links[2].points.B.x_mm", 90.0 + 1e-6 * next(DURATIONS))))
+    told = measure({"ours": Fresh(lambda: partial(synthesise, task())), "rival": rival}, seconds).seconds
     return told["ours"] / told["rival"]
 
 

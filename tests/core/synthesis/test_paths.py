@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn_cams import drawn
 
 from core.__main__ import main
 from core.errors import DesignError
@@ -142,6 +143,15 @@ def test_points_come_from_a_table_next_to_the_task(tmp_path: Path) -> None:
     (tmp_path / "task.toml").write_text('kind = "path"\n[path]\nfile = "curve.csv"\nclosed = true\n', "utf-8")
     assert main(["synthesise", str(tmp_path / "task.toml"), "--into", str(tmp_path / "best.toml")]) == 0
     assert load(tmp_path / "best.toml").drive.linkage.by_number[3].places["P"] == 0j
+
+
+def test_the_curve_of_a_drawing_is_a_path(tmp_path: Path) -> None:
+    ring = drawn(("circle", (30.0, 20.0), 25.0))
+    (tmp_path / "ring.dxf").write_bytes(ring)
+    (tmp_path / "task.toml").write_text('kind = "path"\n[path]\nfile = "ring.dxf"\nclosed = true\n', "utf-8")
+    answer, *_ = synthesise(load_task(tmp_path / "task.toml")).answers
+    assert answer.error_mm < 0.01 * 50.0
+    assert np.abs(np.abs(traced(answer) - (30.0 + 20.0j)) - 25.0).max() < 0.5
 
 
 @pytest.mark.parametrize(
