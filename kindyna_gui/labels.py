@@ -118,8 +118,19 @@ def choice_text(word: str) -> str:
     return _CHOICES.get(str(word), str(word)) if material is None else material.name
 
 
+_TIPS: Mapping[str, str] = MappingProxyType(
+    {
+        "torque": "peak of the torque over this segment, with the loads and speed of the design; a local optimum",
+        "contact_force": "peak of the contact force over this segment, with the loads and speed of the design; a local optimum",
+        "motor_rms": "root mean square of the servo's torque over this segment; a local optimum",
+    }
+)
+
+
 def choice_tip(word: str) -> str:
     """Tip that explains a choice; empty where its name is clear."""
+    if word in _TIPS:
+        return _TIPS[word]
     if material := MATERIALS.get(word):
         allowable = (
             f"; allowable pressure {material.contact_pressure_mpa:g} MPa ({material.pressure_source})"
