@@ -18,7 +18,6 @@ from core.design.design import SHARED, Design, Drive, TimingRow
 from core.design.engine import CRANK_PER_CAM, HALF_CYCLE
 from core.design.motions import Motion
 from core.design.outlines import FREE, ClearanceRow, Outline
-from core.design.parts import Shaft
 from core.design.paths import all_paths, followed, row_at
 from core.errors import DesignError, Fault
 from core.file_names import no_device
@@ -33,7 +32,6 @@ BALANCER = "balancer"
 RESERVED = ("motor", BALANCER)
 """Slugs that no drive may have, since columns of the shaft's table have them."""
 
-_OPPOSITE = {"ccw": "cw", "cw": "ccw"}
 _DECIMALS = 10  # of a centre, far below the accuracy of a search
 _ON_SHAFT = ("name", "phase_deg", "mirrored", "carries")  # fields of a drive that a single drive does not have
 
@@ -118,21 +116,12 @@ def only(design: Design, index: int) -> Design:
     marks += [path for path in design.assumed if path in ("shaft.rotation", "shaft.speed_rpm")]
     marks += [path for path in design.assumed if path.startswith("engine.")]
     single = replace(drive, name=None, phase_deg=0.0, mirrored=False, carries=())
-    return Design(drive.name or "", _shaft_of(design, drive), (single,), tuple(marks), engine=design.engine)
+    return Design(drive.name or "", design.shaft_of(drive), (single,), tuple(marks), engine=design.engine)
 
 
 def in_machine(design: Design, single: Design) -> Design:
     """Design of a single drive with the name of the machine in its name."""
     return replace(single, name=f"{design.name}, drive {single.name}") if design.listed else single
-
-
-def _shaft_of(design: Design, drive: Drive) -> Shaft | None:
-    """Shaft with its speed and sense of rotation as seen by the drive."""
-    shaft = design.shaft
-    if shaft is None:
-        return None
-    rotation = _OPPOSITE.get(shaft.rotation, shaft.rotation) if drive.mirrored else shaft.rotation
-    return Shaft(rotation, shaft.speed_rpm)
 
 
 def with_only(design: Design, index: int, single: Design) -> Design:
@@ -146,7 +135,7 @@ def with_only(design: Design, index: int, single: Design) -> Design:
     drive = replace(single.drive, name=single.name, phase_deg=old.phase_deg, mirrored=old.mirrored, carries=old.carries)
     changed = with_drives(design, (*design.drives[:index], drive, *design.drives[index + 1 :]))
     if single.shaft is not None and design.shaft is not None and single.shaft != before.shaft:
-        turning = _shaft_of(replace(design, shaft=single.shaft), old)
+        turning = replace(design, shaft=single.shaft).shaft_of(old)
         assert turning is not None
         shaft = replace(design.shaft, rotation=turning.rotation, speed_rpm=turning.speed_rpm)
         changed = turning_together(replace(changed, shaft=shaft))
@@ -171,7 +160,7 @@ def turning_together(design: Design) -> Design:
         return design
     drives = []
     for drive in design.drives:
-        shaft = _shaft_of(design, drive)
+        shaft = design.shaft_of(drive)
         if drive.is_linkage and shaft is not None:
             driver = replace(drive.linkage.driver, speed_rpm=shaft.signed_rpm)
             drive = replace(drive, mechanism=replace(drive.linkage, driver=driver))

@@ -29,6 +29,7 @@ SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "engine", "valve", 
 """Tables of a file in their order; no design has all of them. The motions of second drivers follow them."""
 SHARED = ("shaft", "engine")
 """Tables that several drives share."""
+_OPPOSITE = {"ccw": "cw", "cw": "ccw"}
 MOTIONS = "motions."
 """Prefix of the name of a second driver's motion."""
 
@@ -305,10 +306,19 @@ class Design:
         """A drive whose optimal laws know the parts of their machine."""
 
         def machine(motion: Motion) -> Design:
-            part = replace(drive, motion=motion, limits=NO_LIMITS)
-            return Design("", self.shaft, (part,), engine=self.engine)
+            single = replace(
+                drive, motion=motion, limits=NO_LIMITS, name=None, phase_deg=0.0, mirrored=False, carries=()
+            )
+            return Design("", self.shaft_of(drive), (single,), engine=self.engine)
 
         return drive if drive.motion is None else replace(drive, motion=drive.motion.in_machine(machine))
+
+    def shaft_of(self, drive: Drive) -> Shaft | None:
+        """Shaft with its speed and sense of rotation as seen by a drive."""
+        if self.shaft is None:
+            return None
+        rotation = _OPPOSITE.get(self.shaft.rotation, self.shaft.rotation) if drive.mirrored else self.shaft.rotation
+        return Shaft(rotation, self.shaft.speed_rpm)
 
     @property
     def listed(self) -> bool:

@@ -7,15 +7,18 @@ two derivatives there, so that their derivatives by these follow from studies wh
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 
-from core.design import Design, OptimalCurve, Segment, faults, only
-from core.design.curves import optimal_task, solve_machines_by
+from core.design import ComputedCurve, Design, Motion, OptimalCurve, Segment, faults
+from core.design.curves import optimal_task, solve_machines_by, with_joined_ends
+from core.design.motions import needs_machine
 from core.design.rules import missing_for_effect
 from core.errors import DesignError, Fault, NoSolution
+from core.laws import Piece
 from core.laws.local import LocalLaw, local_law
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, spread
@@ -107,7 +110,7 @@ def law_in_machine(segment: Segment, whole_turn: bool) -> LocalLaw:
     curve = segment.curve
     assert isinstance(curve, OptimalCurve)
     assert curve.machine is not None
-    design, index = only(curve.machine.design, 0), curve.machine.segment
+    design, index = curve.machine.design, curve.machine.segment
     wrong = faults(design)
     if needs := missing_for_effect(design.drive, curve.minimise):
         wrong.append(Fault(f"motion.segments[{index}].minimise", curve.minimise, f"needs {needs}", "another aim"))
@@ -118,3 +121,27 @@ def law_in_machine(segment: Segment, whole_turn: bool) -> LocalLaw:
 
 
 solve_machines_by(law_in_machine)
+
+
+def with_fixed_laws(design: Design) -> Design:
+    """Design whose optimal laws stay as they are where its machine changes: machines are built with the laws of the design."""
+    if not any(drive.motion is not None and drive.motion.needs_machine for drive in design.drives):
+        return design
+    drives = (
+        drive if drive.motion is None else replace(drive, motion=_with_fixed_laws(drive.motion))
+        for drive in design.drives
+    )
+    return replace(design, drives=tuple(drives))
+
+
+def _with_fixed_laws(motion: Motion) -> Motion:
+    def fixed(index: int, segment: Segment) -> Segment:
+        if not needs_machine(segment.curve):
+            return segment
+        law = law_in_machine(with_joined_ends(motion, index), len(motion.segments) == 1)
+        pieces = (Piece(p.start, tuple(segment.rise * c for c in p.polynomial)) for p in law.pieces)
+        return replace(segment, curve=ComputedCurve(tuple(pieces)))
+
+    if not motion.needs_machine:
+        return motion
+    return replace(motion, segments=tuple(fixed(i, segment) for i, segment in enumerate(motion.segments)))

@@ -17,6 +17,7 @@ from core.shaft import Flywheel, combined_load
 from core.study import Camshaft, Study
 from core.study.batch import with_numbers
 from core.study.limits import SPEEDS
+from core.study.machine_laws import with_fixed_laws
 from core.study.quantity_requests import TORQUE, quantity_request, request_columns
 from core.varying.request import StudyFile, StudyQuantity, study_of
 from core.varying.surveys import SEED
@@ -57,7 +58,7 @@ def drive_bands(design: Design, drive: int, slugs: Sequence[str], quick: bool) -
     -------
     mapping of str -> ndarray (5, 360) [unit of the column]
     """
-    design = _single_drive(design, drive)
+    design = with_fixed_laws(_single_drive(design, drive))
     columns = set(request_columns(design))
     rows = []
     for slug in slugs:
@@ -92,6 +93,7 @@ def shaft_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     """
     if not design.tolerances and design.waviness is None:
         return {}
+    design = with_fixed_laws(design)
     numbers = _random_numbers(design, machines)
     theta = np.deg2rad(degrees(samples))
     camshaft = Study(design).camshaft.at_theta(theta)
@@ -137,6 +139,7 @@ def motor_bands(design: Design, samples: int = 360, machines: int = FEW_MACHINES
     mapping of str -> ndarray (5, n) [N m] or [rad/s]
         Quantity -> its percentiles; empty without tolerances or flywheel.
     """
+    design = with_fixed_laws(design)
     camshaft = Study(design).camshaft
     if not design.tolerances or not camshaft.levels_torque:
         return {}

@@ -19,6 +19,7 @@ from core.motion import degrees
 from core.numerics.lazy import checkpoint
 from core.study import Study, many, sensitivity
 from core.study.batch import design_block, is_batchable
+from core.study.machine_laws import with_fixed_laws
 from core.study.quantities import quantity
 from core.study.quantity_requests import QuantityRequest, quantity_request
 from core.varying.request import StudyFile, StudyLimit, StudyOfMany, StudyQuantity, study_of
@@ -159,7 +160,8 @@ class Scatter:
 
     def __init__(self, study: StudyOfMany, tolerances: Sequence[Tolerance] | None = None) -> None:
         """Set up with the tolerances of the design, or with others in their place."""
-        self.study, self.design = study, study.base
+        self.design = with_fixed_laws(study.base)
+        self.study = replace(study, base=self.design)
         self.tolerances = tuple(self.design.tolerances if tolerances is None else tolerances)
         if not self.tolerances and self.design.waviness is None:
             raise KindynaError("tolerances: this design has none; give at least one [[tolerances]], or [waviness]")

@@ -15,6 +15,7 @@ from core.design import (
     Design,
     OptimalCurve,
     SplinePoint,
+    Tolerance,
     edited,
     merged,
     only,
@@ -25,6 +26,7 @@ from core.errors import DesignError
 from core.laws import Piece
 from core.project import dumps, load, loads
 from core.study import Study, certificate_of, law_in_machine, many
+from core.varying.tolerances import Scatter, tolerance_study
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 PATH = "motion.segments[1]"
@@ -222,6 +224,24 @@ def test_a_study_of_designs_solves_each_law() -> None:
     for value, figure in zip(values.tolist(), result.tolist(), strict=True):
         alone = Study(edited(design, path, value)).dynamics.torque
         assert figure == pytest.approx(np.abs(alone).max(), rel=1e-3)
+
+
+def test_machines_are_built_with_the_law_of_the_design() -> None:
+    """A tolerance does not change the law: the torque of a machine is that of the nominal cam."""
+    design = optimal(load(EXAMPLES / "tappet_flat.toml"), "torque")
+    design = replace(design, tolerances=(Tolerance("loads.preload_n", 10.0),))
+    scatter = Scatter(tolerance_study(design))
+    slope = scatter.slopes()[0][scatter.keys.index("drive_torque_nm:abs")]
+    fixed = with_motion(replace(design, tolerances=()), plain_motion(design))
+    values = [peak_of_turn(edited(fixed, "loads.preload_n", 140.0 + step)) for step in (-0.01, 0.01)]
+    assert slope == pytest.approx((values[1] - values[0]) / 0.02, rel=1e-4)
+    assert not np.allclose(values[1], peak_of_turn(edited(design, "loads.preload_n", 150.0)), rtol=1e-6)
+
+
+def peak_of_turn(design: Design) -> float:
+    return float(
+        many(design, {"shaft.speed_rpm": np.array([1200.0])}, ["drive_torque_nm:abs"]).value["drive_torque_nm:abs"][0]
+    )
 
 
 def test_edits_of_loads_keep_an_incomplete_motion() -> None:
