@@ -172,12 +172,14 @@ class ParametersView(View):
             self._nearest_fit.restart()
         self.name.refresh(typed)
         self.kind.setText(kind_label(typed))
-        for section, form in self.forms.items():
-            design = self.session.typed_full_design if section == SHAFT else typed
-            present, tab = part_of(design, section) is not None, self.tabs.indexOf(self.pages[section])
-            self.tabs.set_present(tab, present)
-            if not present:
-                continue
+        parts = {s: self.session.typed_full_design if s == SHAFT else typed for s in self.forms}
+        present = [section for section, design in parts.items() if part_of(design, section) is not None]
+        for section in sorted(
+            parts, key=lambda section: section not in present
+        ):  # the next one follows on one that goes
+            self.tabs.set_present(self.tabs.indexOf(self.pages[section]), section in present)
+        for section in present:
+            design, form = parts[section], self.forms[section]
             if section == LOADS:
                 self.loads.refresh(study, typed)
             else:

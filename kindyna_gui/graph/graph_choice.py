@@ -38,6 +38,7 @@ GROUPS: Mapping[str, str] = MappingProxyType(
 """Tables of core in the order of the tree, with their titles."""
 
 HEADINGS = ("Quantity", "", "Unit")
+BESIDE_NAMES = 76  # pixels of a row for its box, the sign of its curve and the gaps between the columns
 LEAST_WIDTH, DEFAULT_WIDTH, ROW_HEIGHT = 150, 272, 20  # pixels; a narrower tree hides the symbols
 FIRST = (("displacement",), ("velocity",), ("acceleration",))
 """Quantities of each plot of a new graph."""
@@ -147,15 +148,24 @@ class ChannelTree(QTreeWidget):
         super().resizeEvent(event)
         self.setColumnHidden(1, self.width() < DEFAULT_WIDTH - 4)
 
-    def show_rows(self, rows: Sequence[Quantity], reasons: Mapping[str, str]) -> None:
-        """List these channels; reasons: quantity -> why it cannot be drawn."""
+    @property
+    def full_width(self) -> int:
+        """Width at which no name is cut."""
+        advance, columns = self.fontMetrics().horizontalAdvance, range(self.columnCount())
+        texts = [max((advance(item.text(column)) for item in self._items.values()), default=0) for column in columns]
+        return sum(texts) + BESIDE_NAMES + self.verticalScrollBar().sizeHint().width()
+
+    def show_rows(self, rows: Sequence[Quantity], reasons: Mapping[str, str]) -> bool:
+        """List these channels, and return whether they are others; reasons: quantity -> why it cannot be drawn."""
         with QSignalBlocker(self):
-            if tuple(rows) != self._rows:
+            are_others = tuple(rows) != self._rows
+            if are_others:
                 self._build(rows)
             for row in rows:
                 item, text = self._items[row.name], reasons.get(row.name, "")
                 item.setForeground(0, QColor(SCREEN.quiet if text else SCREEN.ink))
                 item.setToolTip(0, escape(text) or tip_of(row))
+        return are_others
 
     def _build(self, rows: Sequence[Quantity]) -> None:
         self.clear()

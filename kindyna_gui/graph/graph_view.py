@@ -32,7 +32,7 @@ from kindyna_gui.saving import save_numbers, save_picture
 
 LEAST_STRAIGHT, LEAST_POLAR = 144, 280  # height of a plot before the column scrolls, pixels
 EMPTY = "Tick channels in the tree on the left to draw them here"
-TREE_SHARE = 0.4  # of the width, at most
+TREE_SHARE = 0.45  # of the width, at most
 Plot = LivePlot | LivePolar
 
 # -- straight and polar plots ----------------------------------------------------------------------------
@@ -118,6 +118,7 @@ class GraphView(PlotsView):
         self._reasons: dict[str, str] = {}
         self._built: tuple[object, ...] = ()  # form and number of the plots
         self._has_sizes = False
+        self._is_by_hand = False  # whether the user has set the width of the tree
         self._paper = ContentArea(session, player)
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
         self._paper.setAutoFillBackground(True)
@@ -130,6 +131,7 @@ class GraphView(PlotsView):
         self._splitter.addWidget(self.tree)
         self._splitter.addWidget(self.area)
         self._splitter.setStretchFactor(1, 1)
+        self._splitter.splitterMoved.connect(self._note_by_hand)
         self.set_column(self._tools(), self._splitter, grows=self._splitter)
         self._scroll_timer = QTimer(self, singleShot=True, interval=0)
         self._scroll_timer.timeout.connect(self._show_active)
@@ -200,7 +202,8 @@ class GraphView(PlotsView):
                 self._rows[name].values(study)
             except KindynaError:
                 self._reasons[name] = why_missing(study, self._rows[name])
-        self.tree.show_rows(rows, self._reasons)
+        if self.tree.show_rows(rows, self._reasons) and not self._is_by_hand:
+            self._share_width()
         self._rebuild()
         for panel, names in zip(self.panels, self.selection.plots, strict=True):
             drawable = self._drawable(names)
@@ -335,8 +338,15 @@ class GraphView(PlotsView):
         super().showEvent(event)
         if not self._has_sizes:  # the width is not known before
             self._has_sizes = True
-            tree_width = min(DEFAULT_WIDTH, round(TREE_SHARE * self.width()))
-            self._splitter.setSizes([tree_width, self.width() - tree_width])
+            self._share_width()
+
+    def _note_by_hand(self, *_: int) -> None:
+        self._is_by_hand = True
+
+    def _share_width(self) -> None:
+        """Give the tree the width of its names, or its share."""
+        tree_width = min(max(DEFAULT_WIDTH, self.tree.full_width), round(TREE_SHARE * self.width()))
+        self._splitter.setSizes([tree_width, self.width() - tree_width])
 
     # -- export -------------------------------------------------------------------------------------------
 

@@ -124,6 +124,14 @@ def test_all_tabs_can_be_read_and_those_without_room_are_in_a_list(open_user: Op
     assert [i for i in present if tabs.isTabVisible(i)] == present
 
 
+def test_a_linkage_opens_on_its_own_page(user: User) -> None:
+    tabs = user.parameters().tabs
+    assert tabs.tabText(tabs.currentIndex()) == "Follower"
+    user.session.open(example("four_bar"))
+    user.parameters()
+    assert tabs.tabText(tabs.currentIndex()) == "Linkage"
+
+
 def test_fields_follow_undo_and_other_files(user: User) -> None:
     user.enter(ROD, "850")
     user.choose("Edit", "Undo Change rod L2 to 850 mm")

@@ -111,6 +111,13 @@ def test_the_tree_lists_every_channel_with_symbol_and_unit(graph: GraphView) -> 
     assert ticked(graph.tree) == {name for plot in FIRST for name in plot}
 
 
+def test_no_name_of_a_channel_is_cut(graph: GraphView) -> None:
+    tree, box_and_sign = graph.tree, 40
+    for row in channels(LIFT):
+        width = tree.fontMetrics().horizontalAdvance(tree.item_of(row.name).text(0))
+        assert width + box_and_sign <= tree.columnWidth(0), row.label
+
+
 @pytest.mark.parametrize(
     ("symbol", "shown"),
     [
