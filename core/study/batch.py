@@ -21,7 +21,7 @@ from core.mechanism import plan_of
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
 from core.shaft import LoadCurve, combined_load, combined_loads
-from core.study.extremes import extremes_of, has_quantity, undercut_on
+from core.study.extremes import extremes_beyond_lash, extremes_of, has_quantity, undercut_on
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.limits import SPEEDS
 from core.study.loads_of_many import (
@@ -95,7 +95,7 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         return False
     if design.drive.loads.process and any(path.startswith(_MOTION) for path in paths):
         return False
-    if not _keeps_its_lash(design, paths):
+    if not _keeps_its_lash(design, paths) or _is_least_beyond_lash(design, request):
         return False
     if request.name in OF_STEADY_SPEED:
         return design.drive.loads_shaft
@@ -109,6 +109,12 @@ def is_batchable(design: Design, paths: Sequence[str], request: QuantityRequest)
         and request.name not in OF_MOTOR | _NEEDS_CENTRES | {"valve_spring_force"}
         and not row.needs.startswith("elastic")
     )
+
+
+def _is_least_beyond_lash(design: Design, request: QuantityRequest) -> bool:
+    """Whether a figure is the least contact force of a valve train with lash: that of the open valve, since a loose train has none."""
+    valve = design.drive.valve
+    return (request.name, request.statistic) == ("contact_force", "min") and valve is not None and bool(valve.lash_mm)
 
 
 def _keeps_its_lash(design: Design, paths: Sequence[str]) -> bool:
@@ -467,6 +473,10 @@ def _study_figure(study: Study, request: QuantityRequest) -> tuple[float, float]
         angles, weight = clenshaw_curtis_nodes(study.program)
         values = np.broadcast_to(row.value(study.at(angles)), angles.theta.size)
         return mean_statistic(values, weight, statistic), np.nan
-    extremes = extremes_of(study, row.stage, (request.name,))[request.name]
+    extremes = (
+        extremes_beyond_lash(study, request.name)
+        if _is_least_beyond_lash(study.design, request)
+        else extremes_of(study, row.stage, (request.name,))[request.name]
+    )
     value, theta = extreme_statistic(statistic, *((end.value, end.theta) for end in (extremes.low, extremes.high)))
     return float(value), float(theta)

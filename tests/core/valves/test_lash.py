@@ -182,6 +182,28 @@ def test_many_designs_with_lash_are_those_one_by_one(name: str, path: str, facto
             assert result.value[column][i] == pytest.approx(high / split_unit(row.slug)[1].factor, rel=1e-9), column
 
 
+def test_the_least_contact_force_of_a_study_is_that_of_the_open_valve() -> None:
+    design = direct()
+    rates = get(design, "loads.spring_rate_n_per_mm") * np.array([0.8, 1.0, 1.2])
+    least = many(design, {"loads.spring_rate_n_per_mm": rates}, ["contact_force_n:min"]).value["contact_force_n:min"]
+    for rate, force in zip(rates.tolist(), least.tolist(), strict=True):
+        study = Study(put(design, "loads.spring_rate_n_per_mm", rate), samples=36_000)
+        is_open = value(study, "valve_lift") > 1e-9
+        assert force == pytest.approx(value(study, "contact_force")[is_open].min(), rel=1e-4)
+        assert force <= 300.0 + 1e-9, "the preload is the force where the valve opens"
+
+
+def test_the_top_speed_of_a_train_with_lash_is_that_of_lift_off(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    design = direct()
+    save(design, tmp_path / "train.toml")
+    assert main(["find", str(tmp_path / "train.toml"), "top-speed", "--json"]) == 0
+    top = json.loads(capsys.readouterr().out)["answer"]["shaft.speed_rpm"]
+    floats = Study(design).lift_off.omega * 30.0 / math.pi
+    assert floats * (1.0 - 1e-5) < top <= floats
+
+
 def test_many_trains_that_stay_closed_have_a_reason() -> None:
     closed = put(put(trained("pushrod_train.toml", 0.2), "follower.pad_mm", 4.0), "valve.lash_mm", 3.0)
     for path in ("loads.preload_n", "shaft.speed_rpm", "follower.pushrod_mm"):
