@@ -190,7 +190,7 @@ def least_distance(encounter: Encounter, first: Intervals, tolerance: float, eno
             break
         search.halve()
     bound = min(bound, search.lower.min(initial=inf), search.least)
-    return LeastDistance(search.least, bound - spread, search.theta, search.piece)
+    return LeastDistance(search.least, float(bound - spread), search.theta, search.piece)
 
 
 def meetings(encounter: Encounter, first: Intervals) -> list[tuple[float, float]]:

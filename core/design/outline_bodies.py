@@ -20,7 +20,6 @@ _BODIES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "oscillating": _ARM,
         "rocker": {"arm": "rocker", **_TRAIN},
         "pushrod": {"follower": "tappet", "pushrod": "pushrod", **_TRAIN},
-        "motion": {"follower": "output"},
     }
 )
 """Kind of mechanism -> word of a body -> its name in the kinematics."""
@@ -28,11 +27,15 @@ _BODIES: Mapping[str, Mapping[str, str]] = MappingProxyType(
 
 def body_words(drive: Drive) -> Mapping[str, str]:
     """Word of every body of a drive that can have an outline -> its name in the kinematics; the frame is not listed."""
+    if drive.mechanism is None:  # of a file with an unreadable table
+        return {}
+    if drive.is_alone:  # without a cam, or with one in space, which is in no plane
+        return {"follower": "output"}
     if drive.is_linkage:
         words = {f"link {n}": f"link{n}" for n in sorted(drive.linkage.by_number) if n != FRAME_LINK}
     else:
         words = dict(_BODIES[drive.kind])
-    if drive.cam is None or drive.mechanism is None or drive.is_alone:  # a cam in space is in no plane
+    if drive.cam is None:
         return words
     return words | {CAM: CAM} | ({} if drive.face.slides or drive.face.straight else {ROLLER: ROLLER})
 

@@ -213,7 +213,7 @@ class Clearances:
         kinematics = self._first(i)
         carrier = kinematics.carrier or kinematics.follower_body
         if (
-            drive.cam is not None
+            CAM in body_words(drive)
             and (point := kinematics.bodies[carrier].points.get(self._roller_point(i))) is not None
         ):
             yield _Pin(Body(i, ROLLER), 0j, Body(i, carrier), seen(point))
