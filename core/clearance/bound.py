@@ -115,10 +115,11 @@ class Encounter:
     shapes: ShapePair
     motions: Motions
 
-    def placement(self, angles: Angles) -> Placement:
-        """Poses of the second body in the frame of the first."""
+    def placement(self, angles: Angles, count: int = 1) -> Placement:
+        """Poses of the second body in the frame of the first, at least `count` of them where both stand still."""
         first, second = self.motions(angles, 1)
-        return relative(second, first).placement
+        placement = relative(second, first).placement
+        return placement if placement.origin.size >= count else placement.spread(count)
 
 
 @frozen(eq=False)

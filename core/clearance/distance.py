@@ -32,6 +32,10 @@ class Placement(NamedTuple):
     origin: np.ndarray
     unit: np.ndarray
 
+    def spread(self, count: int) -> Placement:
+        """The same pose at every angle, where there is one."""
+        return Placement(*(np.broadcast_to(row, count) for row in self))
+
     def part(self, rows: slice) -> Placement:
         """Some of the poses."""
         return Placement(self.origin[rows], self.unit[rows])
@@ -171,19 +175,39 @@ def _enclosed(shape: Shape, number: int, points: np.ndarray) -> np.ndarray:
     return inside
 
 
-def nearest_points(pair: ShapePair, placement: Placement) -> tuple[complex, complex]:
-    """Nearest points of two shapes at one pose, in the frame of the first [m]; on the grown outlines where they are grown."""
+def nearest_points(pair: ShapePair, placement: Placement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Distance and nearest points of two shapes, on the grown outlines where they are grown.
+
+    Parameters
+    ----------
+    pair : ShapePair
+    placement : Placement
+        The n poses.
+
+    Returns
+    -------
+    distance, first, second : ndarray (n,) [m], (n,) complex [m], (n,) complex [m]
+        Points in the frame of the first shape.
+    """
     found = distances(pair, placement)
-    points, least = (complex(pair.first.start[0]), complex(placement.origin[0])), np.inf
+    least = np.full(found.value.size, np.inf)
+    points = np.zeros((2, least.size), dtype=complex)
     for rows, p, q in _candidates(pair, placement, found.pose, found.first, found.second):
         growths = pair.first.growth[found.first[rows]], pair.second.growth[found.second[rows]]
         size = np.abs(q - p)
-        gap = np.where(np.isnan(size), np.inf, size - sum(growths))
-        row = int(gap.argmin())
-        if gap[row] < least:
-            least, along = gap[row], (q[row] - p[row]) / size[row] if size[row] > 0.0 else 0j
-            points = complex(p[row] + along * growths[0][row]), complex(q[row] - along * growths[1][row])
-    return points
+        gap = np.where(np.isnan(size), np.inf, size - growths[0] - growths[1])
+        order = np.argsort(-gap, kind="stable")  # the last one that is written to a pose is the nearest
+        pose = found.pose[rows][order]
+        nearest = np.full(least.size, -1)
+        nearest[pose] = order
+        at = np.flatnonzero(nearest >= 0)
+        row = nearest[at]
+        nearer = gap[row] < least[at]
+        at, row = at[nearer], row[nearer]
+        along = (q[row] - p[row]) / np.where(size[row] > 0.0, size[row], 1.0)
+        least[at] = gap[row]
+        points[:, at] = p[row] + along * growths[0][row], q[row] - along * growths[1][row]
+    return found.value, points[0], points[1]
 
 
 # -- pairs of points of two elements --------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from core.numerics.lazy import lazy
 
 LONGEST_SWEEP = 0.5 * np.pi  # of an arc; longer ones are divided, so that a small disc contains each
 MM = 1e-3
+ARC_STEP = np.deg2rad(3.0)  # [rad] between points of an arc that is drawn
 SMOOTH = 1e-7  # [rad]: turn of the tangent at a joint below which it is no corner
 
 
@@ -117,6 +118,28 @@ class Shape:
         start, end, centre = (z * unit for z in (self.start, self.end, self.centre))
         more = (self.growth, self.outline, self.layers, self.encloses, self.deviation)
         return Shape(start, end, centre, self.radius, self.sweep, *more)
+
+    def curve(self, number: int) -> np.ndarray:
+        """Points along one outline, without its growth: the ends of its elements, and points of its arcs every 3 degrees.
+
+        Parameters
+        ----------
+        number : int
+            Number of the outline.
+
+        Returns
+        -------
+        ndarray (p,) complex [m]
+        """
+        points: list[np.ndarray] = []
+        for i in np.flatnonzero(self.outline == number).tolist():
+            count = max(1, int(np.ceil(abs(self.sweep[i]) / ARC_STEP)))
+            turn = np.exp(1j * self.sweep[i] * np.arange(count) / count)
+            is_arc = self.radius[i] > 0.0
+            points.append(self.centre[i] + (self.start[i] - self.centre[i]) * turn if is_arc else self.start[i : i + 1])
+        if not self.encloses[number]:
+            points.append(self.end[self.outline == number])
+        return np.concatenate(points)
 
     def contains(self, point: complex) -> bool:
         """Whether a point [m] of the body's frame is inside one of the outlines, or on it to rounding."""

@@ -9,7 +9,7 @@ from core.commands import DONE, DONE_WITH_ERRORS, Painter
 from core.commands.common import as_json, design_file, ending_with, studied
 from core.design.fields import number
 from core.frozen import frozen
-from core.output.clearance import clearance_data, clearance_line, is_kept, required_clearance
+from core.output.clearance import clearance_data, clearance_line, is_kept
 from core.output.export import MM, clearance_table
 from core.output.summary import to_json
 from core.project import load
@@ -65,7 +65,7 @@ def run_clearance(arguments: ClearanceArguments, painter: Painter | None) -> int
         write_all(
             arguments.out.parent, {arguments.out.name: b"".join(clearance_table(study, [pair for _, pair in results]))}
         )
-    required = [required_clearance(study, pair, arguments.least) for _, pair in results]
+    required = [clearances.required(pair) if arguments.least is None else arguments.least for _, pair in results]
     if arguments.json:
         print(to_json([clearance_data(result) for result, _ in results]), end="")
     else:

@@ -5,23 +5,10 @@ from __future__ import annotations
 from math import degrees
 from typing import Any
 
-from core.design.outline_bodies import Body, body_named
 from core.errors import angle_list
 from core.number_text import result_text
 from core.output.export import MM
-from core.study import Study
 from core.study.clearances import LeastClearance
-
-Pair = tuple[Body, Body]
-
-
-def required_clearance(study: Study, pair: Pair, least_mm: float | None = None) -> float:
-    """Clearance [mm] that two bodies must keep: the given one, else that of ``[[clearances]]``, else 0."""
-    if least_mm is not None:
-        return least_mm
-    design = study.design
-    rows = (row for row in design.clearances if {body_named(design, text) for text in row.between} == set(pair))
-    return max((row.least_mm for row in rows), default=0.0)
 
 
 def clearance_data(result: LeastClearance) -> dict[str, Any]:

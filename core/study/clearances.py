@@ -82,6 +82,27 @@ class LeastClearance:
     meets: tuple[tuple[float, float], ...] = ()
 
 
+@frozen(eq=False)
+class NearestBodies:
+    """The nearest pair of bodies at n angles.
+
+    Attributes
+    ----------
+    pairs : tuple of pairs of Body
+    number : ndarray (n,) of int, dimensionless
+        Number of the nearest pair.
+    distance : ndarray (n,) [m]
+    first, second : ndarray (n,) complex [m]
+        Nearest points of both bodies in the global frame.
+    """
+
+    pairs: tuple[Pair, ...]
+    number: np.ndarray
+    distance: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+
+
 class _Pin(NamedTuple):
     """A point that two bodies share, in the frames of both [m]."""
 
@@ -165,6 +186,15 @@ class Clearances:
         """Column -> pair."""
         return {self.column(pair): pair for pair in self.pairs}
 
+    def required(self, pair: Pair) -> float:
+        """Clearance that two bodies must keep [mm], by ``[[clearances]]``; 0 where none is stated."""
+        rows = (
+            row
+            for row in self.design.clearances
+            if {body_named(self.design, text) for text in row.between} == set(pair)
+        )
+        return max((row.least_mm for row in rows), default=0.0)
+
     def _shares_layer(self, pair: Pair) -> bool:
         return any(True for _ in self._planes(pair))
 
@@ -194,7 +224,7 @@ class Clearances:
     def _is_inside(self, body: Body, point: complex) -> bool:
         if body.name == CAM and any(not (row.points or row.file) for row in self.outlines[body]):
             return True  # every profile encloses the centre of its cam
-        return self._shape(body, None).contains(point)
+        return self.shape(body, None).contains(point)
 
     def _pins(self) -> Iterator[_Pin]:
         """Points that two bodies share: pins, the centres of rollers and of cams."""
@@ -243,7 +273,7 @@ class Clearances:
 
     # -- shapes ---------------------------------------------------------------------------------------------
 
-    def _shape(self, body: Body, plane: str | None) -> Shape:
+    def shape(self, body: Body, plane: str | None) -> Shape:
         """Shape of the outlines of a body in a plane, in the frame of the body as seen from the first end of the shaft."""
         outlines = tuple(row for row in self.outlines[body] if row.plane == plane)
         drawings = tuple(map(drawing_of, outlines))
@@ -340,7 +370,7 @@ class Clearances:
         """The two bodies in each plane in which they have a common layer."""
         result = []
         for plane in self._planes(pair):
-            first, second = (self._shape(body, plane) for body in pair)
+            first, second = (self.shape(body, plane) for body in pair)
 
             def motions(angles: Angles, orders: int, plane: str | None = plane) -> tuple[BodyMotion, BodyMotion]:
                 pose = self.at(angles)
@@ -367,24 +397,50 @@ class Clearances:
         least = np.full(pose.angles.theta.size, inf)
         for encounter, plane in self._encounters(pair):
             first, second = (pose.motion(body, plane, 1) for body in pair)
-            placement = relative(second, first).placement
-            origin, unit = (np.broadcast_to(row, least.shape) for row in placement)
-            least = np.minimum(least, distances(encounter.shapes, type(placement)(origin, unit)).value)
+            placement = relative(second, first).placement.spread(least.size)
+            least = np.minimum(least, distances(encounter.shapes, placement).value)
         return np.where(least <= TOUCHING, 0.0, least)
 
     def nearest(self, pair: Pair, angles: Angles) -> tuple[complex, complex]:
         """Nearest points of two bodies at one angle, in the global frame [m]; of the transferred part in its plane."""
-        best, points = inf, (0j, 0j)
+        _, first, second = self.nearest_points(pair, angles)
+        return complex(first[0]), complex(second[0])
+
+    def nearest_points(self, pair: Pair, angles: Angles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distance and nearest points of two bodies; one point where they meet.
+
+        Parameters
+        ----------
+        pair : tuple of Body
+        angles : Angles
+            The n angles.
+
+        Returns
+        -------
+        distance, first, second : ndarray (n,) [m], (n,) complex [m], (n,) complex [m]
+            Points in the global frame; of the transferred part in its plane.
+        """
+        n = angles.theta.size
+        best, points = np.full(n, inf), np.zeros((2, n), dtype=complex)
         for encounter, _ in self._encounters(pair):
             first, _ = encounter.motions(angles, 1)
-            placement = encounter.placement(angles)
-            value = float(distances(encounter.shapes, placement).value[0])
-            if value < best:
-                p, q = nearest_points(encounter.shapes, placement)
-                z, unit = complex(first.origin[0].flat[0]), complex(first.turn[0].flat[0])
-                best, points = value, (z + unit * p, z + unit * q)
-        middle = 0.5 * (points[0] + points[1])
-        return points if best > TOUCHING else (middle, middle)
+            value, p, q = nearest_points(encounter.shapes, encounter.placement(angles, n))
+            nearer = value < best
+            best = np.where(nearer, value, best)
+            points = np.where(nearer, first.origin[0] + first.turn[0] * np.array([p, q]), points)
+        meets = best <= TOUCHING
+        p, q = np.where(meets, points.mean(axis=0), points)
+        return np.where(meets, 0.0, best), p, q
+
+    def nearest_of_all(self, angles: Angles) -> NearestBodies:
+        """The pair of the plane of the mechanism that is nearest at each of n angles; its distance and nearest points."""
+        pairs = [pair for pair in self.pairs if None in self._planes(pair)]
+        rows = [self.nearest_points(pair, angles) for pair in pairs]
+        distance = np.array([row[0] for row in rows])
+        number = distance.argmin(axis=0)
+        at = np.arange(number.size)
+        first, second = (np.array([row[k] for row in rows])[number, at] for k in (1, 2))
+        return NearestBodies(tuple(pairs), number, distance[number, at], first, second)
 
     def least(self, pair: Pair, tolerance: float = TOLERANCE) -> LeastClearance:
         """Least clearance of two bodies over the turn, proven to a tolerance [m]."""
@@ -566,16 +622,12 @@ def pair_members(study: Any) -> tuple[str, ...]:
 # -- findings -------------------------------------------------------------------------------------------------
 
 
-def clearance_findings(clearances: Clearances, stated: float = 0.0) -> list[Finding]:
-    """Pairs that meet, and pairs that come nearer to each other than they may.
-
-    ``stated`` is the clearance [mm] that pairs without a row in ``[[clearances]]`` must keep.
-    """
+def clearance_findings(clearances: Clearances) -> list[Finding]:
+    """Pairs that meet, and pairs that come nearer to each other than they may."""
     design, findings = clearances.design, []
-    rows = {frozenset(body_named(design, text) for text in row.between): row.least_mm for row in design.clearances}
     for pair in clearances.pairs:
         checkpoint()
-        least = rows.get(frozenset(pair), stated)
+        least = clearances.required(pair)
         if clearances.keeps(pair, least * MM):
             continue
         result = clearances.least(pair)

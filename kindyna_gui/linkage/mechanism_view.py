@@ -25,6 +25,7 @@ from kindyna_gui.linkage.mechanism_mouse import MechanismMouseView
 from kindyna_gui.look import Note, linked
 from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.drawing.outline_parts import LAYER as OUTLINE_LAYER
 from kindyna_gui.pictures.drawing.parts import (
     BODY_FORCE_LAYERS,
     COLOUR_LAYERS,
@@ -243,7 +244,7 @@ class MechanismView(MechanismMouseView):
     @property
     def _all_drive_layers(self) -> tuple[str, ...]:
         """Layers that are shown while all drives are drawn."""
-        return tuple(name for name in (*DRIVE_LAYERS, *SELECTED_LAYERS) if self._layer_states[name])
+        return tuple(name for name in (*DRIVE_LAYERS, *SELECTED_LAYERS, *OUTLINE_LAYER) if self._layer_states[name])
 
     def _show_all(self) -> None:
         self._pages.setCurrentWidget(self.all_canvas)
@@ -440,7 +441,9 @@ class MechanismView(MechanismMouseView):
 
     def layer_actions(self) -> list[QAction]:
         """Return the actions that show or hide the layers of the current design."""
-        return [self._actions[name] for name in available_layers(self.session.study)]
+        names = available_layers(self.session.study)
+        of_machine = OUTLINE_LAYER if self.session.has_several_drives and self.session.full_design.outlines else ()
+        return [self._actions[name] for name in (*of_machine, *names)]
 
     def show_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of ``EVERY_LAYER``."""

@@ -24,6 +24,7 @@ from core.output.position import Snapshot
 from core.study import Quantity, Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.drawing.outline_parts import LAYER as OUTLINE_LAYER
 from kindyna_gui.pictures.drawing.parts import EVERY_LAYER
 from kindyna_gui.pictures.drawing.polygons import PolygonSheet, velocity_box, velocity_diagram
 from kindyna_gui.pictures.plots.curves import CurvePlot
@@ -355,7 +356,7 @@ def _mechanism(design: Design, width: int, height: int) -> MechanismSheet:
 
 def _drives(design: Design, width: int, height: int) -> MechanismSheet:
     scene = Assembly()
-    scene.show_shaft(Study(design, SAMPLES).camshaft, 0, about_shaft=False, layers=())
+    scene.show_shaft(Study(design, SAMPLES).camshaft, 0, about_shaft=False, layers=OUTLINE_LAYER)
     for part in (scene.overlay.angle, scene.overlay.bar, *(figure.tag for figure in scene.figures.values())):
         part.hide()
     scene.set_fraction(FRACTION)

@@ -13,13 +13,15 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainterPath, QTransform
 from PySide6.QtWidgets import QGraphicsEllipseItem, QGraphicsItem, QGraphicsPathItem, QGraphicsScene
 
+from core.design import Outline as OutlineRow
 from core.errors import KindynaError, NoSolution
 from core.motion import TURN
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.output.drawing.palette import BLUE
 from core.study import Camshaft, Study
-from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, parts
+from core.study.clearances import Clearances
+from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, outline_parts, parts
 from kindyna_gui.pictures.drawing.cam_parts import (
     COLOURINGS,
     ColouredLoop,
@@ -86,6 +88,7 @@ class DriveFigure:
         colour: str,
         theme: Theme,
         layers: tuple[str, ...],
+        clearances: Clearances | None = None,
     ) -> None:
         self.name, self.study, self.shaft_position = name, study, shaft_position
         self.mirrored, self.layers = mirrored, layers
@@ -96,6 +99,9 @@ class DriveFigure:
         builders = (*BUILDERS, *({**DRIVE_LAYERS, **SELECTED_LAYERS}[layer] for layer in layers))
         built = (part for builder in builders for part in builder(self.geometry, drive_theme))
         self.parts = [part for part in built if not OMITTED_LAYERS & set(part.layers)]
+        self.outlines = () if clearances is None else clearances.design.outlines
+        if clearances is not None:
+            self.parts += outline_parts.body_outlines(clearances, number, self.geometry, theme)
         for part in self.parts:
             part.item.setZValue(part.z)
             part.item.setParentItem(self.root)
@@ -136,9 +142,11 @@ class DriveFigure:
             if part.move is not None:
                 part.move(self.index)
 
-    def shows(self, study: Study, mirrored: bool, name: str, layers: tuple[str, ...]) -> bool:
+    def shows(
+        self, study: Study, mirrored: bool, name: str, layers: tuple[str, ...], outlines: tuple[OutlineRow, ...]
+    ) -> bool:
         """Whether the figure already shows this drive; the position on the shaft does not matter."""
-        if (mirrored, name, layers) != (self.mirrored, self.name, self.layers):
+        if (mirrored, name, layers, outlines) != (self.mirrored, self.name, self.layers, self.outlines):
             return False
         if study is self.study:
             return True
@@ -211,6 +219,7 @@ class Assembly(QGraphicsScene):
         self.theme, self.about_shaft = theme, about_shaft
         self.figures: dict[int, DriveFigure] = {}
         self.transfer: TransferFigure | None = None
+        self._machine_parts: list[DrawnPart] = []
         self.missing: tuple[str, ...] = ()
         self._extent = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._region: tuple[QRectF, float] | None = None
@@ -224,20 +233,28 @@ class Assembly(QGraphicsScene):
     # -- drives and layers -----------------------------------------------------------------------------
 
     def show_shaft(
-        self, shaft: Camshaft[Study], selected: int, about_shaft: bool, layers: Collection[str] = ("loads",)
+        self,
+        shaft: Camshaft[Study],
+        selected: int,
+        about_shaft: bool,
+        layers: Collection[str] = ("loads", *outline_parts.LAYER),
     ) -> None:
         """Draw the drives with layers of ``DRIVE_LAYERS`` and ``SELECTED_LAYERS``; unchanged figures are reused."""
         drive_layers = tuple(layer for layer in DRIVE_LAYERS if layer in layers)
         selected_layers = tuple(layer for layer in SELECTED_LAYERS if layer in layers)
         rows = list(_rows(shaft, self.theme))
+        has_outlines = bool(shaft.design.outlines) and outline_parts.LAYER[0] in layers and not shaft.failures
+        clearances = Clearances(shaft) if has_outlines else None
+        outlines = shaft.design.outlines if has_outlines else ()
         self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
         figures: dict[int, DriveFigure] = {}
         for number, name, study, position, mirrored, colour in rows:
             if study is None:
                 continue
             figure, shown = self.figures.get(number), drive_layers + selected_layers * (number == selected)
-            if figure is None or not figure.shows(study, mirrored, name, shown):
-                figure = DriveFigure(number, name, study, position, mirrored, colour, self.theme, shown)
+            if figure is None or not figure.shows(study, mirrored, name, shown, outlines):
+                own = clearances if number < len(shaft.drives) else None
+                figure = DriveFigure(number, name, study, position, mirrored, colour, self.theme, shown, own)
                 self.addItem(figure.root)
                 self.addItem(figure.tag)
             figure.shaft_position = position
@@ -248,11 +265,25 @@ class Assembly(QGraphicsScene):
                 self.removeItem(figure.tag)
         self.figures, self.about_shaft, self._selected = figures, about_shaft, selected
         self._show_transfer(shaft)
+        self._show_nearest(clearances)
         self._place()
         self._lay_scales(selected_layers)
         if self._region is not None:
             self.show_region(*self._region)
         self.set_machine(self._machine)
+
+    def _show_nearest(self, clearances: Clearances | None) -> None:
+        """Draw the frame's outlines and the line between the nearest bodies, which have their positions about the common shaft."""
+        for part in self._machine_parts:
+            self.removeItem(part.item)
+        self._machine_parts = []
+        if clearances is not None and self.about_shaft:
+            nearest = outline_parts.NearestPart(clearances, self.theme)
+            parts = (*outline_parts.frame_outlines(clearances, self.theme), *nearest.parts(lambda _: self._machine))
+            self._machine_parts = list(parts)
+        for part in self._machine_parts:
+            part.item.setZValue(part.z)
+            self.addItem(part.item)
 
     def _show_transfer(self, shaft: Camshaft[Study]) -> None:
         """Draw the transfer path next to the drives; about the common shaft it has no room."""
@@ -334,6 +365,9 @@ class Assembly(QGraphicsScene):
         self._machine = machine
         for cell in self._cells:
             cell.move(machine)
+        for part in self._machine_parts:
+            if part.move is not None:
+                part.move(0)
         self.overlay.show_angle(degrees(machine))
         if self._mouse is not None:
             self.read_profile(*self._mouse)
@@ -408,6 +442,7 @@ class Assembly(QGraphicsScene):
                 item.update_font()
         cells = self._cells
         self.figures, self.transfer = {}, None
+        self._show_nearest(None)
         for cell in cells:
             self.removeItem(cell.root)
             self.removeItem(cell.tag)

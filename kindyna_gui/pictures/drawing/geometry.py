@@ -389,6 +389,8 @@ class Geometry:
             and (self.rotation_sign, self.base_radius, self.known_circles)
             == (other.rotation_sign, other.base_radius, other.known_circles)
             and (self.keyway, self.has_spring) == (other.keyway, other.has_spring)
+            and (self.study.design.outlines, self.study.design.clearances)
+            == (other.study.design.outlines, other.study.design.clearances)
         )
 
     @cached_property

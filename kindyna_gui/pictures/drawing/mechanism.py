@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 from core.instant_centres import CentreTable
 from core.instant_centres.construction import Key
 from core.study import Study
-from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
+from kindyna_gui.pictures.drawing import cam_parts, load_parts, outline_parts, overlay, parts
 from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, colour_scale, coloured_profile, reading_at
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import Labels, Strokes, TextBox
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 FAR_CENTRES = 12.0  # instant centres farther away than this many sizes of the mechanism are not in the view
 MARGIN_UNITS = 4.5  # around the moving parts, in units of the symbols
-_FIXED_PARTS = ("rails", "ground", "pedestal", "rim", "dimensions")
+_FIXED_PARTS = ("rails", "ground", "pedestal", "rim", "dimensions", "outline")
 
 
 def full_extent(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
@@ -64,7 +64,12 @@ def full_extent(geometry: Geometry, parts: Iterable[DrawnPart]) -> QRectF:
     low, high = geometry.core_box
     rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
     distance, spread = np.abs(geometry.reference), range(0, geometry.samples, max(1, geometry.samples // 8))
-    samples = {"spring": spread, "load": spread, "stem": (int(np.argmin(distance)), int(np.argmax(distance)))}
+    samples = {
+        "spring": spread,
+        "load": spread,
+        "outline": spread,
+        "stem": (int(np.argmin(distance)), int(np.argmax(distance))),
+    }
     for part in parts:
         kind = part.key.partition(".")[0]
         if part.move is None:
@@ -147,6 +152,7 @@ LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingPr
         **{layer: partial(coloured_profile, layer) for layer in COLOURINGS},
         DIMENSIONS: dimensions,
         TWIST: shaft,
+        "outlines": outline_parts.outlines,
         "loads": load_parts.loads,
         "masses": load_parts.masses,
     }

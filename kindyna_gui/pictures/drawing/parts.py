@@ -77,6 +77,7 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "linkage": Layer("Linkage"),
         "normal": Layer("Contact normal"),
         "centre": Layer("Instant centre"),
+        "outlines": Layer("Outlines and least clearance"),
         "loads": Layer("Springs and loads"),
         "masses": Layer("Centres of mass", shown=False),
         "velocities": Layer("Velocities", shown=False),
@@ -139,6 +140,7 @@ def available_layers(study: Study) -> tuple[str, ...]:
     omitted = {
         *(() if study.has_disk else _CAM_LAYERS),
         *(() if has_advance(study) else (MODULO,)),
+        *(() if study.design.outlines else ("outlines",)),
         *(() if shaft is not None and shaft.elastic is not None else (TWIST,)),
     }
     rows = EVERY_LAYER if lists_links(study.design) else LAYERS

@@ -43,8 +43,8 @@ def test_the_distance_is_that_of_the_nearest_points(seed: int) -> None:
         one = placement.part(slice(i, i + 1))
         if value > 0.0:
             assert value - 1e-12 <= nearest <= np.hypot(value, 4e-4)
-            p, q = nearest_points(pair, one)
-            assert abs(p - q) == pytest.approx(value, abs=1e-12)
+            _, p, q = nearest_points(pair, one)
+            assert abs(p[0] - q[0]) == pytest.approx(value, abs=1e-12)
         else:  # they cross, or one is inside the other
             back = ((first[:1] - placement.origin[i]) * placement.unit[i].conj()).ravel()
             inside = encloses_points(pair.first, 0, z[:1])[0] or encloses_points(pair.second, 0, back)[0]
@@ -58,7 +58,9 @@ def test_a_circle_against_a_bar_by_hand() -> None:
     at = np.array([0.03j, 0.07 + 0.04j, 0.06 + 0j, 0.001j])
     values = distances(pair, Placement(at, np.ones(4, dtype=complex))).value
     assert values * 1e3 == pytest.approx([17.0, 50.0 - 13.0, 20.0 - 13.0, 1.0 - 13.0])
-    assert nearest_points(pair, Placement(at[:1], np.ones(1, dtype=complex))) == pytest.approx((0.005j, 0.022j))
+    _, p, q = nearest_points(pair, Placement(at, np.ones(4, dtype=complex)))
+    assert (p[0], q[0]) == pytest.approx((0.005j, 0.022j))
+    assert np.abs(p - q)[:3] * 1e3 == pytest.approx([17.0, 37.0, 7.0])
 
 
 def test_a_shape_inside_another_one_meets_it_and_layers_that_touch_do_not() -> None:
