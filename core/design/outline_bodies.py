@@ -27,7 +27,8 @@ _BODIES: Mapping[str, Mapping[str, str]] = MappingProxyType(
 
 def body_words(drive: Drive) -> Mapping[str, str]:
     """Word of every body of a drive that can have an outline -> its name in the kinematics; the frame is not listed."""
-    if drive.mechanism is None:  # of a file with an unreadable table
+    mechanism: object = drive.mechanism  # None in a file with an unreadable table
+    if mechanism is None:
         return {}
     if drive.is_alone:  # without a cam, or with one in space, which is in no plane
         return {"follower": "output"}
