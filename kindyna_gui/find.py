@@ -26,23 +26,23 @@ from core.design import Design, get, with_only
 from core.errors import KindynaError
 from core.find import (
     LIMITS,
-    SHAFT_SEARCHES,
     LimitValue,
     Solution,
     StatedLimits,
     available_searches,
-    available_shaft_searches,
-    find,
     round_solution,
     same_design,
     varied_fields,
 )
 from core.numerics.lazy import Cancelled
 from core.study import Study
+from core.varying import MACHINE_SEARCHES, available_machine_searches, search
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.find_rows import (
     LimitRows,
     active_limits,
+    answers_tip,
     axis_title,
     choices_of,
     initial_limits,
@@ -57,7 +57,7 @@ from kindyna_gui.find_rows import (
 from kindyna_gui.forms.exact_switch import EXACT, ExactSwitch, takes_exact
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.labels import reason
+from kindyna_gui.labels import reason, sentence
 from kindyna_gui.look import described
 from kindyna_gui.pictures.plots.xy import Dots, Line, Rule, XYPlot
 from kindyna_gui.pictures.style import SCREEN
@@ -81,6 +81,9 @@ def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
     The curve shows a limited quantity over the dimension. The limit is a horizontal line, the result a vertical line
     and a dot, the present value a ring.
     """
+    if solution.curve_over:
+        _show_steps(plot, design, solution)
+        return
     path, key = next(iter(solution.answer)), solution.curve_of
     low, high = solution.near
     curve = np.array([point for point in solution.curve if low <= point[0] <= high])
@@ -106,6 +109,18 @@ def show_solution(plot: XYPlot, design: Design, solution: Solution) -> None:
     plot.show_lines([Line(x, _near_marks(y, [answer[1], now[1], limit]), colour)], rules=rules, dots=dots)
     margin = SIDE_MARGIN * float(np.ptp(x))  # else a dot at the end of the curve is cut
     plot.show_range((float(x.min()) - margin, float(x.max()) + margin))
+
+
+def _show_steps(plot: XYPlot, design: Design, solution: Solution) -> None:
+    """Draw the result after each step of the search, with the present value as a line."""
+    key = solution.curve_of
+    size = size_of(unit_of(design, key).symbol)
+    x, y = np.array(solution.curve).T
+    present = solution.present[key]
+    rules = [] if present is None else [Rule(present / size, "now", SCREEN.quiet, level=True)]
+    plot.name_axes(sentence(solution.curve_over), axis_title(design, key))
+    plot.show_lines([Line(x, y / size, SCREEN.family("velocity"))], rules=rules, dots=[_dot((x[-1], y[-1] / size))])
+    plot.show_range((float(x[0]) - 0.5, float(x[-1]) + 0.5))
 
 
 def _dot(at: tuple[float, float], hollow: bool = False) -> Dots:
@@ -257,12 +272,12 @@ class FindView(BackgroundView):
     def _available(self) -> tuple[str, ...]:
         """Searches for the current drive and for the shaft."""
         for_drive = () if self.session.is_on_balancer else available_searches(self.session.design)
-        return (*for_drive, *available_shaft_searches(self.session.full_design))
+        return (*for_drive, *available_machine_searches(self.session.full_design))
 
     @property
     def _design(self) -> Design:
         """Design to search in: of the current drive, or of all drives."""
-        design: Design = self.session.full_design if self._search_key in SHAFT_SEARCHES else self.session.design
+        design: Design = self.session.full_design if self._search_key in MACHINE_SEARCHES else self.session.design
         return design
 
     @property
@@ -280,7 +295,7 @@ class FindView(BackgroundView):
         """Keys of all quantities that can be limited in this search."""
         paths = (
             ()
-            if self._search_key in SHAFT_SEARCHES
+            if self._search_key in MACHINE_SEARCHES
             else varied_fields(design, self._search_key, self.choice.currentData() or "")
         )
         return keys_of(design, self._search_key, paths)
@@ -321,8 +336,9 @@ class FindView(BackgroundView):
         self._stop_work()
         self.searches += 1
         self._count = TrialCount()
-        if what in SHAFT_SEARCHES:
-            job = partial(_search_result, design, what, stated, **({"aim": choice} if choice else {}))
+        if what in MACHINE_SEARCHES:
+            aim = {"aim": choice} if choice else {}
+            job = partial(_search_result, design, what, stated, notify=self._count.update, **aim)
         else:
             machine = partial(with_only, self.session.full_design, self.session.chosen)
             job = partial(
@@ -382,6 +398,7 @@ class FindView(BackgroundView):
         if self.solution is not None:
             show_solution(self.plot, self._design, self.solution)
             self.answer.setText(solution_html(self._design, self.solution))
+            self.answer.setToolTip(answers_tip(self._design, self.solution))
             self._offer_take_over()
 
     def _offer_take_over(self) -> None:
@@ -397,9 +414,11 @@ class FindView(BackgroundView):
         solution = self.solution
         if solution is None:
             return
-        label = step_name(self._design, self._search_key, solution)
+        before, label = self.session.full_design, step_name(self._design, self._search_key, solution)
         self.session.put_full_design(solution.machine, label, next(iter(solution.answer)))
         self.session.end_gesture()
+        if solution.curve_over:
+            Pins.of(self.session).pin_change(before, solution.machine, solution.target)
 
 
 class SearchResult(NamedTuple):
@@ -414,7 +433,7 @@ def _search_result(design: Design, what: str, stated: StatedLimits, **options: A
     """Search, and check the cam of the solution in the same thread."""
     defaults = initial_limits(design, what)
     try:
-        result = find(design, what, stated, **options)
+        result = search(design, what, stated, **options)
         rounded = round_solution(result, design, machine=options.get("machine", same_design))
         _ = result.errors, rounded.errors
     except KindynaError as error:
@@ -428,5 +447,7 @@ def _fill(box: WordBox, rows: Mapping[str, str]) -> None:
         fill_choices(box, rows)
 
 
-def _differ(present: float | None, value: float) -> bool:
+def _differ(present: Any, value: Any) -> bool:
+    if isinstance(value, str):
+        return bool(present != value)
     return present is None or abs(present - value) > SAME * max(abs(present), abs(value))

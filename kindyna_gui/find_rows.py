@@ -9,6 +9,7 @@ from functools import partial
 from html import escape
 from math import isfinite
 from types import MappingProxyType
+from typing import Any
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QPalette
@@ -24,7 +25,6 @@ from core.find import (
     LIMIT_RANGES,
     LIMITS,
     OF_PRESSURE,
-    SHAFT_SEARCHES,
     USER,
     LimitValue,
     Solution,
@@ -33,10 +33,12 @@ from core.find import (
 from core.find.rounding import TORQUE, finer_step_text
 from core.frozen import frozen
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, RESULT_DIGITS, digits_apart
+from core.varying import MACHINE_SEARCHES
+from kindyna_gui.documents.figures import column_text, figure_label
 from kindyna_gui.forms.fields import UnitLabel, label_html
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.refusal import RefusalLine, accept_in_range
-from kindyna_gui.labels import name_of, sentence
+from kindyna_gui.labels import law_label, name_of, sentence
 from kindyna_gui.look import coloured, icon
 from kindyna_gui.pictures.paper.timing_chart import event_text
 from kindyna_gui.pictures.style import SCREEN, SMALL, font
@@ -53,6 +55,8 @@ PRESENT_DIGITS = 6
 EXACT_DIGITS = 8  # of the exact value next to a rounded one
 TYPED_DIGITS, DEFAULT_DIGITS = 9, 4
 MOST_NAMED = 2  # values in the name of a step
+MOST_LISTED = 4  # values of a result that are listed
+MOST_HELD, MOST_MET = 3, 6  # limits that are named
 
 
 @frozen
@@ -91,16 +95,16 @@ def limit_text(design: Design, key: str) -> LimitText:
 
 def title_of(what: str) -> str:
     """Title of a search."""
-    return (SHAFT_SEARCHES[what] if what in SHAFT_SEARCHES else CAM_SEARCHES[what]).title
+    return (MACHINE_SEARCHES[what] if what in MACHINE_SEARCHES else CAM_SEARCHES[what]).title
 
 
 def initial_limits(design: Design, what: str) -> Mapping[str, LimitValue]:
     """Limits of a search before the user types any."""
-    if what not in SHAFT_SEARCHES:
+    if what not in MACHINE_SEARCHES:
         return default_limits(design, what)
     return {
         key: LimitValue(value, "", "")
-        for key, value in SHAFT_SEARCHES[what].default_limits(design).items()
+        for key, value in MACHINE_SEARCHES[what].default_limits(design).items()
         if value is not None
     }
 
@@ -131,8 +135,8 @@ def active_limits(
 def choices_of(design: Design, what: str) -> Mapping[str, str]:
     """Choices of a search in addition to its limits: the field to vary, or the quantity to minimise."""
     return (
-        SHAFT_SEARCHES[what].aims
-        if what in SHAFT_SEARCHES
+        MACHINE_SEARCHES[what].aims
+        if what in MACHINE_SEARCHES
         else {path: name_of(design, path) for path in CAM_SEARCHES[what].choices(design)}
     )
 
@@ -140,8 +144,8 @@ def choices_of(design: Design, what: str) -> Mapping[str, str]:
 def keys_of(design: Design, what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
     """Keys of all quantities that can be limited when these fields are varied."""
     return (
-        tuple(SHAFT_SEARCHES[what].default_limits(design))
-        if what in SHAFT_SEARCHES
+        tuple(MACHINE_SEARCHES[what].default_limits(design))
+        if what in MACHINE_SEARCHES
         else CAM_SEARCHES[what].keys(design, paths)
     )
 
@@ -167,6 +171,8 @@ def _label_of(design: Design, key: str) -> tuple[str, Unit]:
     if key in LIMITS:
         text = limit_text(design, key)
         return text.label, text.unit
+    if ":" in key:
+        return figure_label(design, key), split_unit(key.partition(":")[0])[1]
     if "." in key:
         return _field_label(design, key), _entry(design, key)[1]
     name, unit = split_unit(key)
@@ -211,7 +217,7 @@ def solution_html(design: Design, solution: Solution) -> str:
     lines = []
     if not solution.is_valid:
         lines.append(f"<span style='color:{SCREEN.limit}'>No value meets all limits. The closest:</span>")
-    for path, value in solution.answer.items():
+    for path, value in [*solution.answer.items()][: None if len(solution.answer) <= MOST_LISTED else 1]:
         text = escape(_taken_text(design, solution, path, value))
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
     listed = [
@@ -219,7 +225,10 @@ def solution_html(design: Design, solution: Solution) -> str:
         for key in solution.reached
         if key == solution.curve_of or key not in LIMITS or solution.limits.get(key, 0.0) != 0.0
     ]
-    met = [key for key in listed if key in solution.limits and (key in LIMITS or key == FORCE)]
+    if len(solution.answer) > MOST_LISTED:
+        lines.append(f"{len(solution.answer) - 1} other numbers and laws change: point here for all of them.")
+    lines += _held_by(design, solution)
+    met = [key for key in listed if key in solution.limits and (key in LIMITS or key == FORCE or ":" in key)]
     others = met[1:]  # the first is the tightest
     lines += [_line(design, solution, key) for key in listed if key not in others]
     if TORQUE in solution.before and TORQUE in solution.cost:
@@ -228,7 +237,8 @@ def solution_html(design: Design, solution: Solution) -> str:
         lines += [f"Torque {torques[0]}{_now(torques[1])}"] if torques[0] != torques[1] else []
     if others:
         texts = (
-            f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}" for key in others
+            f"{_label_of(design, key)[0]} {_reached(solution.reached[key], unit_of(design, key))}"
+            for key in others[:MOST_MET]
         )
         lines.append(f"<span style='color:{SCREEN.quiet}'>Also met: {escape('; '.join(texts))}</span>")
     for path, value in solution.assumed.items():
@@ -250,9 +260,32 @@ def solution_html(design: Design, solution: Solution) -> str:
     return "<br>".join(map(in_units, lines))
 
 
-def _taken_text(design: Design, solution: Solution, path: str, value: float) -> str:
+def _held_by(design: Design, solution: Solution) -> list[str]:
+    """What holds a result first, second and third, and what 1 % of relief of each gives."""
+    unit = unit_of(design, solution.curve_of).symbol
+    names = [column_text(design, limit) for limit, _ in solution.binding[:MOST_HELD]]
+    names = [name if ": " in name else in_sentence(name) for name in names]  # the name of a drive stays as it is
+    return [
+        f"Held by {escape(name)}: 1 % of relief gives {escape(brief(abs(change), unit))}"
+        for name, (_, change) in zip(names, solution.binding, strict=False)
+    ]
+
+
+def answers_tip(design: Design, solution: Solution) -> str:
+    """All numbers and laws of a result with the present ones, one a line; empty where the result lists them itself."""
+    if len(solution.answer) <= MOST_LISTED:
+        return ""
+    return "\n".join(
+        f"{_taken_text(design, solution, path, value)}, now {_present(design, path, solution.present[path])}"
+        for path, value in solution.answer.items()
+    )
+
+
+def _taken_text(design: Design, solution: Solution, path: str, value: Any) -> str:
     """Value of a result; a rounded one with the exact value and, after the last number, with the cost of the rounding."""
     label, unit = _label_of(design, path)
+    if isinstance(value, str):
+        return f"{label} {law_label(value)}"
     if path not in solution.rounding or value == solution.exact[path]:
         return value_of(
             design, path, value, MOST_DIGITS if path in solution.rounding else min(solution.digits, EXACT_DIGITS)
@@ -286,8 +319,10 @@ def _applied_text(design: Design, solution: Solution, path: str) -> str:
     return f"Also changes: {escape(text)}{reason}."
 
 
-def _present(design: Design, path: str, value: float | None) -> str:
-    """Value of the current design."""
+def _present(design: Design, path: str, value: Any) -> str:
+    """Value of the current design, a number or a law."""
+    if isinstance(value, str):
+        return law_label(value)
     return "none" if value is None else brief(value, _label_of(design, path)[1].symbol, PRESENT_DIGITS)
 
 

@@ -76,7 +76,9 @@ class Solution:
     limits : dict
         Limit -> its value.
     curve : tuple of (float, float)
-        Values of the first field and of the figure `curve_of`.
+        Values of the first field, or of `curve_over`, and of the figure `curve_of`.
+    curve_over : str
+        Name of the first values where they are not those of a field; else empty.
     near : (float, float)
         Range of the first field about the solution and the present value, in which the curve is close.
     present : dict
@@ -135,6 +137,7 @@ class Solution:
     complete: Design | None = None
     assumed: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
     binding: tuple[tuple[str, float], ...] = ()
+    curve_over: str = ""
     judge: Judge | None = field(default=None, compare=False, repr=False)
     exact: Mapping[str, float] = field(default_factory=lambda: _EMPTY)
     rounding: Mapping[str, float] = field(default_factory=lambda: _EMPTY)

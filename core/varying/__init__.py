@@ -2,7 +2,7 @@
 
 from core.varying.bands import drive_bands, motor_bands, shaft_bands
 from core.varying.optimum import Binding, Optimum, optimise, remarks
-from core.varying.ready import READY, ready_study, valid_words
+from core.varying.ready import READY, ready_study
 from core.varying.request import (
     Goal,
     StudyFile,
@@ -27,6 +27,7 @@ from core.varying.space import (
     none_built_text,
     sobol,
     study_values,
+    valid_words,
     with_words,
     workers,
     write_table,

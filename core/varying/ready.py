@@ -9,10 +9,10 @@ from core.design import Design, get, only, path_in
 from core.frozen import frozen
 from core.study import Study
 from core.varying.request import Goal, StudyFile, StudyLimit, StudyQuantity, VariedField
-from core.varying.space import with_words
+from core.varying.space import QUIET_LAWS, valid_words
 from core.varying.surveys import PART, can_be_varied, request_keys, typical_limit
+from core.varying.top_speed import TITLE, TOP_SPEED, has_top_speed, top_speed_study
 
-QUIET_LAWS = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
 MAX_COMBINATIONS = 128  # of laws
 CAM_LENGTHS = ("cam.base_radius_mm", "cam.roller_radius_mm")
 SIZE_LENGTHS = ("cam.base_radius_mm", "follower.pivot_x_mm", "follower.offset_mm")
@@ -33,12 +33,15 @@ class ReadyStudy:
         The first that the design has is the goal.
     limited : bool
         Whether pressure angle and profile radii are limited.
+    machine : callable or None
+        Design -> study of the whole machine, in place of one of a drive.
     """
 
     title: str
-    rows: Rows
-    goals: tuple[tuple[str, str], ...]
+    rows: Rows = lambda design: iter(())
+    goals: tuple[tuple[str, str], ...] = ()
     limited: bool = True
+    machine: Callable[[Design], StudyFile] | None = None
 
 
 def _around(design: Design, paths: Sequence[str]) -> Iterator[VariedField]:
@@ -72,11 +75,6 @@ def _laws(design: Design) -> Iterator[VariedField]:
             yield VariedField(field=path, choices=words)
 
 
-def valid_words(design: Design, path: str, words: Sequence[str]) -> tuple[str, ...]:
-    """Words, of those given, that are valid at a path of the design."""
-    return tuple(word for word in words if with_words(design, {path: word}) is not None)
-
-
 READY: Mapping[str, ReadyStudy] = MappingProxyType(
     {
         "smallest-cam": ReadyStudy("Smallest cam", _size_lengths, (("radius_mm", "max"),)),
@@ -85,14 +83,17 @@ READY: Mapping[str, ReadyStudy] = MappingProxyType(
         "all-lengths": ReadyStudy("All lengths together: least contact force", _lengths, (("contact_force_n", "max"),)),
         "quietest-law": ReadyStudy("Quietest law for this follower", _laws,
             (("jerk_mm_s3", "abs"), ("jerk_deg_s3", "abs")), limited=False),
+        TOP_SPEED: ReadyStudy(f"{TITLE} of the machine", machine=top_speed_study),
     }
 )  # fmt: skip
 """Name -> study, in the order of the menu."""
 
 
 def ready_study(design: Design, name: str, drive: int = 0) -> StudyFile | None:
-    """Ready study of one drive of a design; None where the drive has no field to vary, or no goal."""
+    """Ready study of one drive of a design, or of the machine; None where there is no field to vary, or no goal."""
     row, single = READY[name], only(design, drive)
+    if row.machine is not None:
+        return row.machine(design) if has_top_speed(design) else None
     columns = set(request_keys(single))
     goal = next((goal for goal in row.goals if goal[0] in columns), None)
     varied = list(row.rows(single)) if goal is not None else []

@@ -250,6 +250,14 @@ def with_words(design: Design, words: Mapping[str, Any]) -> Design | None:
     return None if words and faults(design) else design
 
 
+QUIET_LAWS = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
+
+
+def valid_words(design: Design, path: str, words: Sequence[str]) -> tuple[str, ...]:
+    """Words, of those given, that are valid at a path of the design."""
+    return tuple(word for word in words if with_words(design, {path: word}) is not None)
+
+
 def _groups(columns: Mapping[str, Column], m: int) -> list[tuple[dict[str, Any], np.ndarray]]:
     """Combinations of words with the numbers (n,) of their designs, in the order of their first design."""
     groups: dict[tuple[Any, ...], list[int]] = {}

@@ -23,9 +23,8 @@ from core.study import Study, many
 from core.study.limits import LIMITS, limits_in_force
 from core.varying.machine_limits import FORCE_MIN, ROWS, machine_limits
 from core.varying.optimum import STARTS, Optimum, optimise, waived, with_flywheel
-from core.varying.ready import QUIET_LAWS, valid_words
 from core.varying.request import Goal, StudyFile, StudyOfMany, VariedField, study_of
-from core.varying.space import constant_column
+from core.varying.space import QUIET_LAWS, constant_column, valid_words
 from core.varying.tolerances import bounds_of
 
 TOP_SPEED = "top-speed"
@@ -288,11 +287,12 @@ def _solution(study: StudyOfMany, optimum: Optimum, steps: Steps) -> Solution:
         "top speed",
         optimum.design,
         answer={field: optimum.answer[field] for field in solution_fields},
-        reached=judged.reached,
+        reached=_tightest_first(judged.reached, optimum),
         limits={key: bound for key, _, bound in _bounds(study)},
         curve=curve,
         curve_of=path,
-        near=(0.0, float(len(curve))),
+        near=(1.0, float(len(curve))),
+        curve_over="step of the search",
         present={field: get(base, field) for field in optimum.answer},
         before=_reached(study, base),
         violations=() if optimum.is_feasible else (judged.violations or (optimum.rejection or "no design",)),
@@ -305,6 +305,13 @@ def _solution(study: StudyOfMany, optimum: Optimum, steps: Steps) -> Solution:
         judge=Judge(tuple(rows), at),
         binding=tuple((row.limit, row.per_percent) for row in optimum.binding),
     )
+
+
+def _tightest_first(reached: Mapping[str, float], optimum: Optimum) -> Mapping[str, float]:
+    """Figures in the order in which their limits hold the speed, then the others."""
+    order = [row.limit for row in optimum.binding]
+    rank = {key: order.index(column) for key in reached if (column := key.replace(":", "_")) in order}
+    return {key: reached[key] for key in sorted(reached, key=lambda key: rank.get(key, len(order)))}
 
 
 def _curve(steps: Steps, speed: float) -> tuple[tuple[float, float], ...]:

@@ -216,6 +216,11 @@ class Pins(QObject):
         self._set_rows((*self.rows, row)[-MOST:])
         return row
 
+    def pin_change(self, before: Design, after: Design, name: str) -> None:
+        """Pin both designs of a change; the design is compared with the first one."""
+        self.pin(after, name)
+        self.pin(before, f"before {name}")
+
     def unpin(self) -> None:
         """Remove the variant that the design is compared with."""
         self._set_rows(self.rows[:-1])

@@ -17,6 +17,7 @@ from core.numerics.lazy import Cancelled
 from core.varying import Optimum, StudyOfMany, ToleranceResult, optimise, remarks, rounded_optimum
 from core.varying.tolerances import SHARE
 from kindyna_gui.background import Background
+from kindyna_gui.documents.figures import figure_label, label_of
 from kindyna_gui.documents.pins import scatters
 from kindyna_gui.forms.exact_switch import EXACT, ExactSwitch, takes_exact
 from kindyna_gui.forms.fields import fill_choices
@@ -27,15 +28,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import number
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.studies.rows import ToleranceRows, WaveRow
-from kindyna_gui.studies.texts import (
-    figure_label,
-    label_of,
-    numbers_html,
-    optimum_html,
-    parts_html,
-    tighter_html,
-    value_text,
-)
+from kindyna_gui.studies.texts import numbers_html, optimum_html, parts_html, tighter_html, value_text
 
 GOALS = ("Goal", "And")
 NONE = ""

@@ -15,6 +15,7 @@ from core.design.fields import info_of as field_info_of
 from core.design.limits import NORMAL, UNIFORM, WORST, Waviness
 from core.study import TOTALS
 from core.varying import Limits, Span
+from kindyna_gui.documents.figures import STATISTICS, label_of, name_of
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.refusal import Misfit, RefusalLine, accept_in_range
@@ -22,10 +23,7 @@ from kindyna_gui.look import bold_label, coloured, described, icon
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import ContentArea, add_entry, clear_menu, fill, widget_with
 from kindyna_gui.studies.texts import (
-    STATISTICS,
     info_of,
-    label_of,
-    name_of,
     unit_of,
     value_text,
     word_text,

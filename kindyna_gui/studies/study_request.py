@@ -21,7 +21,7 @@ from core.varying import (
     suggested_figures,
     valid_words,
 )
-from core.varying.ready import QUIET_LAWS
+from core.varying.space import QUIET_LAWS
 from core.varying.surveys import SEED
 
 

@@ -39,10 +39,11 @@ from core.varying import (
 from core.varying.tolerances import SHARE
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
+from kindyna_gui.documents.figures import name_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.rebuilt import clear_menu, fill, single_shot, widget_with
 from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
-from kindyna_gui.studies.texts import name_of, number_text, reason_text, span_title, value_text
+from kindyna_gui.studies.texts import number_text, reason_text, span_title, value_text
 from kindyna_gui.view import View, ViewHost
 
 COARSE, FINE = 16, 64  # designs along each number: first survey, final one

@@ -44,7 +44,8 @@ from core.varying import (
 )
 from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import Refusal
-from kindyna_gui.documents.pins import Bands, scatters
+from kindyna_gui.documents.figures import label_of, name_of
+from kindyna_gui.documents.pins import Bands, Pins, scatters
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.exact_switch import takes_exact
 from kindyna_gui.labels import reason
@@ -68,8 +69,6 @@ from kindyna_gui.studies.study_runs import (
 )
 from kindyna_gui.studies.texts import (
     group_of,
-    label_of,
-    name_of,
     number_text,
     reason_text,
     section_of,
@@ -479,6 +478,8 @@ class StudyView(BackgroundView):
             return
         optimum = replace(optimum, tolerances=design.tolerances, waviness=design.waviness)
         self._put(optimum, "Take over the best design")
+        if study.file.goals[0].field:
+            Pins.of(self.session).pin_change(design, optimum, in_sentence(name_of(design, study.file.goals[0].field)))
 
     def _apply_front_point(self, number: int) -> None:
         optimum, study = self.best.optimum, self.best.study

@@ -6,33 +6,21 @@ from collections.abc import Mapping
 from html import escape
 from types import MappingProxyType
 
-from core.design import Design, Info, Unit, drive_at, entry_at, get, row_at, split_unit
+from core.design import Design, Info, Unit, drive_at, entry_at, get, split_unit
 from core.design.fields import in_sentence
 from core.laws import LAWS
 from core.number_text import COMPARED_DIGITS, MOST_DIGITS, count_text
 from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying import Optimum, StudyOfMany, ToleranceResult
-from core.varying.linear import SPANS
 from core.varying.tolerances import SHARE
 from kindyna_gui import labels
+from kindyna_gui.documents.figures import TOTAL_TEXTS, column_text, figure_label, is_field, label_of, name_of
 from kindyna_gui.labels import SECTION_NAMES, sentence
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import brief, number, short, signed, with_unit
 from kindyna_gui.studies.plots import SurveyQuantity
 
-STATISTICS: Mapping[str, str] = MappingProxyType(
-    {"abs": "peak", "max": "greatest", "min": "least", "rms": "RMS", "mean": "mean", "range": "range"}
-)
-"""Statistic of a quantity over the turn -> its name."""
-
-_TOTALS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "flywheel_inertia_kg_m2": ("Flywheel needed", "torque"),
-        "energy_j": ("Energy of the flywheel", "energy"),
-        "life_hours": ("Life of the roller", "stress"),
-    }
-)
 _STAGES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "linkage": "Mechanism", "cam": "Cam", "dynamics": "Forces", "stability": "Flexible shaft"}
 )
@@ -63,14 +51,6 @@ def info_of(design: Design, path: str) -> tuple[Info, Unit]:
     return entry.info, entry.unit
 
 
-def name_of(design: Design, path: str) -> str:
-    """Return the name of a number, with its drive where the design has several."""
-    _, number, inside = row_at(path, "drives")
-    if inside == path or drive_at(path) is not None:
-        return labels.name_of(design, path)
-    return f"{design.drives[number].name}: {in_sentence(labels.name_of(design, path))}"
-
-
 def span_title(design: Design, path: str) -> str:
     """Return the title of an axis: ``Pivot x, mm``."""
     unit = split_unit(path)[1].symbol
@@ -98,28 +78,6 @@ def group_of(design: Design, slug: str) -> str:
     return stage if request.drive is None else f"{design.drives[request.drive].name}: {in_sentence(stage)}"
 
 
-def is_field(key: str) -> bool:
-    """Whether the key of a goal is the path of a varied number, not that of a figure."""
-    return "." in key and ":" not in key
-
-
-def label_of(design: Design, slug: str) -> str:
-    """Return the name of a quantity without its statistic, or of a number."""
-    if is_field(slug) and entry_at(design, slug) is not None:
-        return name_of(design, slug)
-    if slug in _TOTALS:
-        return _TOTALS[slug][0]
-    request = quantity_request(design, f"{slug}:max")
-    label = quantity(request.name).label if request.name else "Torque of the shaft"
-    return label if request.drive is None else f"{design.drives[request.drive].name}: {in_sentence(label)}"
-
-
-def figure_label(design: Design, key: str) -> str:
-    """Return the name of a figure: a total, or a quantity with its statistic unless that is the peak."""
-    slug, _, statistic = key.partition(":")
-    return label_of(design, slug) + (f", {STATISTICS[statistic]}" if statistic and statistic != "abs" else "")
-
-
 def unit_of(key: str) -> Unit:
     """Return the unit of a figure."""
     return split_unit(key.partition(":")[0])[1]
@@ -131,7 +89,7 @@ def survey_quantity(design: Design, key: str, least: float | None, most: float |
     if is_field(key):
         return SurveyQuantity(key, figure_label(design, key), unit_of(key).symbol, SCREEN.quiet, least, most)
     name = quantity_request(design, key).name
-    family = _TOTALS[slug][1] if slug in _TOTALS else quantity(name).family if name else "torque"
+    family = TOTAL_TEXTS[slug][1] if slug in TOTAL_TEXTS else quantity(name).family if name else "torque"
     colour = SCREEN.family(family)
     if colour == SCREEN.ink:  # would hide the lines of a map
         colour = SCREEN.quiet
@@ -151,16 +109,6 @@ def number_text(path: str, value: float) -> str:
 def word_text(word: str) -> str:
     """Return the name of a law, or of another choice, as forms show it."""
     return labels.law_label(word) if word in LAWS else labels.choice_text(word)
-
-
-def column_text(design: Design, column: str) -> str:
-    """Return the name of a column of a study's table: a field, a total, or a quantity with its statistic."""
-    slug, _, statistic = column.rpartition("_")
-    if statistic in STATISTICS and slug and not column.endswith(("_kg_m2", "_j", "_hours")):
-        return figure_label(design, f"{slug}:{statistic}")
-    if column.endswith(SPANS):
-        return "the rest of the turn for other segments"
-    return label_of(design, column) if column in TOTALS else name_of(design, column)
 
 
 def share_html(design: Design, result: ToleranceResult) -> str:

@@ -3,6 +3,7 @@
 import math
 import re
 from html import unescape
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
@@ -13,8 +14,10 @@ from window_user import Open, User, end_pauses, settle, wait_for
 
 from core.design import edited, get
 from core.find import CAM_SEARCHES, find
-from core.project import load
+from core.project import load, save
 from core.study import Study, extremes_of
+from core.varying import find_top_speed
+from kindyna_gui.documents.pins import Pins
 from kindyna_gui.find import FindView
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import readable_text
@@ -83,6 +86,7 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     assert titles == [
         *(CAM_SEARCHES[what].title for what in ("base-radius", "offset", "roller-radius", "span", *held)),
         "Least flywheel",
+        "Top speed",
     ]
     type_limit(view, RETURN, "2*11 + 3")
     rested(view)
@@ -348,3 +352,45 @@ def test_the_closing_spring_of_a_valve_is_sought_by_its_wire_and_its_installed_l
     assert get(user.design, path) == solution.answer[path]
     user.session.stack.undo()
     assert user.design == before
+
+
+def lift_with_windows(tmp_path: Path) -> Path:
+    """The lift, none of whose strokes may change."""
+    design = load(example("transfer_lift"))
+    for i in (0, 1, 2, 3):
+        design = edited(design, f"motion.segments[{i}].fixed", True)
+    save(design, tmp_path / "lift.toml")
+    return tmp_path / "lift.toml"
+
+
+def test_the_top_speed_is_taken_over_and_compared_with_the_design_before(open_user: Open, tmp_path: Path) -> None:
+    user = open_user(lift_with_windows(tmp_path))
+    view, before = see(user), user.design
+    seek(view, "top-speed")
+    type_limit_of(view, "contact_force_n", "50000")
+    speed = find_top_speed(before, {"contact_force_n": 50000.0}).answer["shaft.speed_rpm"]
+    lines = text_of(view).splitlines()
+    assert lines[0].startswith("Speed "), lines
+    assert "now 20 rpm" in lines[0]
+    assert any(line.startswith("Held by contact force: 1 % of relief gives ") for line in lines), lines
+    x, y = view.plot.lines[0]
+    assert x.tolist() == list(range(1, x.size + 1))
+    assert y[-1] == pytest.approx(speed, rel=1e-6)
+    press(view.take)
+    assert 0.99 * speed < get(user.design, "shaft.speed_rpm") <= speed
+    assert len(user.steps) == 1
+    pins = Pins.of(user.session)
+    assert [row.name for row in pins.rows] == ["top speed", "before top speed"]
+    assert pins.front is not None
+    assert pins.front.design == before
+    user.session.stack.undo()
+    assert user.design == before
+
+
+def type_limit_of(view: FindView, key: str, text: str) -> None:
+    """Add a limit from the menu, and type its value."""
+    action = next(action for action in view.limits.menu.actions() if action.data() == key)
+    action.trigger()
+    settle()
+    type_limit(view, key, text)
+    rested(view)

@@ -728,3 +728,35 @@ def test_two_goals_give_a_front_of_which_a_click_takes_one_over(user: User) -> N
     assert get(user.design, BASE) == pytest.approx(front[number][BASE], abs=0.1)
     assert get(user.design, BASE) == round(get(user.design, BASE), 1)
     assert user.steps == ["Take over a design of the front"]
+
+
+def test_the_ready_study_of_the_top_speed_has_a_number_as_its_goal(user: User, tmp_path: Path) -> None:
+    """With the way up of the lift alone, and a limit of the contact force typed next to its own."""
+    design = user.design
+    for i in (0, 1, 2):
+        design = edited(design, f"motion.segments[{i}].fixed", True)
+    user.session.put_full_design(design, "windows")
+    user.window.show_task("study")
+    view = user.window.view("study")
+    assert isinstance(view, StudyView)
+    study_entry(view, "Top speed of the machine").trigger()
+    rested(user)
+    assert list(view.request.spans) == ["shaft.speed_rpm", "motion.segments[3].span_deg"]
+    assert view.request.goals == {"shaft.speed_rpm": False}
+    assert [view.best.goals[0].currentText(), view.best.directions[0].currentText()] == ["Speed", "greatest"]
+    view.request.set_words("motion.segments[3].law", ("modified-sine",))
+    view.request.change_figure("contact_force_n:min", "contact_force_n:min", (500.0, None))
+    rested(user)
+    QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
+    wait_for(lambda: not view.best.busy)
+    text = view.best.result_text.text()
+    assert re.search(r"<b>Speed \d+\.?\d* rpm</b>, before 20 rpm", text), text
+    assert "Limited by contact force, least: 1 % more changes the goal by" in text
+    before = user.design
+    QTest.mouseClick(view.best.take, Qt.MouseButton.LeftButton)
+    settle()
+    assert get(user.design, "shaft.speed_rpm") > 40.0
+    assert user.steps[-1] == "Take over the best design"
+    assert [row.name for row in Pins.of(user.session).rows] == ["speed", "before speed"]
+    user.session.stack.undo()
+    assert user.design == before
