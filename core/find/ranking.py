@@ -24,6 +24,7 @@ from core.motion.extremes import Extremes
 from core.numerics.lazy import checkpoint
 from core.study import Study, extremes_of, findings_of, quantities_of, undercut_on
 from core.study.drive_forces import PRESSURES, has_servo, pairings, servo_part, servo_turn
+from core.study.extremes import extremes_beyond_lash
 from core.study.stages import evaluations
 
 ExtremesByName = Mapping[str, Extremes]
@@ -86,9 +87,12 @@ def _residual(study: Study, extremes: ExtremesByName) -> float | None:
 
 
 def _least_contact(study: Study, extremes: ExtremesByName) -> float | None:
-    """Least contact force, of the elastic follower in steady running where the design has one; None without damping."""
+    """Least contact force, of the elastic follower in steady running where the design has one; None without damping.
+
+    Of a valve train with lash it is that of the open valve.
+    """
     if not study.is_elastic:
-        return extremes["contact_force"].low.value
+        return extremes_beyond_lash(study, "contact_force").low.value
     return extremes["elastic_contact_force"].low.value if "elastic_contact_force" in extremes else None
 
 

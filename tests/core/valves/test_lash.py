@@ -12,6 +12,7 @@ from valve_trains import FLAT_TAPPET, LOBE_A
 
 from core.__main__ import main
 from core.design import Design, Engine, Valve, get, put, split_unit, with_drive
+from core.find import ranking_columns, ranking_row
 from core.project import load, loads, save
 from core.study import Study, extremes_of, findings_of, many
 from core.study.quantities import quantities_of
@@ -191,6 +192,16 @@ def test_the_least_contact_force_of_a_study_is_that_of_the_open_valve() -> None:
         is_open = value(study, "valve_lift") > 1e-9
         assert force == pytest.approx(value(study, "contact_force")[is_open].min(), rel=1e-4)
         assert force <= 300.0 + 1e-9, "the preload is the force where the valve opens"
+
+
+def test_laws_are_ranked_by_the_least_force_of_the_open_valve() -> None:
+    design = trained("tappet_flat.toml", 0.1)
+    columns = ranking_columns(design)
+    number = [column.key for column in columns].index("least_contact_force_n")
+    row = ranking_row("present", lambda: design, columns)
+    least = many(design, {"loads.gravity_m_s2": [get(design, "loads.gravity_m_s2")]}, ["contact_force_n:min"])
+    assert row.figures[number] == pytest.approx(least.value["contact_force_n:min"][0], rel=1e-9)
+    assert row.figures[number] > 0.0
 
 
 def test_the_top_speed_of_a_train_with_lash_is_that_of_lift_off(
