@@ -380,7 +380,8 @@ class MainWindow(Window):
         has_view = section in ("timing", "drives") or (
             section == "motion" and editor is not None and editor.on_screen()
         )
-        view: Any = self.show_view(section if has_view else "parameters")
+        section = "clearance" if section in ("outlines", "clearances") else section
+        view: Any = self.show_view(section if has_view or section == "clearance" else "parameters")
         if not view.focus_field(path) and section == "motion" and view is not editor:
             view = self.show_view("motion")  # rows of a table, which the inspector does not have
             view.focus_field(path)

@@ -433,6 +433,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("Li&mits", "limits", "Edit your limits of pressure angle, radius of curvature and contact force"),
             _view("find"),
             _view("study"),
+            _view("clearance"),
             Submenu("C&olour the profile", fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
                  "Compare a measured table of lift with the profile: deviations, the largest one, in or out of tolerance"),

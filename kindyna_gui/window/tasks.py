@@ -144,7 +144,7 @@ class Task:
         return tuple((g, (*g.names, *g.more, *(others if g is last else ()))) for g in self.groups)
 
 
-_WIDE_VIEWS = ("timing", "compare", "explain")
+_WIDE_VIEWS = ("timing", "clearance", "compare", "explain")
 """Docks that need more width than the parameters."""
 
 _PARAMETERS = DockGroup(RIGHT, ("parameters",), ("drives", "certificate"), 1.6)
