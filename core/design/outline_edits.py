@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from core.design.camshaft import drive_names, slugs
@@ -24,10 +24,10 @@ def possible_bodies(design: Design) -> tuple[tuple[str, str | None], ...]:
     return (*rows, (FRAME, None), *carries)
 
 
-def _distinct(words: dict[str, str] | object) -> list[str]:
+def _distinct(words: Mapping[str, str]) -> list[str]:
     """The first word of every body."""
     names: dict[str, str] = {}
-    for word, name in dict(words).items():  # type: ignore[call-overload]
+    for word, name in words.items():
         names.setdefault(name, word)
     return list(names.values())
 
