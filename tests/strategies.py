@@ -84,6 +84,9 @@ def formed(draw: st.DrawFn, drive: Drive) -> Drive:
         else {}
     )
     form = kind(play_mm=draw(st.floats(0.0, 1e9)), **roller) if roller else draw(parts(kind))
+    thickness, depth = drive.cam.thickness_mm, getattr(form, "groove_depth_mm", None)
+    if depth is not None and thickness is not None and depth >= thickness:
+        form = replace(form, groove_depth_mm=None)
     return replace(drive, cam=replace(drive.cam, form=form), mechanism=replace(drive.mechanism, **place))
 
 

@@ -64,6 +64,9 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "report": _row("report of a design", "designs", "report"),
         "export": _row("tables as CSV and figures as JSON", "export", "export"),
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF, SVG or G-code", "cams", "profile"),
+        "surface": _row(
+            "the surfaces of a cam or its solid, with bore, keyway and hub, as STEP, STL or CSV", "surfaces", "surface"
+        ),
         "ecam": _row("a table for a servo controller, and the error of the controller's curve", "tables", "ecam"),
         "inspection": _row(
             "the lift that a probe measures on the cam, and whether a measured table keeps its tolerance",

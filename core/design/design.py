@@ -11,7 +11,7 @@ from core.design.curves import nose_deg
 from core.design.engine import Engine, Valve
 from core.design.fields import FileLayout, flag, number, placed
 from core.design.follower_kinds import FOLLOWER_KINDS, kind_of
-from core.design.followers import OF_SECOND, CamDetails, Face
+from core.design.followers import OF_SECOND, CamDetails, Face, Groove
 from core.design.limits import NO_LIMITS, Limits, Tolerance, Waviness
 from core.design.linkage import CRANK, MOTION, MOTION_SPEED, Link, Linkage, NamedMotion
 from core.design.loads import Balancer
@@ -226,10 +226,13 @@ class Drive:
         if self.cam is None:
             return None
         blank = dict.fromkeys(field.name for field in fields(self.cam) if field.name in BLANK)
-        bare, second = replace(self.cam, **blank), getattr(self.cam.form, "second", None)
+        bare, form = replace(self.cam, **blank), self.cam.form
+        if isinstance(form, Groove):
+            return replace(bare, form=Groove(form.play_mm))
+        second = getattr(form, "second", None)
         if second is None:
             return bare
-        return replace(bare, form=replace(bare.form, second=replace(second, **dict.fromkeys(OF_SECOND))))
+        return replace(bare, form=replace(form, second=replace(second, **dict.fromkeys(OF_SECOND))))
 
     @property
     def face_path(self) -> str:

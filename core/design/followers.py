@@ -187,6 +187,10 @@ FORM = "form"
 """Key of the word."""
 
 
+def _known(label: str, help: str, high: float = LONGEST_MM, otherwise: str = "not known") -> Any:
+    return number(label, 0.0, high, open_low=True, default=None, help=f"{help}; empty = {otherwise}")
+
+
 def _play(help: str) -> Any:
     return number("Play", 0.0, LONGEST_MM, default=0.0, help=help)
 
@@ -206,10 +210,10 @@ class Groove:
     form: ClassVar[str] = "groove"
     holds: ClassVar[bool] = True
     play_mm: float = _play("width of the groove minus the roller's diameter, at the outer flank")
-
-
-def _known(label: str, help: str, high: float = LONGEST_MM, otherwise: str = "not known") -> Any:
-    return number(label, 0.0, high, open_low=True, default=None, help=f"{help}; empty = {otherwise}")
+    outer_radius_mm: float | None = _known("Blank radius", "of the disk around the groove, for its solid")
+    groove_depth_mm: float | None = _known(
+        "Groove depth", "from the upper face, less than the thickness, for its solid"
+    )
 
 
 def _material(label: str, help: str) -> Any:
@@ -307,6 +311,9 @@ class CamDetails(Surfaces):
     thickness_mm: float | None = leading(_known("Thickness", "width of the profile along the shaft"))
     bore_mm: float | None = _known("Bore", "diameter")
     hub_mm: float | None = _known("Hub", "diameter")
+    hub_length_mm: float | None = _known(
+        "Hub length", "from the lower face of the cam, for its solid", otherwise="no hub"
+    )
     keyway_width_mm: float | None = _known("Keyway width", "of the groove in the bore")
     keyway_depth_mm: float | None = _known("Keyway depth", "from the bore")
     keyway_angle_deg: float | None = number(

@@ -251,6 +251,13 @@ def _bore_and_hub(cam: CamDetails, path: str) -> Iterator[Fault]:
         yield Fault(f"{path}.keyway_width_mm", key, "not narrower than the bore", f"< {bore:g} mm")
 
 
+def _groove_is_in_the_blank(cam: RollerCam | DiskCam | LinkageCam, path: str) -> Iterator[Fault]:
+    """The groove is shallower than its blank is thick."""
+    depth = getattr(cam.form, "groove_depth_mm", None)
+    if depth is not None and cam.thickness_mm is not None and depth >= cam.thickness_mm:
+        yield Fault(f"{path}.groove_depth_mm", depth, "not less than the thickness", f"< {cam.thickness_mm:g} mm")
+
+
 def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]:
     x, letter = follower.pivot_x_mm, follower.layout
     if x == 0.0:
@@ -282,9 +289,9 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
     {
         Motion: (_segments, _spans_make_a_turn, _rises_return_to_start, _follows_its_origin, _lobe),
         CamSlider: (_layout_agrees_with_pivot,),
-        RollerCam: (_bore_and_hub,),
-        DiskCam: (_bore_and_hub,),
-        LinkageCam: (_bore_and_hub,),
+        RollerCam: (_bore_and_hub, _groove_is_in_the_blank),
+        DiskCam: (_bore_and_hub, _groove_is_in_the_blank),
+        LinkageCam: (_bore_and_hub, _groove_is_in_the_blank),
         Engine: (_rod_is_long,),
         BarrelCam: (shape_faults,),
         GloboidalCam: (shape_faults,),

@@ -42,13 +42,29 @@ def span_deviation(curve: ProfileCurve, fit: FitMethod, begin: np.ndarray, lengt
     ndarray (m,) [mm]
     """
     pieces = fit.pieces(curve.ends(begin), curve.ends(begin + length))
-    return _piece_deviation(curve, pieces, np.arange(begin.size), begin, length)
+    return piece_deviation(curve, pieces, np.arange(begin.size), begin, length)
 
 
-def _piece_deviation(
+def piece_deviation(
     curve: ProfileCurve, chain: CurveChain, span: np.ndarray, begin: np.ndarray, length: np.ndarray
 ) -> np.ndarray:
-    """Largest distance (m,) [mm] of the spans (m,) of a chain from their pieces: sampled twice, then by a parabola."""
+    """Largest distance of parts of the curve from the pieces of a chain over them: sampled twice, then by a parabola.
+
+    Parameters
+    ----------
+    curve : ProfileCurve
+    chain : CurveChain
+    span : ndarray (m,), dimensionless
+        Indices of the pieces.
+    begin : ndarray (m,) [mm]
+        Arc lengths at which they begin.
+    length : ndarray (m,) [mm]
+        Their lengths.
+
+    Returns
+    -------
+    ndarray (m,) [mm]
+    """
     rows = np.arange(span.size)
     part, highest = np.broadcast_to(SAMPLES, (span.size, SAMPLES.size)), np.zeros(span.size)
     for _ in range(2):
@@ -103,7 +119,7 @@ def largest_deviation(curve: ProfileCurve, chain: CurveChain, nodes: np.ndarray)
     for first in range(0, count, BLOCK):
         checkpoint()
         span = np.arange(first, min(first + BLOCK, count))
-        bound[span] = _piece_deviation(curve, chain, span, nodes[span], length[span])
+        bound[span] = piece_deviation(curve, chain, span, nodes[span], length[span])
     worst = (0.0, 0.0)
     order = np.argsort(-bound, kind="stable")
     for first in range(0, count, REFINED_AT_ONCE):
