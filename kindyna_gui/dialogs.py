@@ -165,6 +165,11 @@ def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     return file_to_save(parent, suggestion, "Export profile", {suggestion.suffix: "Profile"})
 
 
+def surfaces_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """Ask for the file of surfaces, with the ending of the suggestion."""
+    return file_to_save(parent, suggestion, "Export surfaces", {suggestion.suffix: "Surfaces"})
+
+
 def controller_table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """Ask for the file of a controller's table, with the ending of the suggestion."""
     return file_to_save(parent, suggestion, "Export controller table", {suggestion.suffix: "Table"})

@@ -108,6 +108,12 @@ class Exports(QObject):
                 no_cam,
             ),
             Export(
+                "&Solid and surfaces...",
+                "Write the solid cam with bore, keyway and hub, or its flanks, as STEP, STL or CSV for CAD and CAM",
+                self.surfaces,
+                no_cam,
+            ),
+            Export(
                 "&Drawing...",
                 "Write a workshop drawing of the cam with dimensions, table of points and title block, as PDF or SVG",
                 self.drawing,
@@ -300,6 +306,18 @@ class Exports(QObject):
         job, ending = choice
         path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._drive_name}{ending}")
         self._write_in_background(path, lambda path: write_profile(job, path))
+
+    def surfaces(self) -> None:
+        """Write the solid cam, or its flanks."""
+        from core.output.solids.surface import write_surface
+        from kindyna_gui.surface_dialog import ask_surface
+
+        choice = ask_surface(self._window, self._drive)
+        if choice is None:
+            return
+        job, ending = choice
+        path = dialogs.surfaces_to_save(self._window, self._settings.folder / f"{self._drive_name}{ending}")
+        self._write_in_background(path, lambda path: write_surface(job, path))
 
     def controller(self) -> None:
         """Write an electronic cam: the motion as a table for a servo controller."""

@@ -21,9 +21,9 @@ from core.output.files.fitted_curve import CERTAIN, flank_number
 from core.output.files.profile_curve import MM
 from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ALL_FLANKS, AT_ONCE, ProfileRequest
-from core.output.solids.body import Body
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
 from core.output.solids.mesh import prism_triangles, stl_bytes, stl_rounding
+from core.output.solids.prism import Prism
 from core.output.solids.step import step_bytes
 from core.output.summary import to_json
 from core.project.files import write_all
@@ -76,7 +76,7 @@ class SurfaceJob:
     study : the study of the design
     request : the requested surfaces
     content : the file
-    bodies : the bodies in it; empty for a table
+    prisms : the bodies in it; empty for a table
     deviation : largest distance of the exact surfaces from the file [mm]
     faces : number of faces, of a table its number of flanks
     volume : of all solids [mm³]; None without a solid
@@ -85,7 +85,7 @@ class SurfaceJob:
     study: Study
     request: SurfaceRequest
     content: bytes
-    bodies: tuple[Body, ...]
+    prisms: tuple[Prism, ...]
     deviation: float
     faces: int
     volume: float | None = None
@@ -112,9 +112,14 @@ def _prisms(study: Study, request: SurfaceRequest, tolerance: float) -> Prisms:
 
 
 def _job(study: Study, request: SurfaceRequest, prisms: Prisms, content: bytes, deviation: float) -> SurfaceJob:
-    bodies = tuple(prism.body for prism in prisms.prisms)
     volume = sum(prism.volume for prism in prisms.prisms) if request.solid else None
-    return SurfaceJob(study, request, content, bodies, deviation, sum(len(body.faces) for body in bodies), volume)
+    faces = sum(len(prism.body.faces) for prism in prisms.prisms)
+    return SurfaceJob(study, request, content, prisms.prisms, deviation, faces, volume)
+
+
+def shown_prisms(job: SurfaceJob) -> tuple[Prism, ...]:
+    """Bodies of a drawing of the file: those in it, of a table the flanks. Raises as `surface_job`."""
+    return job.prisms or _prisms(job.study, job.request, TOLERANCE).prisms
 
 
 def _about(study: Study, request: SurfaceRequest, deviation: float) -> list[str]:
@@ -246,6 +251,8 @@ def facts_text(job: SurfaceJob) -> str:
 
 def summary(job: SurfaceJob) -> str:
     """Facts about the file in a sentence."""
+    if not job.prisms:
+        return f"{job.faces * job.request.samples * job.request.along} points with their normals, on the exact surface"
     volume = "" if job.volume is None else f", {result_text(job.volume, 6)} mm³"
     return f"{job.faces} faces{volume}, at most {rounded_up(job.deviation, 4):g} mm from the exact surface"
 

@@ -15,12 +15,14 @@ from core.commands.cams import ProfileArguments
 from core.commands.common import one_studied, require_cam, solved
 from core.commands.designs import ReportArguments, requested_document
 from core.commands.export import ExportArguments
+from core.commands.surfaces import SurfaceArguments
 from core.commands.tables import EcamArguments, controller_table
 from core.errors import FileError, KindynaError
 from core.output.controllers.deviation import facts
 from core.output.export import export
 from core.output.files.files import FORMATS, profile_job, write_profile
 from core.output.report.document import ENDINGS, html
+from core.output.solids.surface import SURFACE_FORMATS, surface_job, write_surface
 from core.output.summary import to_json
 from core.project import save
 from core.project.files import write, write_all
@@ -34,11 +36,15 @@ _PDF = ".pdf"
 def export_study(
     study: Study, target: Path, options: Mapping[str, Any], without: frozenset[str] = frozenset()
 ) -> list[Path]:
-    """Write tables into a folder, or a profile or report to a file; return the paths. Raises as ``StudyResults.export``.
+    """Write tables into a folder, or a profile, surfaces or a report to a file; return the paths. Raises as ``StudyResults.export``.
 
     ``without`` lists quantities that the tables omit.
     """
-    writers = {**dict.fromkeys(FORMATS, _profile), **dict.fromkeys(ENDINGS, _report)}
+    writers = {
+        **dict.fromkeys(SURFACE_FORMATS, _surface),
+        **dict.fromkeys(FORMATS, _profile),
+        **dict.fromkeys(ENDINGS, _report),
+    }
     ending = target.suffix.lower()
     if ending in writers:
         return writers[ending](study, target, options)
@@ -54,6 +60,13 @@ def _profile(study: Study, target: Path, options: Mapping[str, Any]) -> list[Pat
     drive = one_studied(study.design, request.drive)
     require_cam(drive, "export")
     return write_profile(profile_job(drive, target, request.request), target)
+
+
+def _surface(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:
+    request = requested(SurfaceArguments, options, "json", design=Path(), out=target)
+    drive = one_studied(study.design, request.drive)
+    require_cam(drive, "export")
+    return write_surface(surface_job(drive, target, request.request), target)
 
 
 def _report(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:

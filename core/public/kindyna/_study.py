@@ -348,11 +348,12 @@ class StudyResults(Generic[D]):
         ----------
         target : str or path
             A folder: tables and summary, as the command ``export``. A name with the ending ``.dxf``, ``.svg``, ``.csv`` or ``.nc``: the
-            profile of the cam, as ``profile``. ``.html`` or ``.pdf``: a report, as ``report``; a PDF needs the packages of the window.
+            profile of the cam, as ``profile``. ``.step`` or ``.stl``: its flanks or its solid, as ``surface``.
+            ``.html`` or ``.pdf``: a report, as ``report``; a PDF needs the packages of the window.
         **options : number, text, flag or list
             Options of that command, with ``_`` for ``-``, and ``as_``: of ``export`` ``only``; of ``profile`` ``flank``, ``drive``,
-            ``samples``, ``spacing``, ``tolerance``, ``as_``, ``cutter``, and those of G-code; of ``report`` ``without``, ``paper``,
-            ``customer``, ``author``, ``revision`` and others.
+            ``samples``, ``spacing``, ``tolerance``, ``as_``, ``cutter``, and those of G-code; of ``surface`` ``solid``, ``flank``,
+            ``drive``, ``tolerance``; of ``report`` ``without``, ``paper``, ``customer``, ``author``, ``revision`` and others.
 
         Returns
         -------

@@ -198,6 +198,17 @@ def test_a_profile_is_that_of_the_command(name: str, options: dict[str, Any], wo
     assert all(path.read_bytes() == Path("command", path).read_bytes() for path in paths)
 
 
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [("cam.step", {"solid": True}, ["--solid"]), ("cam.stl", {"tolerance": 0.1}, ["--tolerance", "0.1"])],
+)
+def test_surfaces_are_those_of_the_command(name: str, options: dict[str, Any], words: list[str]) -> None:
+    UNIT.save("unit.toml")
+    command("surface", "unit.toml", "--drive", "Clamp", "--out", f"command_{name}", *words)
+    assert UNIT.study(36).export(name, drive="Clamp", **options) == [Path(name)]
+    assert Path(name).read_bytes() == Path(f"command_{name}").read_bytes()
+
+
 def test_a_drive_of_a_shaft_is_chosen_as_by_the_command() -> None:
     UNIT.save("unit.toml")
     command("profile", "unit.toml", "--out", "command.csv", "--drive", "Lift", "--samples", "36")

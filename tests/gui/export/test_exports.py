@@ -45,6 +45,7 @@ def test_file_export_offers_everything(user: User) -> None:
     assert user.entries(*EXPORT) == [
         "Tables...",
         "Profile...",
+        "Solid and surfaces...",
         "Drawing...",
         "Controller...",
         "Inspection table...",
@@ -167,6 +168,7 @@ def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:
     ("way", "button"),
     spread([
         ((*EXPORT, "Profile..."), "Save profile..."), ((*EXPORT, "Drawing..."), "Save drawing..."),
+        ((*EXPORT, "Solid and surfaces..."), "Save surfaces..."),
         ((*EXPORT, "Inspection table..."), "Save inspection table..."), ((*EXPORT, "Animation..."), "Save animation..."),
         (("File", "Report..."), "Save report..."),
     ], 2),

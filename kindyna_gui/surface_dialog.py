@@ -1,0 +1,235 @@
+"""Dialog of the surfaces and the solid of a cam, with a shaded drawing that the mouse turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QPointF, QSize, Qt
+from PySide6.QtGui import QColor, QMouseEvent, QPainter
+from PySide6.QtWidgets import QComboBox, QWidget
+
+from core.design import Design
+from core.frozen import frozen
+from core.numerics.derivatives import ISOMETRIC, seen_from
+from core.output.solids.outline import area, polygon
+from core.output.solids.prism import Cap, Prism, in_space
+from core.output.solids.surface import SURFACE_FORMATS, SurfaceJob, SurfaceRequest, shown_prisms, summary, surface_job
+from core.study import Study
+from kindyna_gui.forms.fields import fill_choices
+from kindyna_gui.forms.request_form import ComputedDialog, RequestForm, accepted, flanks
+from kindyna_gui.look import Picture
+from kindyna_gui.pictures.shapes import fit_transform, joined, outline, segments
+from kindyna_gui.pictures.style import SCREEN, THIN, brush
+
+# -- shaded drawing --------------------------------------------------------------------------------------
+
+MARGIN, COARSE = 20, 1e-3  # pixels; tolerance of the drawn polygons, relative to the size
+TURN_PER_PIXEL, FLATTEST, STEEPEST = 0.5, 10.0, 90.0  # degrees
+LIGHT = np.array([-0.45, -0.35, 0.82])
+DARKEST, CREASE = 0.62, 0.9  # brightness away from the light; cosine of the angle from which an edge is drawn
+
+
+@frozen(eq=False)
+class SolidPreview:
+    """A file of surfaces and the bodies that are drawn."""
+
+    job: SurfaceJob
+    prisms: tuple[Prism, ...]
+
+
+class SolidPicture(Picture):
+    """Shaded drawing of bodies between level planes, seen from above; a drag turns it, a double click returns.
+
+    What is lower is drawn first, on a level its faces, then the walls of holes, then the others: seen from above this hides
+    what is hidden. A wall that passes a level is drawn in parts.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("Picture of the surfaces", QSize(300, 300), QSize(460, 420))
+        self.turn, self.tilt = ISOMETRIC
+        self._grip: QPointF | None = None
+        self._polygons: list[tuple[Prism, list[np.ndarray]]] = []
+        self.setCursor(Qt.CursorShape.OpenHandCursor)
+        self.setToolTip("Drag to turn; double-click for the isometric view")
+
+    def show_picture(self, shown: Any, message: str = "") -> None:
+        self._polygons = []
+        if shown is not None:
+            size = max(abs(piece.start) for prism in shown.prisms for wall in prism.walls for piece in wall.outline)
+            self._polygons = [
+                (prism, [polygon(wall.outline, COARSE * size) for wall in prism.walls]) for prism in shown.prisms
+            ]
+        super().show_picture(shown, message)
+
+    def _seen(self, points: np.ndarray, height: float) -> np.ndarray:
+        return seen_from(in_space(points, height), self.turn, self.tilt)
+
+    @property
+    def _towards_viewer(self) -> np.ndarray:
+        turn, tilt = np.deg2rad((self.turn, self.tilt))
+        return np.array([np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)])
+
+    def draw(self, painter: QPainter) -> None:
+        extent = [
+            self._seen(points, z)
+            for prism, loops in self._polygons
+            for wall, points in zip(prism.walls, loops, strict=True)
+            for z in (wall.low, wall.high)
+        ]
+        transform = fit_transform(np.concatenate(extent), self.size(), MARGIN)
+        painter.setTransform(transform, True)
+        for prism, loops in self._polygons:
+            levels = {prism.level(cap.rims[0]) for cap in prism.caps if cap.is_up}
+            parts: list[tuple[float, int, Callable[[], None]]] = [
+                (level, 0, partial(self._draw_cap, painter, cap, loops, level))
+                for cap in prism.caps
+                for level in (prism.level(cap.rims[0]),)
+                if cap.is_up
+            ]
+            for wall, points in zip(prism.walls, loops, strict=True):
+                heights = sorted({wall.low, wall.high, *(level for level in levels if wall.low < level < wall.high)})
+                rank = 1 if area(wall.outline) < 0.0 else 2
+                parts += [
+                    (
+                        low,
+                        rank,
+                        partial(self._draw_wall, painter, points, (low, high), low == wall.low, bool(prism.caps)),
+                    )
+                    for low, high in pairwise(heights)
+                ]
+            for _, _, draw in sorted(parts, key=lambda part: part[:2]):
+                draw()
+
+    def _shade(self, brightness: float) -> QColor:
+        colour = QColor(SCREEN.cam)
+        return QColor.fromHslF(max(colour.hslHueF(), 0.0), colour.hslSaturationF(), colour.lightnessF() * brightness)
+
+    def _draw_cap(self, painter: QPainter, cap: Cap, loops: Sequence[np.ndarray], level: float) -> None:
+        path = joined(*(outline(self._seen(loops[rim.wall], level)) for rim in cap.rims))
+        path.setFillRule(Qt.FillRule.OddEvenFill)
+        painter.setPen(SCREEN.pen(SCREEN.ink, THIN))
+        painter.setBrush(brush(self._shade(1.0).name()))
+        painter.drawPath(path)
+
+    def _draw_wall(
+        self, painter: QPainter, points: np.ndarray, heights: tuple[float, float], has_rim: bool, is_solid: bool
+    ) -> None:
+        """Sides that face the viewer; of a sheet also those that face away, first."""
+        following = np.roll(points, -1)
+        normal = -1j * (following - points) / np.abs(following - points)
+        towards = self._towards_viewer
+        facing = normal.real * towards[0] + normal.imag * towards[1]
+        light = DARKEST + (1.0 - DARKEST) * np.clip(normal.real * LIGHT[0] + normal.imag * LIGHT[1], 0.0, 1.0)
+        low, high = (self._seen(points, height) for height in heights)
+        shown = facing > 0.0 if is_solid else np.ones(points.size, dtype=bool)
+        order = np.flatnonzero(shown)
+        for i in order[np.argsort(facing[order] > 0.0, kind="stable")].tolist():
+            end = (i + 1) % points.size
+            colour = self._shade(light[i] if facing[i] > 0.0 else DARKEST * DARKEST)
+            painter.setPen(SCREEN.pen(colour.name(), THIN))  # no seams
+            painter.setBrush(brush(colour.name()))
+            painter.drawPath(outline(np.array([low[i], low[end], high[end], high[i]])))
+        before = np.roll(normal, 1)
+        is_sharp = (before * normal.conj()).real < CREASE
+        upright = np.flatnonzero((shown != np.roll(shown, 1)) | (is_sharp & shown) | (is_sharp & np.roll(shown, 1)))
+        lines = [(complex(low[i]), complex(high[i])) for i in upright]
+        lower = [(complex(low[i]), complex(low[(i + 1) % points.size])) for i in order] if has_rim else []
+        upper = [] if is_solid else [(complex(high[i]), complex(high[(i + 1) % points.size])) for i in order]
+        painter.setPen(SCREEN.pen(SCREEN.ink, THIN))
+        painter.drawPath(segments([*lines, *lower, *upper]))
+
+    # -- the mouse -------------------------------------------------------------------------------------------
+
+    def look(self, turn: float, tilt: float) -> None:
+        """Set rotation and tilt [deg]; the view stays above."""
+        self.turn, self.tilt = turn % 360.0, min(max(tilt, FLATTEST), STEEPEST)
+        self.update()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        self._grip = event.position()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._grip is not None:
+            drag, self._grip = event.position() - self._grip, event.position()
+            self.look(self.turn - TURN_PER_PIXEL * drag.x(), self.tilt + TURN_PER_PIXEL * drag.y())
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        self._grip = None
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        self.look(*ISOMETRIC)
+
+
+# -- dialog ----------------------------------------------------------------------------------------------
+
+
+class SurfaceDialog(ComputedDialog):
+    """Dialog for the format, flank and tolerance of a file of surfaces, or of the solid, with a drawing."""
+
+    command, help_page = "surface", "tour#Export > Solid and surfaces"
+
+    def __init__(self, parent: QWidget, design: Design) -> None:
+        self._design, self.format, self.picture = design, QComboBox(), SolidPicture()
+        self._solid = True  # as chosen last for a format that has solids
+        form = RequestForm(SurfaceRequest, flanks(design), {"solid": True}, [("Format", self.format)])
+        super().__init__(parent, "surfaces", form, self.picture)
+        fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in SURFACE_FORMATS.items()})
+        self.form.boxes["solid"].toggled.connect(self._show_rows)
+        self.format.currentIndexChanged.connect(self._show_format)
+        self._show_format()
+
+    @property
+    def ending(self) -> str:  # type: ignore[override]
+        """Ending of the selected format: ``.step``."""
+        ending: str = self.format.currentData()
+        return ending
+
+    def _show_format(self) -> None:
+        """Show the fields that the selected format has."""
+        has_solids, solid = SURFACE_FORMATS[self.ending].has_solids, self.form.boxes["solid"]
+        solid.blockSignals(True)
+        solid.setChecked(has_solids and self._solid)
+        solid.setEnabled(has_solids)
+        solid.blockSignals(False)
+        self._show_rows()
+        self.changed()
+
+    def _show_rows(self) -> None:
+        """A solid has all flanks; only a table has cam angles."""
+        has_solids = SURFACE_FORMATS[self.ending].has_solids
+        if has_solids:
+            self._solid = self.form.boxes["solid"].isChecked()
+        flank = self.form.boxes["flank"]
+        if self.form.boxes["solid"].isChecked():
+            flank.setCurrentIndex(0)
+        flank.setEnabled(not self.form.boxes["solid"].isChecked())
+        for name in ("samples", "along"):
+            self.form.rows.setRowVisible(self.form.boxes[name], not has_solids)
+        self.form.rows.setRowVisible(self.form.boxes["tolerance_mm"], has_solids)
+
+    def job(self) -> Callable[[], SolidPreview]:
+        return partial(_preview, self._design, self.ending, self.form.request)
+
+    def show_waiting(self) -> None:
+        self.picture.wait()
+
+    def show_result(self, computed: SolidPreview | None) -> str:
+        self.picture.show_picture(computed)
+        return "" if computed is None else f"{summary(computed.job)}."
+
+
+def _preview(design: Design, ending: str, request: SurfaceRequest) -> SolidPreview:
+    job = surface_job(Study(design), Path(f"surface{ending}"), request)
+    return SolidPreview(job, shown_prisms(job))
+
+
+def ask_surface(parent: QWidget, design: Design) -> tuple[SurfaceJob, str] | None:
+    """Ask for a file of surfaces; return its content and ending, None where the user cancels."""
+    dialog = SurfaceDialog(parent, design)
+    result: SolidPreview | None = accepted(dialog)
+    return None if result is None else (result.job, dialog.ending)

@@ -1,0 +1,110 @@
+"""File > Export > Solid and surfaces: what the dialog writes are the command's bytes, and the drawing is turned by the mouse."""
+
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QComboBox
+from window_user import Open, User, answering, wait_for
+
+from core.__main__ import main
+from core.project import load, save
+from kindyna_gui.places import example
+from kindyna_gui.surface_dialog import SurfaceDialog
+
+PATH = ("File", "Export", "Solid and surfaces...")
+FIELDS = {"cam.thickness_mm": 70.0, "cam.bore_mm": 120.0, "cam.hub_mm": 200.0, "cam.hub_length_mm": 110.0}
+
+
+@pytest.fixture
+def open_user(same_window: Open) -> Open:
+    """One window for all tests of this file."""
+    return same_window
+
+
+def computed(dialog: SurfaceDialog) -> str:
+    """What the dialog says once the file is calculated."""
+    wait_for(lambda: not dialog.result.text().startswith("Calculating"))
+    return dialog.result.text()
+
+
+def pick(box: QComboBox, text: str) -> None:
+    """By the arrow keys."""
+    box.setFocus()
+    for _ in range(box.count()):
+        QTest.keyClick(box, Qt.Key.Key_Up)
+    while text not in box.currentText():
+        before = box.currentIndex()
+        QTest.keyClick(box, Qt.Key.Key_Down)
+        assert box.currentIndex() > before, f"{text}: not offered"
+
+
+def test_a_solid_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) -> None:
+    for path, value in FIELDS.items():
+        user.session.edit(path, value, path)
+
+    def act(dialog: SurfaceDialog) -> None:
+        text = computed(dialog)
+        assert text.startswith("12 faces, ")
+        assert dialog.format.currentData() == ".step"
+        assert dialog.form.boxes["solid"].isChecked()
+        picture = dialog.picture
+        seen = picture.grab().toImage()
+        colours = {seen.pixelColor(x, y).name() for x in range(0, seen.width(), 4) for y in range(0, seen.height(), 4)}
+        assert len(colours) > 10, "shaded"
+        turn = picture.turn
+        middle = picture.rect().center()
+        QTest.mousePress(picture, Qt.MouseButton.LeftButton, pos=middle)
+        QTest.mouseMove(picture, middle + QPoint(40, 10))
+        QTest.mouseRelease(picture, Qt.MouseButton.LeftButton, pos=middle + QPoint(40, 10))
+        assert picture.turn == pytest.approx((turn - 20.0) % 360.0)
+        assert picture.grab().toImage() != seen
+        QTest.mouseDClick(picture, Qt.MouseButton.LeftButton)
+        assert picture.grab().toImage() == seen
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    suggested = user.picks("surfaces_to_save", tmp_path / "cam.step")
+    with answering(SurfaceDialog, act):
+        user.choose(*PATH)
+    assert suggested[0].suffix == ".step"
+    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'cam.step'}"
+    save(user.design, tmp_path / "design.toml")
+    words = ["surface", tmp_path / "design.toml", "--out", tmp_path / "again.step", "--solid"]
+    assert main([str(word) for word in words]) == 0
+    assert (tmp_path / "cam.step").read_bytes() == (tmp_path / "again.step").read_bytes()
+
+
+def test_what_a_solid_lacks_is_named_and_formats_show_their_fields(user: User) -> None:
+    def act(dialog: SurfaceDialog) -> None:
+        assert computed(dialog).startswith("cam.thickness_mm: missing")
+        assert not dialog.export.isEnabled()
+        boxes = dialog.form.boxes
+        assert boxes["tolerance_mm"].isVisible()
+        assert not boxes["samples"].isVisible()
+        pick(dialog.format, "CSV")
+        assert boxes["samples"].isVisible()
+        assert not boxes["tolerance_mm"].isVisible()
+        assert not boxes["solid"].isEnabled()
+        pick(dialog.format, "STL")
+        assert boxes["solid"].isChecked(), "a table has no solid, and leaves the choice as it was"
+        dialog.reject()
+
+    with answering(SurfaceDialog, act):
+        user.choose(*PATH)
+
+
+def test_a_table_and_one_flank_of_a_groove(user: User, tmp_path: Path) -> None:
+    user.session.start(load(example("groove")))
+
+    def act(dialog: SurfaceDialog) -> None:
+        pick(dialog.format, "CSV")
+        pick(dialog.form.boxes["flank"], "Outer")
+        dialog.form.show_value("samples", 36)
+        assert computed(dialog) == "756 points with their normals, on the exact surface."
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    user.picks("surfaces_to_save", tmp_path / "flank.csv")
+    with answering(SurfaceDialog, act):
+        user.choose(*PATH)
+    assert len((tmp_path / "flank.csv").read_text().splitlines()) == 1 + 36 * 21
