@@ -295,7 +295,7 @@ class Exports(QObject):
     def profile(self) -> None:
         """Write the cam profile, or the path of a cutter."""
         from core.output.files.files import write_profile
-        from kindyna_gui import profile_dialogs
+        from kindyna_gui.cam_dialogs import profile_dialogs
 
         if not self._session.design.drive.has_disk:
             self.status_message.emit(NO_CAM)
@@ -310,7 +310,7 @@ class Exports(QObject):
     def surfaces(self) -> None:
         """Write the solid cam, or its flanks."""
         from core.output.solids.surface import write_surface
-        from kindyna_gui.surface_dialog import ask_surface
+        from kindyna_gui.cam_dialogs.surface_dialog import ask_surface
 
         choice = ask_surface(self._window, self._drive)
         if choice is None:
@@ -321,7 +321,7 @@ class Exports(QObject):
 
     def controller(self) -> None:
         """Write an electronic cam: the motion as a table for a servo controller."""
-        from kindyna_gui.profile_dialogs import ask_controller_table
+        from kindyna_gui.cam_dialogs.profile_dialogs import ask_controller_table
 
         session = self._session
         name = session.names[session.chosen] if session.has_several_drives else ""
@@ -395,7 +395,7 @@ class Exports(QObject):
 
     def drawing(self) -> None:
         """Write a workshop drawing of the cam."""
-        from kindyna_gui import profile_dialogs
+        from kindyna_gui.cam_dialogs import profile_dialogs
         from kindyna_gui.pictures.paper.sheets import sheet_file
 
         sheet = profile_dialogs.ask_drawing(self._window, self._drive)

@@ -21,7 +21,8 @@ from core.output.export import Film, as_texts, file_parts
 from core.project import load
 from core.study import Study
 from core.study.stages import memory
-from kindyna_gui import dialogs, export_dialogs, profile_dialogs
+from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui.cam_dialogs import profile_dialogs
 from kindyna_gui.dialogs import OnShaft
 from kindyna_gui.drives import ON_SHAFT, SIDE_BY_SIDE
 from kindyna_gui.drives_view import NAME, PHASE, TORQUE, DrivesView

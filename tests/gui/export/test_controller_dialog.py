@@ -9,8 +9,8 @@ from PySide6.QtTest import QTest
 from window_user import Open, answering, wait_for
 
 from core.__main__ import main
+from kindyna_gui.cam_dialogs.profile_dialogs import ControllerDialog
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import ControllerDialog
 
 WAY = ("File", "Export", "Controller...")
 

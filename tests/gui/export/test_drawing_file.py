@@ -22,8 +22,8 @@ from window_user import Open, User, wait_for
 from core.project import load, save
 from core.study import Study
 from kindyna_gui.__main__ import main
+from kindyna_gui.cam_dialogs.profile_dialogs import DrawingDialog
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import DrawingDialog
 
 SVG = "{http://www.w3.org/2000/svg}"
 WAY = ("File", "Export", "Drawing...")

@@ -25,9 +25,10 @@ from core.output.handover import HandoverRequest, web_page
 from core.output.report import report
 from core.project import load, loads
 from core.study import Study
-from kindyna_gui import background, dialogs, export_dialogs, inspection, profile_dialogs
+from kindyna_gui import background, dialogs, export_dialogs, inspection
 from kindyna_gui import export_dialogs as export_tables
 from kindyna_gui.background import progress
+from kindyna_gui.cam_dialogs import profile_dialogs, surface_dialog
 from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesRequest, ask_animation, ask_tables
 from kindyna_gui.pictures.film import Camera, pictures, shoot
 from kindyna_gui.places import example
@@ -98,6 +99,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     monkeypatch.setattr(export_tables, "ask_tables", lambda *_: None)
     monkeypatch.setattr(export_tables, "ask_animation", lambda *_: None)
     monkeypatch.setattr(profile_dialogs, "ask_profile", lambda *_: None)
+    monkeypatch.setattr(surface_dialog, "ask_surface", lambda *_: None)
     monkeypatch.setattr(profile_dialogs, "ask_drawing", lambda *_: None)
     monkeypatch.setattr(inspection, "ask_inspection", lambda *_: None)
     monkeypatch.setattr(export_dialogs, "ask_handover", lambda *_: None)

@@ -13,9 +13,9 @@ from core.__main__ import main
 from core.output.files.files import files
 from core.output.files.profile_files import layers
 from core.project import load, save
+from kindyna_gui.cam_dialogs.profile_dialogs import ProfileDialog
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import ProfileDialog
 
 WAY = ("File", "Export", "Profile...")
 

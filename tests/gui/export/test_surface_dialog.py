@@ -10,8 +10,8 @@ from window_user import Open, User, answering, wait_for
 
 from core.__main__ import main
 from core.project import load, save
+from kindyna_gui.cam_dialogs.surface_dialog import SurfaceDialog
 from kindyna_gui.places import example
-from kindyna_gui.surface_dialog import SurfaceDialog
 
 PATH = ("File", "Export", "Solid and surfaces...")
 FIELDS = {"cam.thickness_mm": 70.0, "cam.bore_mm": 120.0, "cam.hub_mm": 200.0, "cam.hub_length_mm": 110.0}

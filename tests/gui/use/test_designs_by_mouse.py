@@ -21,6 +21,7 @@ from core.project import dumps, load, loads
 from core.study import Study, extremes_of
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
+from kindyna_gui.cam_dialogs.profile_dialogs import ProfileDialog
 from kindyna_gui.files.beginnings import beginning
 from kindyna_gui.find import FindView
 from kindyna_gui.forms.number_box import NumberBox, WordBox
@@ -28,7 +29,6 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_table import LAW
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import ProfileDialog
 from kindyna_gui.window.gallery import Gallery
 
 LEFT = Qt.MouseButton.LeftButton

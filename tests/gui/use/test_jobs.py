@@ -31,9 +31,9 @@ from window_user import Open, User, pixel, plain, settle, wait_for
 from core.design import get
 from core.project import load
 from core.study import Study, findings_of
+from kindyna_gui.cam_dialogs.profile_dialogs import ProfileDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import ProfileDialog
 from kindyna_gui.stability_pages import bands_table
 from kindyna_gui.window.gallery import DWELL, Gallery
 

@@ -26,13 +26,13 @@ from core.__main__ import parser
 from core.commands import COMMANDS
 from core.output.report.document import Cover
 from core.study import names_of, quantity
+from kindyna_gui.cam_dialogs.profile_dialogs import ControllerDialog, ProfileDialog
 from kindyna_gui.export_dialogs import ReportDialog, TablesDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.request_form import ScaleDialog
 from kindyna_gui.help import PAGES, HelpWindow
 from kindyna_gui.inspection import InspectionDialog
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import ControllerDialog, ProfileDialog
 from kindyna_gui.requirements import SUGGESTIONS
 from kindyna_gui.view import ReasonPage
 from kindyna_gui.window.docks import VIEWS

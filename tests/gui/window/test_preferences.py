@@ -25,6 +25,7 @@ from window_user import Open, User, answering, settle, wait_for
 from core.project import dumps
 from kindyna_gui import settings
 from kindyna_gui.blend.wizard import BlendDialog
+from kindyna_gui.cam_dialogs.profile_dialogs import DrawingDialog
 from kindyna_gui.export import tables_of
 from kindyna_gui.export_dialogs import HandoverDialog, ReportDialog
 from kindyna_gui.forms.number_box import NumberBox
@@ -32,7 +33,6 @@ from kindyna_gui.labels import value_text
 from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.places import example
-from kindyna_gui.profile_dialogs import DrawingDialog
 from kindyna_gui.window.main_window import open_window
 from kindyna_gui.window.preferences_dialog import PreferencesDialog
 
