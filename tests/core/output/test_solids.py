@@ -63,7 +63,8 @@ def translating(folder: Path, face: str = "roller", rotation: str = "ccw", keys:
         f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_mm = {-STROKE}\n'
         f'[follower]\nkind = "translating"\nface = "{face}"\noffset_mm = 0.0\n'
         f'[cam]\nbase_radius_mm = {BASE}\n{roller}form = "{form}"\nthickness_mm = 20.0\n{keys}'
-        f'[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n'
+        f'[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n',
+        "utf-8",
     )
     return path
 
@@ -354,7 +355,7 @@ def test_a_table_of_points_and_normals(tmp_path: Path) -> None:
     """Points and normals against their closed form: the roller's centre less its radius along the normal."""
     out = tmp_path / "flank.csv"
     written(translating(tmp_path), out, "--samples", 360, "--along", 3)
-    header, *lines = out.read_text().splitlines()
+    header, *lines = out.read_text("utf-8").splitlines()
     names = header.split(",")
     assert names == [
         "flank", "roller", "cam_angle_deg", "u_mm", "x_mm", "y_mm", "z_mm", "nx", "ny", "nz", "pressure_angle_deg",
@@ -383,7 +384,7 @@ def test_a_table_of_points_and_normals(tmp_path: Path) -> None:
 def test_curvature_of_a_grooves_flanks_is_that_of_the_material(tmp_path: Path) -> None:
     out = tmp_path / "flank.csv"
     written(translating(tmp_path, form="groove"), out, "--samples", 36, "--along", 2)
-    rows = [line.split(",") for line in out.read_text().splitlines()[1:]]
+    rows = [line.split(",") for line in out.read_text("utf-8").splitlines()[1:]]
     dwell = {row[0]: row for row in rows if row[2] == "10.0"}
     assert float(dwell["inner"][-1]) == pytest.approx(1.0 / BASE)
     assert float(dwell["outer"][-1]) == pytest.approx(-1.0 / (BASE + 2.0 * ROLLER))

@@ -107,4 +107,4 @@ def test_a_table_and_one_flank_of_a_groove(user: User, tmp_path: Path) -> None:
     user.picks("surfaces_to_save", tmp_path / "flank.csv")
     with answering(SurfaceDialog, act):
         user.choose(*PATH)
-    assert len((tmp_path / "flank.csv").read_text().splitlines()) == 1 + 36 * 21
+    assert len((tmp_path / "flank.csv").read_text("utf-8").splitlines()) == 1 + 36 * 21
