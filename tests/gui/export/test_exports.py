@@ -50,6 +50,7 @@ def test_file_export_offers_everything(user: User) -> None:
         "Drawing...",
         "Controller...",
         "Inspection table...",
+        "Lift table...",
         "Timing chart...",
         "Report as text...",
         "Hand-over...",
@@ -103,6 +104,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     monkeypatch.setattr(profile_dialogs, "ask_drawing", lambda *_: None)
     monkeypatch.setattr(inspection, "ask_inspection", lambda *_: None)
     monkeypatch.setattr(export_dialogs, "ask_handover", lambda *_: None)
+    monkeypatch.setattr(export_dialogs, "ask_lift_table", lambda *_: None)
     monkeypatch.setattr(profile_dialogs, "ask_controller_table", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
