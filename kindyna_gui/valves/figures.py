@@ -98,8 +98,8 @@ class FigureRow:
 
 
 FIGURE_ROWS = (
-    FigureRow("Lobe lift", _plain("lobe_lift_mm", "mm"), tip="greatest lift of the motion"),
-    FigureRow("Valve lift", _plain("valve_lift_mm", "mm"), tip="greatest, through the train, the lash taken off"),
+    FigureRow("Lobe lift", _plain("lobe_lift_mm", "mm", 6), tip="greatest lift of the motion"),
+    FigureRow("Valve lift", _plain("valve_lift_mm", "mm", 6), tip="greatest, through the train, the lash taken off"),
     *(
         FigureRow(f"{words}, {row[2]}", _event(row, key), key == "duration_deg", f"at this lift of the {row[0]}")
         for row in (LOBE_ROW, VALVE_ROW)

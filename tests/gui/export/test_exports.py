@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, Q
 from sampled import spread
 from window_user import Open, User, settle
 
+from core.__main__ import main as command
 from core.errors import KindynaError
 from core.output.export import Film, files
 from core.output.handover import HandoverRequest, web_page
@@ -446,3 +448,40 @@ def test_the_delays_add_up_to_the_turn(frames: int, seconds: float) -> None:
     assert all(delay % TICK == 0 and delay >= LEAST_DELAY for delay in delays)
     assert sum(delays) == pytest.approx(max(1000.0 * seconds, frames * LEAST_DELAY), abs=TICK)
     assert max(delays) - min(delays) <= TICK
+
+
+# -- lift table of a lobe -----------------------------------------------------------------------------------
+
+
+def test_the_lift_table_is_that_of_the_command(same_window: Open, tmp_path: Path) -> None:
+    user = same_window(example("valve_train"))
+
+    def act(dialog: Any) -> None:
+        assert isinstance(dialog, export_dialogs.LiftTableDialog)
+        assert dialog.summary.text().startswith(
+            "361 rows from −180° to 180° of the cam from the nose, lift_mm up to 9 mm"
+        )
+        box = dialog.form.boxes["step"]
+        box.setFocus()
+        box.selectAll()
+        QTest.keyClicks(box, "0.7")
+        assert "does not divide the turn" in dialog.summary.text()
+        assert not dialog.accept_button.isEnabled()
+        box.selectAll()
+        QTest.keyClicks(box, "0.5")
+        unit = dialog.form.boxes["unit"]
+        unit.setFocus()
+        QTest.keyClick(unit, Qt.Key.Key_End)
+        QTest.mouseClick(dialog.copy, Qt.MouseButton.LeftButton)
+        QTest.mouseClick(dialog.accept_button, Qt.MouseButton.LeftButton)
+
+    suggested = user.picks("lift_table_to_save", tmp_path / "lobe.csv")
+    with answering(act):
+        user.choose(*EXPORT, "Lift table...")
+    assert suggested[0].name.endswith("_inlet_lobe.csv")
+    line = QApplication.clipboard().text().split()
+    assert line[:4] == ["kindyna", "--headless", "valve", str(example("valve_train"))]
+    assert line[4:-1] == ["--step", "0.5", "--unit", "in", "--drive", "Inlet", "--table"]
+    words = [*line[2:-1], str(tmp_path / "command.csv")]
+    assert command(words) == 0
+    assert (tmp_path / "lobe.csv").read_bytes() == (tmp_path / "command.csv").read_bytes()
