@@ -9,7 +9,7 @@ from core.process import resources
 from core.project.reading_faults import subjects
 
 FIRST_EXAMPLE = "transfer_lift"
-LESSONS = ("lift", "linkage", "camshaft")
+LESSONS = ("lift", "linkage", "camshaft", "valve_train")
 """Tutorials in their order; others follow in the order of their names."""
 CHANGES = "changes"
 """The page of help with the changelog, which is next to the resources in the package and in the checkout."""

@@ -17,7 +17,7 @@ from weakref import WeakSet
 
 from PySide6.QtCore import QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolBar, QWidget
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QToolBar, QWidget
 from shiboken6 import isValid
 
 from core.design import get
@@ -28,7 +28,16 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.places import example, lesson_files
 from kindyna_gui.rebuilt import connect_all, fill, remove_part
 from kindyna_gui.window.base import Window
-from kindyna_gui.window.tutorial_steps import ACTIONS, CannotDo, play, region_of, settle, wait_for
+from kindyna_gui.window.tutorial_steps import (
+    ACTIONS,
+    LAST_DIALOG,
+    CannotDo,
+    note_dialog,
+    play,
+    region_of,
+    settle,
+    wait_for,
+)
 
 NEAR = 1e-9  # relative difference of equal numbers
 CHECK_MS = 150  # between two checks whether a step is done
@@ -85,6 +94,7 @@ CONDITIONS: Mapping[str, Callable[[Window, Any], bool]] = MappingProxyType(
         "view": _view,
         "task": lambda window, name: bool(window.actions_by_key[f"show_task:{name}"].isChecked()),
         "playing": lambda window, on: window.player.playing is on,
+        "dialog": lambda window, title: bool(window.property(LAST_DIALOG) == title),
         "drives": lambda window, number: len(window.session.typed_full_design.drives) == number,
         "links": lambda window, number: len(window.session.typed.drive.links) == number,
         "points": lambda window, names: set(names) <= _points(window),
@@ -251,6 +261,7 @@ class TutorialStrip(QToolBar):
 
     def _begin(self) -> None:
         step, count = self.step, len(self.lesson.steps)
+        self.host.setProperty(LAST_DIALOG, "")
         self._met_before = step is not None and is_met(self.host, step.until)
         self.count.setText(f"<b>{self.lesson.title}</b><br>{min(self.number + 1, count)} of {count}")
         self.text.setText("All steps are done. Continue with this design as you like." if step is None else step.text)
@@ -268,6 +279,8 @@ class TutorialStrip(QToolBar):
         step = self.step
         if step is None:
             return
+        if (dialog := QApplication.activeModalWidget()) is not None:
+            note_dialog(self.host, dialog)
         is_done = is_met(self.host, step.until)
         if is_done and not self._met_before:
             self.go_on()

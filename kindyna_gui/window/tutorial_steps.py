@@ -10,7 +10,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QEventLoop, QPoint, QPointF, QRect, Qt
+from PySide6.QtCore import QEvent, QEventLoop, QPoint, QPointF, QRect, Qt, QTimer
 from PySide6.QtGui import QAction, QKeySequence, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu, QWidget
 
@@ -21,6 +21,7 @@ from kindyna_gui.window.base import Window
 Region = tuple[QWidget, QRect]  # a widget and a part of it
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 PATIENCE = 20.0  # longest time to wait for a condition [s]
+POLL_MS = 5  # between two looks for a dialog
 RADIUS = 14  # around a point of the drawing [pixels]
 _KEY = re.compile(r"(?:(?:Ctrl|Shift|Alt)\+)*(?:[A-Za-z0-9]|F\d+|Return|Tab|Esc|Space|Del|Up|Down|Left|Right)")
 
@@ -238,11 +239,58 @@ def _drag(window: Window, points: list[Any]) -> None:
     _release(area, pixels[-1])
 
 
+# -- dialogs ------------------------------------------------------------------------------------------------
+
+
+LAST_DIALOG = "last dialog"
+"""Property of the window: title of the dialog that was opened last in this step."""
+
+
+def note_dialog(window: Window, dialog: QWidget) -> None:
+    """Note the title of a dialog that is open."""
+    window.setProperty(LAST_DIALOG, dialog.windowTitle())
+
+
+def _dialog(window: Window, steps: list[str]) -> None:
+    """Choose an entry of a menu and press keys in the dialog that it opens, which then must be closed.
+
+    Raises CannotDo where no dialog opens, or where it is still open after the keys.
+    """
+    path, *keys = steps
+    outcome = [f"{path}: opens no dialog"]
+    timer = QTimer(window, interval=POLL_MS)
+
+    def act() -> None:
+        dialog = QApplication.activeModalWidget()
+        if dialog is None:
+            return
+        timer.stop()
+        note_dialog(window, dialog)
+        settle()
+        _keys(window, keys)
+        outcome[0] = ""
+        if dialog.isVisible():
+            outcome[0] = f"{path}: the dialog {dialog.windowTitle()} is still open after its keys"
+            dialog.close()
+
+    timer.timeout.connect(act)
+    timer.start()
+    _menu(window, path)
+    timer.stop()
+    window.activateWindow()  # else the keys of the next step have no widget with the focus
+    settle()
+    if outcome[0]:
+        raise CannotDo(outcome[0])
+
+
 ACTIONS: Mapping[str, TutorialAction] = MappingProxyType(
     {
         "menu": TutorialAction(_menu_region, lambda window, path: None, _menu),
         "field": TutorialAction(_field_region, lambda window, path: window.focus_field(path), _field),
         "drag": TutorialAction(_drag_region, lambda window, points: window.show_view("mechanism"), _drag),
+        "dialog": TutorialAction(
+            lambda window, steps: _menu_region(window, steps[0]), lambda window, steps: None, _dialog
+        ),
         "keys": TutorialAction(lambda window, keys: None, lambda window, keys: None, _keys),
         "type": TutorialAction(
             lambda window, keys: None, lambda window, keys: None, _keys

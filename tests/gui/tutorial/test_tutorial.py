@@ -16,7 +16,7 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.places import lesson_files, lessons
 from kindyna_gui.window.tutorial import TutorialStrip
 
-STEPS = {"lift": 10, "linkage": 8, "camshaft": 8}
+STEPS = {"lift": 10, "linkage": 8, "camshaft": 8, "valve_train": 9}
 
 
 def play(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, list[str]]:
@@ -50,6 +50,7 @@ RADIUS = 'path = ["cam.base_radius_mm", 410.0]'
         ('field = "cam.base_radius_mm", keys = ["409", "Return"]', RADIUS, "step 1 of 1: conditions of until"),
         stressed('menu = "Kine > Fly"', RADIUS, "Fly: no such entry"),
         stressed('field = "cam.nowhere"', 'path = ["cam.base_radius_mm", 400.0]', "are met before the step is done"),
+        ('dialog = ["Kine > Play", "Esc"]', RADIUS, "Kine > Play: opens no dialog"),
         stressed('drag = ["Z9"]', RADIUS, "Z9: the drawing has no such point"),
     ],
 )
