@@ -37,6 +37,7 @@ from kindyna_gui.pictures.paper.timing_chart import (
     CRANK,
     DEGREES,
     ChartHighlights,
+    ForbiddenSpan,
     Reference,
     TimingChart,
     accessible_text,
@@ -172,6 +173,7 @@ class TimingCanvas(QWidget):
         self.unit = DEGREES
         self.chosen, self.row = -1, -1
         self.pair: tuple[int, ...] = ()
+        self.forbidden: tuple[ForbiddenSpan, ...] = ()
         self.machine: float | None = None
         self._hovered: tuple[int, int | None] | None = None
         self._drag: DraggedBand | DraggedValve | None = None
@@ -282,7 +284,8 @@ class TimingCanvas(QWidget):
             )
         label = self.label if self._drag is not None or self._link is not None else ""
         row = self._stopped if self._drag is not None and self._stopped >= 0 else self.row
-        return ChartHighlights(self.chosen, row, joins, label, self._is_refused, self.pair, self._link)
+        forbidden = () if self.unit == CRANK else self.forbidden
+        return ChartHighlights(self.chosen, row, joins, label, self._is_refused, self.pair, forbidden, self._link)
 
     # -- mouse ----------------------------------------------------------------------------------------------
 

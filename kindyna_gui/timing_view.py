@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from math import degrees, fsum, radians
 
 from PySide6.QtCore import QPoint, QSignalBlocker, QSize, Qt, Signal
@@ -32,7 +34,10 @@ from core.design import (
     together,
     with_timing,
 )
+from core.errors import KindynaError
 from core.study import Study
+from core.study.clearances import Clearances
+from kindyna_gui.background import Background
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import UnitLabel
@@ -42,7 +47,14 @@ from kindyna_gui.forms.refusal import RefusalLine, accept_in_range
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of
 from kindyna_gui.look import described, scrolled
-from kindyna_gui.pictures.paper.timing_chart import CRANK, DEGREES, MILLISECONDS, TimingChart, event_text
+from kindyna_gui.pictures.paper.timing_chart import (
+    CRANK,
+    DEGREES,
+    MILLISECONDS,
+    ForbiddenSpan,
+    TimingChart,
+    event_text,
+)
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import short
 from kindyna_gui.player import Player
@@ -250,6 +262,22 @@ class TimingRows(QWidget):
         return len(self._design.timing) if self._design is not None else 0
 
 
+# -- forbidden spans ----------------------------------------------------------------------------------------
+
+
+def forbidden_spans(clearances: Clearances) -> tuple[ForbiddenSpan, ...]:
+    """Return the machine angles in which bodies of drives meet, or are nearer than they must be; none without a solution."""
+    spans: list[ForbiddenSpan] = []
+    with suppress(KindynaError):  # the findings report it
+        for pair in clearances.pairs:
+            drives = tuple(sorted({body.drive for body in pair if body.drive is not None}))
+            names = " – ".join(clearances.texts(pair))
+            for begin, end in clearances.too_near(pair) if drives else ():
+                first, last = degrees(begin), degrees(end)
+                spans.append(ForbiddenSpan(drives, first, last if first <= last else last + 360.0, names))
+    return tuple(spans)
+
+
 # -- timing view -----------------------------------------------------------------------------------------
 
 LIST_WIDTH = 320
@@ -268,6 +296,8 @@ class TimingView(View):
         self.canvas = TimingCanvas(self._put)
         self._content_key: tuple[TimingChart, int, bool] | None = None
         self.rows = TimingRows()
+        self._fields = Background(self)
+        self._fields.result.connect(self._show_forbidden)
         self.unit = QComboBox()
         for key, text in ((DEGREES, "degrees"), (MILLISECONDS, "milliseconds")):
             self.unit.addItem(text, key)
@@ -334,6 +364,7 @@ class TimingView(View):
         canvas.row = min(canvas.row, len(design.timing) - 1)
         self._offer_crank(design)
         canvas.show_design(design, self.pins.named_design)
+        self._search_forbidden(design)
         content = canvas.chart, canvas.row, canvas.chosen < 0
         if content == self._content_key:
             return
@@ -341,6 +372,28 @@ class TimingView(View):
         self._show_parts()
         self._show_pair()
         self._show_rows()
+
+    def _search_forbidden(self, design: Design) -> None:
+        """Search in the background for spans in which bodies of drives are too near."""
+        if not (design.outlines and design.listed):
+            self._fields.stop()
+            self.canvas.forbidden = ()
+            return
+        clearances = self.session.full_study.clearances
+        self._fields.start([(design, partial(forbidden_spans, clearances))])
+
+    def _show_forbidden(self, design: object, spans: object) -> None:
+        if design is self._design and isinstance(spans, tuple):
+            self.canvas.forbidden = spans
+            self.canvas.update()
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self._fields.busy
+
+    def leave(self) -> None:
+        super().leave()
+        self._fields.close()
 
     def _offer_crank(self, design: Design) -> None:
         """List crank degrees for an engine with valves; without them return to degrees."""

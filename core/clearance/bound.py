@@ -194,19 +194,21 @@ def least_distance(encounter: Encounter, first: Intervals, tolerance: float, eno
     return LeastDistance(search.least, float(bound - spread), search.theta, search.piece)
 
 
-def meetings(encounter: Encounter, first: Intervals) -> list[tuple[float, float]]:
+def meetings(encounter: Encounter, first: Intervals, level: float = 0.0) -> list[tuple[float, float]]:
     """Ranges of angles in which two bodies meet [rad]; a range that begins above its end passes the end of the turn.
 
     Parameters
     ----------
     encounter : Encounter
     first : Intervals
+    level : float [m]
+        Bodies nearer than this count as meeting.
 
     Returns
     -------
     list of (float, float) [rad]
     """
-    search = _Search(encounter, first)
+    search = _Search(encounter, first, level)
     ranges: list[tuple[float, float]] = []
     mixed: list[np.ndarray] = []
     while search.size:
@@ -221,19 +223,19 @@ def meetings(encounter: Encounter, first: Intervals) -> list[tuple[float, float]
         if search.size:
             search.halve()
     edges = np.concatenate(mixed, axis=1) if mixed else np.zeros((4, 0))
-    ranges += _edge_ranges(encounter, *edges)
+    ranges += _edge_ranges(encounter, level, *edges)
     return _merged(ranges, first.angles.theta)
 
 
 def _edge_ranges(
-    encounter: Encounter, low: np.ndarray, high: np.ndarray, piece: np.ndarray, meets_low: np.ndarray
+    encounter: Encounter, level: float, low: np.ndarray, high: np.ndarray, piece: np.ndarray, meets_low: np.ndarray
 ) -> list[tuple[float, float]]:
     """Parts of intervals in which the bodies meet at one end (meets_low: 1 or 0), by bisection."""
     begin, end, is_low = low.copy(), high.copy(), meets_low > 0.0
     pieces = piece.astype(int)
     while low.size and (end - begin).max() > EDGE:
         middle = 0.5 * (begin + end)
-        meets = distances(encounter.shapes, encounter.placement(Angles(middle, pieces))).value <= TOUCHING
+        meets = distances(encounter.shapes, encounter.placement(Angles(middle, pieces))).value <= level + TOUCHING
         to_begin = meets == is_low
         begin, end = np.where(to_begin, middle, begin), np.where(to_begin, end, middle)
     edge = 0.5 * (begin + end)
@@ -256,14 +258,14 @@ def _merged(ranges: list[tuple[float, float]], theta: np.ndarray) -> list[tuple[
 
 
 class _Search:
-    """Intervals of a turn with the distances at their ends, and bounds of the distance inside."""
+    """Intervals of a turn with the distances above a level at their ends, and bounds of the distance inside."""
 
-    def __init__(self, encounter: Encounter, first: Intervals) -> None:
-        self.encounter = encounter
+    def __init__(self, encounter: Encounter, first: Intervals, level: float = 0.0) -> None:
+        self.encounter, self._level = encounter, level
         angles, low, high = first.angles, first.low, first.high
         bodies = encounter.motions(angles, 4)
         self._speeds = _Speeds(first, relative(bodies[0], bodies[1]), relative(bodies[1], bodies[0]), bodies)
-        value = distances(encounter.shapes, self._speeds.second.placement).value
+        value = distances(encounter.shapes, self._speeds.second.placement).value - level
         self.low, self.high, self.piece_of = angles.theta[low], angles.theta[high], angles.piece[low]
         self.low_value, self.high_value = value[low], value[high]
         self.base = np.arange(low.size)
@@ -300,14 +302,14 @@ class _Search:
         placement = self.encounter.placement(Angles(middle, self.piece_of))
         found = distances(self.encounter.shapes, placement, 2.0 * self.speed * width)
         fastest, floor = self._features(placement, found, width)
-        speed = np.minimum(self.speed, fastest)
-        k = int(found.value.argmin())
-        if found.value[k] < self.least:
-            self.least, self.theta, self.piece = float(found.value[k]), float(middle[k]), int(self.piece_of[k])
-        ends = (self.low, middle), (middle, self.high), (self.low_value, found.value), (found.value, self.high_value)
+        speed, value = np.minimum(self.speed, fastest), found.value - self._level
+        k = int(value.argmin())
+        if value[k] < self.least:
+            self.least, self.theta, self.piece = float(value[k]), float(middle[k]), int(self.piece_of[k])
+        ends = (self.low, middle), (middle, self.high), (self.low_value, value), (value, self.high_value)
         self.low, self.high, self.low_value, self.high_value = (np.concatenate(pair) for pair in ends)
         self.piece_of, self.base, self.speed = np.tile(self.piece_of, 2), np.tile(self.base, 2), np.tile(speed, 2)
-        self._floor = np.tile(floor, 2)
+        self._floor = np.tile(floor - self._level, 2)
 
     def _features(self, placement: Placement, found: Distances, width: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Largest speed of the features that can be nearest within a width (m,) of each pose, and the least distance (m,) there."""

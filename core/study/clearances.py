@@ -462,6 +462,19 @@ class Clearances:
         result: LeastClearance = memory.get("clearance", (*self._key(pair), tolerance), compute)
         return result
 
+    def too_near(self, pair: Pair) -> tuple[tuple[float, float], ...]:
+        """Ranges of angles [rad] in which two bodies meet, or are nearer than they must be; as ``LeastClearance.meets``."""
+        level = self.required(pair) * MM
+
+        def compute() -> tuple[tuple[float, float], ...]:
+            if self.keeps(pair, level):
+                return ()
+            encounters = [encounter for encounter, _ in self._encounters(pair)]
+            return _union([row for encounter in encounters for row in meetings(encounter, self.intervals, level)])
+
+        ranges: tuple[tuple[float, float], ...] = memory.get("too near", (*self._key(pair), level), compute)
+        return ranges
+
     def greatest(self, pair: Pair) -> Extreme:
         """Greatest distance of two bodies over the turn [m], refined between samples."""
 

@@ -60,6 +60,16 @@ REACH, LINE_REACH = 7.0, 4.0  # reach of the mouse from a point and from a line
 
 
 @frozen
+class ForbiddenSpan:
+    """Machine angles [deg] in which bodies of these drives meet, or are nearer than they must be; names of the bodies."""
+
+    drives: tuple[int, ...]
+    begin: float
+    end: float
+    names: str
+
+
+@frozen
 class ChartHighlights:
     """Highlighted parts of a chart.
 
@@ -71,6 +81,7 @@ class ChartHighlights:
     label : text next to the first of these points
     is_invalid : whether the label has the colour of limits
     pair : two drives whose overlap is shaded
+    forbidden : spans in which bodies of drives meet, or are nearer than they must be
     link : start of a distance that is being drawn, as drive and join, and the position of the mouse
     """
 
@@ -80,6 +91,7 @@ class ChartHighlights:
     label: str = ""
     is_invalid: bool = False
     pair: tuple[int, ...] = ()
+    forbidden: tuple[ForbiddenSpan, ...] = ()
     link: tuple[tuple[int, int], QPointF] | None = None
 
 
@@ -328,6 +340,7 @@ class TimingChart:
         for index in range(len(self.bands)):
             self._paint_band(painter, index, index == shown.selected)
         self._paint_pair(painter, shown.pair)
+        self._paint_forbidden(painter, shown.forbidden)
         painter.save()
         painter.setClipRect(QRectF(self.left - 4.0, 0.0, self.right - self.left + 8.0, self.height))
         for row in range(len(self.distances)):
@@ -536,6 +549,24 @@ class TimingChart:
         for begin, end in together(self.design, *pair):
             colour = brush(self.theme.limit, 0.13).color()
             self._fill(painter, QRectF(high.topLeft(), low.bottomRight()), begin, end, colour)
+
+    def _paint_forbidden(self, painter: QPainter, spans: Sequence[ForbiddenSpan]) -> None:
+        """Fields over the bands of the drives whose bodies are too near, with the names of the bodies."""
+        for span in spans:
+            high, low = self.box(min(span.drives)), self.box(max(span.drives))
+            field = QRectF(high.topLeft(), low.bottomRight())
+            colour = brush(self.theme.limit, 0.22).color()
+            self._fill(painter, field, span.begin, span.end, colour)
+            painter.setPen(QPen(QColor(self.theme.limit), 1.0))
+            for angle in (span.begin % 360.0, span.end % 360.0):
+                painter.drawLine(QPointF(self.x(angle), field.top()), QPointF(self.x(angle), field.bottom()))
+            width = self._metrics.horizontalAdvance(span.names) + 6.0
+            middle = self.x((0.5 * (span.begin + span.end)) % 360.0)
+            left = min(max(middle - width / 2.0, self.left), self.right - width)
+            box = QRectF(left, field.top() + 1.0, width, sized(TEXT_HEIGHT))
+            self._text_boxes.append(box)
+            painter.fillRect(box, brush(self.theme.paper, 0.85))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, span.names)
 
     def _paint_pair_text(self, painter: QPainter, pair: Sequence[int]) -> None:
         for begin, end in together(self.design, *pair) if len(pair) == 2 else ():

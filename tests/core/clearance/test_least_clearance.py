@@ -151,3 +151,18 @@ def test_the_circle_of_a_roller_stays_on_the_profile_of_its_cam() -> None:
     (pair,) = study.clearances.pairs
     pose = study.clearances.at(study.clearances.angles(np.linspace(0.0, 6.28, 200)))
     assert study.clearances.distance(pair, pose).max() < 2e-7
+
+
+def test_the_spans_in_which_slides_are_nearer_than_they_must_be() -> None:
+    from scipy.optimize import brentq
+
+    study = studied(slides(0.0, 100.0, 40.0) + clearance("left.follower", "right.follower", 15.0))
+
+    def spare(theta: float) -> float:
+        return 25.0 + float(rise(np.array([theta - 100.0]))[0]) - float(rise(np.array([theta]))[0])
+
+    begin, end = brentq(spare, 20.0, 100.0, xtol=1e-12), brentq(spare, 110.0, 220.0, xtol=1e-12)
+    (span,) = study.clearances.too_near(study.clearances.pairs[0])
+    assert np.rad2deg(span) == pytest.approx((begin, end), abs=1e-6)
+    assert study.clearances.least(study.clearances.pairs[0]).meets == ()
+    assert studied(slides(0.0, 100.0, 40.0)).clearances.too_near(study.clearances.pairs[0]) == ()
