@@ -563,7 +563,7 @@ class TimingChart:
             width = self._metrics.horizontalAdvance(span.names) + 6.0
             middle = self.x((0.5 * (span.begin + span.end)) % 360.0)
             left = min(max(middle - width / 2.0, self.left), self.right - width)
-            box = QRectF(left, field.top() + 1.0, width, sized(TEXT_HEIGHT))
+            box = QRectF(left, field.center().y() - sized(TEXT_HEIGHT) / 2.0, width, sized(TEXT_HEIGHT))
             self._text_boxes.append(box)
             painter.fillRect(box, brush(self.theme.paper, 0.85))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, span.names)
