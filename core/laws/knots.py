@@ -17,7 +17,7 @@ from core.frozen import frozen
 from core.laws.pieces import Piece
 from core.numerics.roots import gauss
 
-BISECTIONS = 60
+BISECTIONS = 50
 
 
 @frozen

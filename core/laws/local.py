@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from core.laws.knots import Knots, OptimalTask, Points
 from core.laws.optimal import (
     NEAR,
     NoOptimalLaw,
-    Row,
     Solution,
     equal_rows,
     least_mean,
@@ -97,31 +96,60 @@ def local_law(task: OptimalTask, effect: Effect) -> LocalLaw:
     NoOptimalLaw
         Where no law satisfies the task.
     """
-    optimal_law(replace(task, rms=False))
     searched = task if task.rms else replace(task, intervals=min(task.intervals, COARSE))
-    search = _search(searched, effect) or _search(task, effect)
-    if search is None:
+    family = _family(searched) or _family(task)
+    if family is None:
+        optimal_law(replace(task, rms=False))  # says which limit no law keeps
         raise NoOptimalLaw(0, 0.0)
-    runs = [(start, search.run(start)) for start in search.starts()]
+    search = _search(family, effect)
+    runs = [(start, search.run(start)) for start in search.starts(STARTS)]
     reached = [end for _, end in runs]
-    if search.knots.h.size < task.intervals and (finer := _search(task, effect)) is not None:
-        near = finer.evaluated(finer.knots.resampled(search.knots, min(reached, key=_value).states))
-        begin = min([near, *finer.starts(STARTS[:2])], key=_value)
-        search, reached = finer, [finer.run(begin)]
+    if family.knots.h.size < task.intervals and (finer := _family(task)) is not None:
+        search = _search(finer, effect)
+        near = search.evaluated(finer.knots.resampled(family.knots, min(reached, key=_value).states))
+        reached = [search.run(min([near, *search.starts(STARTS[:2])], key=_value))]
     best = search.refined(min(reached, key=_value))
     return LocalLaw(
         search.knots.pieces(best.states), best.value, best.least, tuple((start.value, end.value) for start, end in runs)
     )
 
 
-def _search(task: OptimalTask, effect: Effect) -> _Search | None:
-    """Search among the laws of a task, which do not reverse where that is possible; None where there are none."""
+class _Family:
+    """Laws that satisfy a task, and those of least derivatives among them; they do not depend on the effect."""
+
+    def __init__(self, task: OptimalTask, knots: Knots, gentle: Solution) -> None:
+        self.task, self.knots, self._gentle = task, knots, gentle
+        self._starts: dict[tuple[int, bool], Solution | None] = {(2, False): gentle}
+
+    def start(self, order: int, rms: bool) -> Solution | None:
+        """Law of a least derivative; that of least velocity has a moderate acceleration."""
+        if (order, rms) in self._starts:
+            return self._starts[order, rms]
+        is_bounded = any(bounded == 2 for bounded, _ in self.task.limits)
+        moderate = ((2, MODERATE * self._gentle.least),) if order == 1 and not is_bounded else ()
+        task = replace(self.task, order=order, rms=rms, limits=(*self.task.limits, *moderate))
+        result = self._starts[order, rms] = (least_mean if rms else least_peak)(task, self.knots)
+        return result
+
+    @cached_property
+    def equal(self) -> tuple[Any, np.ndarray]:
+        """Equations of a step: the unknowns are the derivatives at the knots, the peak, and how far it is below 0."""
+        return equal_rows(self.knots, self.knots.u.size * (self.knots.m + 1) + 2)
+
+
+@lru_cache(maxsize=32)
+def _family(task: OptimalTask) -> _Family | None:
+    """Laws of a task, which do not reverse where that is possible; None where there are none."""
     knots = Knots(replace(task, rms=False))
     for limited in (replace(task, rising=True), task):
         gentle = least_peak(replace(limited, order=2, rms=False), knots)
         if gentle is not None:
-            return (_SquareSearch if task.rms else _PeakSearch)(limited, knots, effect, gentle)
+            return _Family(limited, knots, gentle)
     return None
+
+
+def _search(family: _Family, effect: Effect) -> _Search:
+    return (_SquareSearch if family.task.rms else _PeakSearch)(family, effect)
 
 
 def _value(reached: _Reached) -> float:
@@ -142,9 +170,9 @@ class _Reached:
 class _Search:
     """Search for a law of least effect."""
 
-    def __init__(self, task: OptimalTask, knots: Knots, effect: Effect, gentle: Solution) -> None:
-        self.task, self.knots, self.effect, self.gentle = task, knots, effect, gentle
-        self.limits = limit_rows(replace(task, rms=True), knots)
+    def __init__(self, family: _Family, effect: Effect) -> None:
+        self.family, self.knots, self.effect = family, family.knots, effect
+        self.limits = limit_rows(replace(family.task, rms=True), self.knots)
         self.points, self.share = self.nodes()
         self.part = math.nan
         """Weight of a negative second effect, by the effects of the first law."""
@@ -157,17 +185,9 @@ class _Search:
         """What is minimised of effects (r, k) at the nodes."""
         raise NotImplementedError
 
-    def starts(self, aims: Sequence[tuple[int, bool]] = STARTS) -> list[_Reached]:
-        """Laws at which searches begin; that of least velocity has a moderate acceleration."""
-        is_bounded = any(order == 2 for order, _ in self.task.limits)
-        moderate = () if is_bounded else ((2, MODERATE * self.gentle.least),)
-        solutions = []
-        for order, rms in aims:
-            checkpoint()
-            limits = (*self.task.limits, *(moderate if order == 1 else ()))
-            task = replace(self.task, order=order, rms=rms, limits=limits)
-            known = self.gentle if (order, rms) == (2, False) else None
-            solutions.append(known or (least_mean if rms else least_peak)(task, self.knots))
+    def starts(self, aims: Sequence[tuple[int, bool]]) -> list[_Reached]:
+        """Laws at which searches begin."""
+        solutions = [self.family.start(order, rms) for order, rms in aims]
         return [self.evaluated(solution.states) for solution in solutions if solution is not None]
 
     def refined(self, reached: _Reached) -> _Reached:
@@ -227,66 +247,65 @@ class _PeakSearch(_Search):
             return start
         step = FIRST_STEP * float(np.abs(start.states[:, m]).max())
         smallest = LEAST_STEP * step
+        is_outside = False  # the present law may exceed a limit between knots: any next one replaces it
         for _ in range(STEPS):
             checkpoint()
             moved = self._moved(present, step)
-            if moved is None:  # a law of other knots may exceed a limit
+            if moved is None:  # no law within the limits is this near
                 step *= 4.0
                 continue
             states, least = moved
-            present = replace(present, least=least)
             gain = present.value - least
-            if gain <= LEAST_GAIN * present.value or step < smallest:
-                break
-            self.limits, exceeds = with_exceeding(self.limits, self.knots, states, 0.0, NEAR)
-            if exceeds:
+            if not is_outside and (gain <= LEAST_GAIN * present.value or step < smallest):
+                present = replace(present, least=least)
+                self.limits, is_outside = with_exceeding(self.limits, self.knots, present.states, 0.0, NEAR)
+                if not is_outside:
+                    break
                 continue
             following = self.evaluated(states)
-            part = (present.value - following.value) / gain
+            part = 1.0 if is_outside else (present.value - following.value) / gain
             step *= 2.0 if part > GOOD else 1.0 if part > FAIR else 0.25
             if part > FAIR:
-                present = replace(following, least=least)
+                present, is_outside = replace(following, least=least), False
         return present
 
     @cached_property
-    def _at_nodes(self) -> list[Any]:
-        """Sparse matrices that give s, s', s'' at the nodes from the derivatives at the knots."""
-        rows = ([Row(order, 1.0, 1.0, (0.0, 1.0), self.points)] for order in range(3))
-        return [less_rows(self.knots, row)[0][:, :-1] for row in rows]
-
-    @cached_property
-    def _equal(self) -> tuple[Any, np.ndarray]:
-        return equal_rows(self.knots, self.knots.u.size * (self.knots.m + 1) + 2)
+    def _at_nodes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Columns and weights (k, j) that give s, s', s'' at the nodes from the derivatives at the knots."""
+        return [self.knots.weights(order, self.points) for order in range(3)]
 
     def _moved(self, present: _Reached, step: float) -> tuple[np.ndarray, float] | None:
-        """Law of the least linearised peak within a trust region, and that peak.
-
-        The last two unknowns are the peak, and how far the second effect is negative.
-        """
-        from scipy.sparse import csr_array, hstack, vstack  # slow to import
+        """Law of the least linearised peak within a trust region, and that peak."""
+        from scipy.sparse import csr_array, vstack  # slow to import
 
         knots, unit, unknowns = self.knots, present.value, present.states.ravel()
-        limits, sides = less_rows(knots, self.limits)
-        rows, right = [hstack([limits, csr_array((sides.size, 1))])], [sides]
-        for k, (effect, column) in enumerate(zip(present.effects, ((-1.0, 0.0), (0.0, -1.0)), strict=False)):
-            slope = sum(
-                csr_array((p[k] / unit)[:, None] * matrix)
-                for p, matrix in zip(present.partials, self._at_nodes, strict=True)
-            )
-            scale = 1.0 if k == 0 else self.part
-            offset = effect / unit - slope @ unknowns
-            last = csr_array(np.tile(column, (effect.size, 1)))
-            for sign in (1.0, -1.0) if k == 0 else (-1.0,):
-                rows.append(hstack([sign * scale * slope, last]))
-                right.append(-sign * scale * offset)
-        low, high = np.full(unknowns.size + 2, -np.inf), np.full(unknowns.size + 2, np.inf)
+        count = unknowns.size + 2
+        rows, sides = [], []
+        if self.limits:
+            limits, right = less_rows(knots, self.limits)
+            limits.resize((right.size, count))
+            rows, sides = [limits], [right]
+        columns = np.hstack([column for column, _ in self._at_nodes])
+        k = columns.shape[0]
+        # each effect with its scale, its signs, and the unknown that bounds it
+        for i, (scale, signs) in enumerate(((1.0, (1.0, -1.0)), (self.part, (-1.0,)))[: present.effects.shape[0]]):
+            parts = zip(present.partials[:, i], self._at_nodes, strict=True)
+            slope = scale / unit * np.hstack([p[:, None] * weights for p, (_, weights) in parts])
+            offset = scale / unit * present.effects[i] - (slope * unknowns[columns]).sum(axis=1)
+            for sign in signs:
+                data = np.hstack([sign * slope, np.full((k, 1), -1.0)])
+                at = np.hstack([columns, np.full((k, 1), unknowns.size + i)])
+                place = np.arange(0, data.size + 1, data.shape[1])
+                rows.append(csr_array((data.ravel(), at.ravel(), place), shape=(k, count)))
+                sides.append(-sign * offset)
+        low, high = np.full(count, -np.inf), np.full(count, np.inf)
         straight = slice(knots.m, unknowns.size, knots.m + 1)
         low[straight], high[straight] = unknowns[straight] - step, unknowns[straight] + step
         low[-1] = 0.0
         target = np.append(np.zeros(unknowns.size), [1.0, 1.0])
-        result = solve(
-            target, vstack(rows, format="csr"), np.concatenate(right), *self._equal, np.column_stack([low, high])
-        )
+        less = vstack(rows, format="csr")
+        less.sum_duplicates()
+        result = solve(target, less, np.concatenate(sides), *self.family.equal, np.column_stack([low, high]))
         if result.x is None:
             return None
         return knots.corrected(result.x[:-2].reshape(present.states.shape)), unit * float(result.fun)
