@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from math import inf
 
 import numpy as np
 
-from core.design import Design, get
+from core.design import Design, get, require_motion, with_motion
 from core.errors import KindynaError, NoSolution
 from core.find.goals import (
     CAM_SEARCHES,
@@ -40,6 +41,7 @@ from core.number_text import result_text
 from core.numerics.roots import EPS, BracketEnds, bounded_minimum, bracketed_root
 from core.study import Study
 from core.study.limits import ANY_PRESSURE, CONVEX, LIMITS
+from core.study.machine_laws import with_fixed_laws
 
 NEARER = 1e-3  # tolerance of a solution by samples, relative to the distance of two trial values
 BEST = 1e-5  # the same where no value satisfies every limit
@@ -54,6 +56,10 @@ OPTIMUM_DIGITS = 6  # the position of a flat minimum has half the digits of its 
 BEST_DIGITS = 4  # of the best value by samples, where none satisfies every limit
 CLOSE = 17  # values of the curve near the solution
 BEYOND, LEAST_BEYOND = 0.5, 0.3  # margin of the curve: of the distance to the present value, at least of the solution
+LAW_ROUNDS, SETTLED = (
+    6,
+    1e-9,
+)  # of searches with the laws of the last solution; change of the result, relative to its size
 OPEN_PRESSURE = 90.0  # [deg] no limit
 
 At = Callable[[float], Outcome]
@@ -100,6 +106,48 @@ def find(
     """
     if what not in CAM_SEARCHES:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(CAM_SEARCHES)}")
+
+    def search(held: Design) -> Solution:
+        return _find(held, what, stated, choice, machine, notify)
+
+    motion = design.drive.motion
+    return search(design) if motion is None or not motion.needs_machine else _with_laws(search, design)
+
+
+def _with_laws(search: Callable[[Design], Solution], design: Design) -> Solution:
+    """Solution of a search in a design whose laws are optimal in their machine.
+
+    Every round keeps the laws of the last solution, which change little, until the result no longer changes.
+    """
+    typed, current = require_motion(design), design
+    answer: Mapping[str, float] = {}
+    for _ in range(LAW_ROUNDS):
+        held = with_motion(design, require_motion(with_fixed_laws(current)))
+        solution = search(held)
+        if any(path.startswith("motion.") for path in solution.answer):
+            return search(design)
+
+        def with_typed(result: Design, held: Design = held) -> Design:
+            drives = (
+                replace(drive, motion=typed) if drive.motion == held.drive.motion else drive for drive in result.drives
+            )
+            return replace(result, drives=tuple(drives))
+
+        current, before, answer = with_typed(solution.design), answer, solution.answer
+        if all(abs(value - before.get(path, inf)) <= SETTLED * abs(value) for path, value in answer.items()):
+            break
+    complete = None if solution.complete is None else with_typed(solution.complete)
+    return replace(solution, design=current, complete=complete)
+
+
+def _find(
+    design: Design,
+    what: str,
+    stated: StatedLimits,
+    choice: str,
+    machine: MachineOf,
+    notify: Callable[[int], object],
+) -> Solution:
     row = CAM_SEARCHES[what]
     if design.drive.cam is None:
         raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")

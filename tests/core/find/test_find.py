@@ -549,3 +549,18 @@ def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
         find(load(EXAMPLES / "rocker_cam.toml"), "base-radius", {"contact_pressure_mpa": 300.0})
     with pytest.raises(KindynaError, match="allowed: > 0 MPa"):
         find(design, "base-radius", {"contact_pressure_mpa": -1.0})
+
+
+def test_a_search_keeps_optimal_laws_of_the_machine() -> None:
+    """The result is that of the laws which its own machine has, and they are still typed."""
+    design = load(EXAMPLES / "rocker_cam.toml")
+    design = edited(edited(design, "motion.segments[1].law", "optimal"), "motion.segments[1].minimise", "torque")
+    design = edited(edited(design, "motion.segments[1].intervals", 20), "motion.segments[1].limits.jerk", 200.0)
+    solution = find(design, "base-radius", {"pressure_angle_rise_deg": 30.0})
+    assert solution.design == edited(design, "cam.base_radius_mm", solution.answer["cam.base_radius_mm"])
+    reached = extremes_of(Study(solution.design), "cam", ("pressure_angle",))["pressure_angle"]
+    assert solution.is_valid
+    assert (
+        np.rad2deg(max(-reached.low.value, reached.high.value))
+        <= max(30.0, solution.reached["pressure_angle_return_deg"]) + 1e-6
+    )
