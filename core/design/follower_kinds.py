@@ -33,6 +33,7 @@ from core.design.parts import (
     Translating,
     TranslatingLoads,
 )
+from core.design.spatial import SPATIAL_CAMS
 from core.frozen import frozen
 
 # -- kinds of followers ------------------------------------------------------------------------------------
@@ -83,6 +84,12 @@ FOLLOWER_KINDS: Mapping[str, FollowerKind] = MappingProxyType(
         "pushrod": FollowerKind("Pushrod train", Pushrod, PushrodLoads, "mm"),
     }
 )
+
+
+KIND_LABELS: Mapping[str, str] = MappingProxyType(
+    {kind: row.label for kind, row in FOLLOWER_KINDS.items()} | {kind: row.label for kind, row in SPATIAL_CAMS.items()}
+)
+"""Kind of a drive with a cam and without links -> its label: followers, then cams in space."""
 
 
 def kind_of(follower: Follower) -> str:

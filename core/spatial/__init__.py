@@ -15,6 +15,7 @@ from core.spatial.contact import (
     turned,
 )
 from core.spatial.kinds import KINDS, Machine, RollerAxis, machine_of, roller_axis
+from core.spatial.picture import FlankPatch, RollerTrack, flank_patches, roller_tracks
 from core.spatial.shape import RollerAt, SpatialShape, handover_angles, rollers_at, spatial_shape, turret_limit
 
 __all__ = [
@@ -22,19 +23,23 @@ __all__ = [
     "BEHIND",
     "KINDS",
     "SIDES",
+    "FlankPatch",
     "Machine",
     "MotionRows",
     "RollerAt",
     "RollerAxis",
+    "RollerTrack",
     "SpatialFlank",
     "SpatialShape",
     "dots",
     "flank",
+    "flank_patches",
     "handover_angles",
     "intrusion",
     "machine_of",
     "meshing",
     "roller_axis",
+    "roller_tracks",
     "rollers_at",
     "sliding",
     "sliding_parts",

@@ -162,6 +162,11 @@ class SpatialShape:
         ends = np.array([[self.machine.inner], [self.machine.outer]])
         return flank(self.machine, dict(self.tracks)[side], ends, self.sense, side)
 
+    def along_length(self, rows: int) -> dict[str, SpatialFlank]:
+        """Side -> flank at equally spaced distances along the roller (rows, n), the inner end first."""
+        u = np.linspace(self.machine.inner, self.machine.outer, rows)[:, None]
+        return {side: flank(self.machine, motion, u, self.sense, side) for side, motion in self.tracks}
+
     def worst(self, figure: Figure) -> np.ndarray:
         """Largest value of a figure along the roller, on either flank.
 

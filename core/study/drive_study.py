@@ -46,7 +46,7 @@ from core.study.stages import (
 )
 
 if TYPE_CHECKING:
-    from core.spatial import Machine, SpatialShape
+    from core.spatial import Machine, MotionRows, SpatialShape
     from core.study.valve_travel import ValveTravel
 
 SAMPLES = 3600
@@ -556,6 +556,24 @@ class DriveStudy:
         with self.with_exact_angles("cam"):
             result: SpatialShape = self._stage("cam", shape, self.machine, self.drive, self.sense)
             return result
+
+    def motion_rows(self, theta: np.ndarray) -> MotionRows:
+        """Motion with two derivatives at any cam angles, as the flanks of a cam in space need it.
+
+        Parameters
+        ----------
+        theta : ndarray (n,) [rad]
+            Cam angles from 0 to a full turn; the end of the turn has the left-hand limit.
+
+        Returns
+        -------
+        MotionRows
+        """
+        from core.spatial import MotionRows  # as above
+
+        inside, starts = np.clip(theta, 0.0, TURN), self.uncut.starts
+        state = self.uncut.state(Angles(inside, np.searchsorted(starts, inside, side="right") - 1))
+        return MotionRows(theta, *(spread(state.displacement[order], theta.size) for order in range(3)))
 
     @property
     def surface(self) -> SpatialShape:
