@@ -16,7 +16,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import FOLLOWER_KINDS, row_at
+from core.design import row_at
+from core.design.follower_kinds import KIND_LABELS
 from core.errors import KindynaError, NoSolution
 from core.project import load
 from core.study import Study
@@ -267,8 +268,8 @@ class DrivesView(View):
 
     def _fill(self, menu: QMenu) -> None:
         clear_menu(menu)
-        for kind, row in FOLLOWER_KINDS.items():
-            add_entry(menu, row.label, partial(self._add, kind), f"Add a drive: {row.label}")
+        for kind, label in KIND_LABELS.items():
+            add_entry(menu, label, partial(self._add, kind), f"Add a drive: {label}")
         add_entry(
             menu,
             "From images...",
@@ -287,7 +288,7 @@ class DrivesView(View):
         )
 
     def _add(self, slug: str) -> None:
-        drives.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
+        drives.add(self.session, beginning(slug, name=KIND_LABELS[slug]))
 
     def focus_field(self, path: str) -> bool:
         """Focus the field of a path, such as ``drives[1].phase_deg``; False where the form has no such field."""

@@ -24,7 +24,6 @@ from PySide6.QtWidgets import (
 
 from core.bounds import PROGRAM_BYTES
 from core.design import (
-    FOLLOWER_KINDS,
     Design,
     Drive,
     LinkageLoads,
@@ -39,6 +38,7 @@ from core.design import (
     with_drive,
     with_stroke,
 )
+from core.design.follower_kinds import KIND_LABELS
 from core.design.followers import Roller
 from core.errors import KindynaError
 from core.findings import ERROR
@@ -67,9 +67,11 @@ FIRST_OF_KIND: Mapping[str, str] = MappingProxyType(
         "oscillating": "rocker_cam",
         "rocker": "finger_follower",
         "pushrod": "pushrod_train",
+        "barrel": "barrel_feeder",
+        "globoidal": "globoidal_indexer",
     }
 )
-"""Kind of follower -> the example with the lengths, stroke and loads of a new design."""
+"""Kind of follower, or of cam in space -> the example with the lengths, stroke and loads of a new design."""
 DISTANCE = "follower.second.distance_mm"
 OWN_LENGTHS: Mapping[str, float] = MappingProxyType({DISTANCE: 150.0})
 """Path -> value [mm] in new designs that have it; with the default of an edit both cams of a symmetric motion would be equal."""
@@ -81,13 +83,17 @@ PICTURE, MOST_SHOWN = QSize(380, 270), 12
 
 
 def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name: str = "") -> Design:
-    """Return a design with this kind of follower and a complete motion; ``changes`` of face and form: path -> word."""
-    label = FOLLOWER_KINDS[kind].label
+    """Return a design of this kind with a complete motion; ``changes`` of face and form: path -> word.
+
+    An indexer keeps the motion of its example, which advances.
+    """
+    label = KIND_LABELS[kind]
     design: Design = load(example(FIRST_OF_KIND[kind]))
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     design = replace(design, name=name or f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
     assert design.drive.motion is not None
-    design = with_drive(design, motion=new_motion(design.drive.motion))
+    if not design.drive.motion.gain:
+        design = with_drive(design, motion=new_motion(design.drive.motion))
     for path, word in changes.items():
         design = edited(design, path, word)
     for path, length in OWN_LENGTHS.items():
@@ -98,7 +104,7 @@ def beginning(kind: str, changes: Mapping[str, str] = MappingProxyType({}), name
 def _with_surfaces(design: Design) -> Design:
     """Return the design with typical width and materials, marked as assumed, so that the contact pressure is calculated."""
     drive = design.drive
-    if not is_line_contact(drive.face):
+    if not (drive.has_disk and is_line_contact(drive.face)):
         return design
     is_roller = isinstance(drive.face, Roller)
     width = drive.face.radius_mm if is_roller else drive.cam.base_radius_mm / 4.0

@@ -84,13 +84,17 @@ class Documents(QObject):
     # -- opening ------------------------------------------------------------------------------------------
 
     def new(self, kind: str) -> None:
-        """Begin a design with this kind of follower: lengths and stroke of an example, and a complete motion."""
+        """Begin a design with this kind of follower or cam in space: lengths and stroke of an example, and a complete motion."""
         if not self.may_leave():
             return
         from kindyna_gui.files.beginnings import FIRST_OF_KIND, beginning
 
-        self._session.start(beginning(kind))
-        self.status_message.emit(f"New design with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments")
+        design = beginning(kind)
+        self._session.start(design)
+        count = {2: "two", 4: "four"}[len(design.drive.motion.segments)] if design.drive.motion else ""
+        self.status_message.emit(
+            f"New design with the lengths of {FIRST_OF_KIND[kind]} and a motion of {count} segments"
+        )
 
     def new_drawing(self) -> bool:
         """Begin an empty linkage drawing; False where the user cancels."""

@@ -16,7 +16,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
-from core.design import FOLLOWER_KINDS, LAYOUTS
+from core.design import LAYOUTS
+from core.design.follower_kinds import KIND_LABELS
 from core.frozen import frozen
 from core.project.reading_faults import subjects
 from kindyna_gui.labels import choice_tip
@@ -35,8 +36,8 @@ SEPARATOR = None
 
 def fill_new(window: Window, menu: QMenu) -> None:
     """Add an entry for each kind of design, and one for a shaft of several drives."""
-    for slug, row in FOLLOWER_KINDS.items():
-        add_entry(menu, row.label, partial(window.documents.new, slug), f"Begin a new design: {row.label}")
+    for slug, label in KIND_LABELS.items():
+        add_entry(menu, label, partial(window.documents.new, slug), f"Begin a new design: {label}")
     add_entry(
         menu,
         "Linkage by drawing",
@@ -496,6 +497,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("curves"),
             _view("graph"),
             _view("space"),
+            _view("surface"),
             SEPARATOR,
             Submenu("Export &picture", fill_pictures),
             Item("Export &numbers...", "exports.tables", None, "Ctrl+E",

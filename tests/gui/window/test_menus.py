@@ -115,6 +115,8 @@ def test_examples_begin_without_a_file(user: User) -> None:
 def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
     assert user.entries("File", "New by type") == [
         *(row.label for row in FOLLOWER_KINDS.values()),
+        "Barrel cam",
+        "Globoidal cam",
         "Linkage by drawing",
         "Indexer...",
         "Flying shear...",
