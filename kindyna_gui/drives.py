@@ -278,8 +278,10 @@ class DriveStrip(QWidget):
         right = self.arrangement_list if is_narrow else self.arrangement_bar
         most = _widest(widths, self.width() - around - right.sizeHint().width())
         for name, action in zip(names, self.actions_of_drives, strict=True):
-            elided = self.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, most)
-            shown = elided if most >= LEAST_NAME else name[:1]
+            shown = name
+            if advance(name) > most:
+                elided = self.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, most)
+                shown = elided if most >= LEAST_NAME else name[:1]
             action.setIconText(shown.replace("&", "&&"))
 
     def show_drives(self, rows: Sequence[DriveRow], chosen: int) -> None:

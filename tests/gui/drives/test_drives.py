@@ -132,6 +132,12 @@ def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> No
     assert session.chosen == 2
 
 
+def test_names_on_the_strip_are_read_in_full_where_they_have_room(open_user: Open) -> None:
+    user = open_user(example("valve_train"), size=(1280, 720))
+    user.window.show_task("compo")
+    assert [action.iconText() for action in user.drawing().strip.actions_of_drives] == ["Inlet", "Exhaust"]
+
+
 def test_all_drives_of_the_strip_are_in_sight_in_a_narrow_drawing(unit: User) -> None:
     """The arrangements are in a list there, and the names are shortened; the tips have them in full."""
     unit.window.show_task("compo")
