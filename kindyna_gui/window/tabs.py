@@ -72,7 +72,8 @@ class WindowTabs(QObject):
         rows: dict[QTabBar, list[Dock]] = {}
         for bar in self._lists:
             texts = [bar.tabText(number) for number in range(bar.count())]
-            if texts and bar.parentWidget() is self._window and bar.isVisible() and by_text.keys() >= set(texts):
+            is_shown = bar.isVisible() and bar.geometry().right() > 0  # Qt keeps the bar of a single dock out of sight
+            if texts and bar.parentWidget() is self._window and is_shown and by_text.keys() >= set(texts):
                 rows[bar] = [by_text[text] for text in texts]
         names: dict[Dock, str] = {}
         for bar, docks in rows.items():

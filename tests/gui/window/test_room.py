@@ -230,6 +230,15 @@ def bar_of(user: User, name: str) -> QTabBar:
     return next(bar for bar in bars if dock.windowTitle() in [bar.tabText(i) for i in range(bar.count())])
 
 
+def test_a_dock_without_tabs_has_its_full_title(open_user: Open) -> None:
+    user = open_user(size=SIZES[0], whole=True)
+    for task in TASKS:
+        user.window.show_task(task)
+        rest(user.window, 1.0)
+        titled = [dock for dock in user.window.docks.values() if dock.isVisible() and dock.titleBarWidget() is None]
+        assert [dock.windowTitle() for dock in titled] == [dock.title for dock in titled], task
+
+
 def test_names_of_tabs_are_shortened_before_tabs_are_in_a_list(open_user: Open) -> None:
     """Dragged behind the parameters, one dock after another; the list brings a view to the front."""
     user = open_user(size=SIZES[1], whole=True)
