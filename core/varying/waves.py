@@ -198,7 +198,9 @@ class Waves:
             change = self.force_per_error * self.amplitude / self.normal_per_motion * most**2
             effects["contact_force_n"] = float(change.max())
             if not self.study.is_form_closed:
-                effects["least_contact_force_n"] = float((self.study.dynamics.contact - change).min())
+                least = self.study.dynamics.contact - change
+                is_loose = np.equal(self.study.loading.acting(self.study.linkage), 0.0)  # below the lash of a valve
+                effects["least_contact_force_n"] = float(np.where(is_loose, np.inf, least).min())
         if not self.study.is_elastic or not self.has_forces:
             return effects
         model, lobes = self.study.elasticity.middle, np.arange(self.waves.lobes_from, most + 1)

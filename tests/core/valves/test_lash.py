@@ -194,6 +194,21 @@ def test_the_least_contact_force_of_a_study_is_that_of_the_open_valve() -> None:
         assert force <= 300.0 + 1e-9, "the preload is the force where the valve opens"
 
 
+def test_waves_count_the_contact_force_of_the_open_valve(tmp_path: Path) -> None:
+    """Below the lash nothing presses the follower, and nothing leaves the cam."""
+    save(direct(), tmp_path / "train.toml")
+    waves = "\n[waviness]\namplitude_mm = 0.0005\nlobes = [5, 30]\n"
+    (tmp_path / "train.toml").write_text((tmp_path / "train.toml").read_text("utf-8") + waves, encoding="utf-8")
+    assert main(["tolerance", str(tmp_path / "train.toml"), "--out", str(tmp_path / "out")]) == 0
+    found = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))["waviness"]
+    study = Study(direct())
+    is_open = value(study, "valve_lift") > 1e-9
+    change = 0.14 * 0.5e-6 * (30.0 * 2000.0 * math.pi / 30.0) ** 2
+    least = value(study, "contact_force")[is_open].min() - change
+    assert found["least_contact_force_n"] == pytest.approx(least, rel=1e-3)
+    assert least > 0.0
+
+
 def test_laws_are_ranked_by_the_least_force_of_the_open_valve() -> None:
     design = trained("tappet_flat.toml", 0.1)
     columns = ranking_columns(design)
