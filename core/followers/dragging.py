@@ -29,11 +29,13 @@ from core.design import (
     put,
     si,
 )
+from core.design.outline_bodies import Body, body_of
 from core.design.parts import SIDES
 from core.errors import NoAssembly
 from core.followers import built
 from core.followers.cam_slider import LAYOUT_TABLE, base_position
 from core.followers.dimensions import FACE, SECOND, reach_of
+from core.followers.outline_frames import outline_frame
 from core.frozen import frozen
 from core.mechanism.checks import movable_points, point_changes
 from core.mechanism.dyads import area4_of
@@ -334,8 +336,33 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 
 
 def joints_of(design: Design) -> Mapping[str, Drag]:
-    """All that can be dragged: joints by the names of their points, free ends of springs and centres of mass by their paths."""
-    return {**_joints(design), **_free_ends(design), **_centres(design)}
+    """All that can be dragged: joints by the names of their points; ends of springs, centres of mass, corners of outlines by paths."""
+    return {**_joints(design), **_free_ends(design), **_centres(design), **_corners(design)}
+
+
+def _corners(design: Design) -> Mapping[str, Drag]:
+    """Corners of the outlines in the plane of the mechanism, of a design with one drive."""
+    corners: dict[str, Drag] = {}
+    for i, outline in enumerate(design.outlines if not design.listed else ()):
+        body = body_of(design, outline)
+        if body is None or outline.plane is not None:
+            continue
+        for j in range(len(outline.points)):
+            path = f"outlines[{i}].points[{j}]"
+            label = f"corner {j + 1} of the outline of {outline.of}"
+            corners[path] = Drag(label, f"{path}.x_mm", _in_outline(path, body))
+    return corners
+
+
+def _in_outline(path: str, body: Body) -> Callable[[Design, Kinematics, complex], Changes]:
+    """Coordinates in the frame of the outlines of a body."""
+
+    def changes(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+        origin, axis = outline_frame(design, kinematics, body)
+        local = (to - complex(origin[0])) * complex(axis[0]).conjugate()
+        return {f"{path}.x_mm": local.real * 1e3, f"{path}.y_mm": local.imag * 1e3}
+
+    return changes
 
 
 def _centres(design: Design) -> Mapping[str, Drag]:

@@ -34,9 +34,9 @@ from core.design import Design, Outline
 from core.design.camshaft import drive_names, phase_path, slugs
 from core.design.outline_bodies import Body, body_named, body_of, body_words, outlined_bodies, pair_column
 from core.design.outlines import CAM, CARRIED, FRAME, PLANES, ROLLER
-from core.design.parts import SIDES
 from core.errors import KindynaError
 from core.findings import ERROR, WARNING, Finding
+from core.followers.outline_frames import outline_axis
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion import TURN, Angles
@@ -319,8 +319,7 @@ class Clearances:
             if body.name == f"link{link.number}":
                 return BodyGeometry(np.array([z * MM for z in link.places.values()]))
         points = np.array(list(self._first(body.drive).bodies[body.name].points.values()))
-        side = getattr(drive.mechanism, "side", None) if CAM in body_words(drive) and drive.face.straight else None
-        return BodyGeometry(points, unit=1.0 + 0j if side is None else -1j * SIDES[side])
+        return BodyGeometry(points, unit=outline_axis(drive) if CAM in body_words(drive) else 1.0 + 0j)
 
     # -- motions --------------------------------------------------------------------------------------------
 
@@ -433,8 +432,15 @@ class Clearances:
         return np.where(meets, 0.0, best), p, q
 
     def nearest_of_all(self, angles: Angles) -> NearestBodies:
-        """The pair of the plane of the mechanism that is nearest at each of n angles; its distance and nearest points."""
+        """The pair of the plane of the mechanism that is nearest at each of n angles; its distance and nearest points.
+
+        Without a pair the distances are infinite.
+        """
         pairs = [pair for pair in self.pairs if None in self._planes(pair)]
+        if not pairs:
+            n = angles.theta.size
+            nowhere = np.zeros(n, dtype=complex)
+            return NearestBodies((), np.zeros(n, dtype=int), np.full(n, inf), nowhere, nowhere)
         rows = [self.nearest_points(pair, angles) for pair in pairs]
         distance = np.array([row[0] for row in rows])
         number = distance.argmin(axis=0)

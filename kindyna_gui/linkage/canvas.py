@@ -54,8 +54,9 @@ def draggable_joints(scene: MechanismScene | Assembly) -> dict[str, complex]:
     if geometry is None:
         return {}
     joints = joints_of(geometry.study.design)
-    if isinstance(scene, MechanismScene) and not scene.layer_selected(MASSES):  # hidden masses are not dragged
-        joints = {name: drag for name, drag in joints.items() if not name.startswith(f"loads.{MASSES}")}
+    for layer, prefix in ((MASSES, f"loads.{MASSES}"), ("outlines", "outlines[")):  # hidden ones are not dragged
+        if isinstance(scene, MechanismScene) and not scene.layer_selected(layer):
+            joints = {name: drag for name, drag in joints.items() if not name.startswith(prefix)}
     return {name: position for name, position in geometry.handles(scene.index).items() if name in joints}
 
 

@@ -13,9 +13,11 @@ from functools import cached_property, partial
 import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, keyway_corners, row_of
+from core.design.outline_bodies import body_of
 from core.dynamics import Element, Inertia, OutputForce, Spring, body_inertias
 from core.errors import NoSolution
 from core.followers import FACE_PLACE
+from core.followers.outline_frames import outline_frame
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.mechanism.drivers import Wheel, WheelPair, wheel_pairs
@@ -263,7 +265,19 @@ class Geometry:
             body = self.bodies[self.study.mechanism.bodies[row.link]]
             track = body.track(complex(row.centre_x_mm, row.centre_y_mm))
             positions[f"loads.masses[{i}]"] = complex(track[index])
-        return positions
+        return positions | self._corners(index)
+
+    def _corners(self, index: int) -> dict[str, complex]:
+        """Positions of the corners of outlines at a sample [mm], by their paths."""
+        design, corners = self.study.design, dict[str, complex]()
+        for i, outline in enumerate(design.outlines):
+            body = body_of(design, outline)
+            if body is not None and outline.plane is None:
+                origin, axis = outline_frame(design, self.kinematics, body)
+                for j, point in enumerate(outline.points):
+                    local = complex(point.x_mm, point.y_mm)
+                    corners[f"outlines[{i}].points[{j}]"] = complex(origin[index]) * MM + local * complex(axis[index])
+        return corners
 
     @property
     def face_path(self) -> str:

@@ -75,3 +75,9 @@ def test_drives_about_their_shaft_show_the_nearest_bodies_of_the_machine(app) ->
     assert distance_in(scene) == "feed.arm – lift.arm: 40.76 mm"
     scene.show_shaft(study.camshaft, 0, about_shaft=False)
     assert not [item for item in scene.items() if isinstance(item, Tag) and "feed.arm" in item.text]
+
+
+def test_a_single_outline_is_drawn_without_a_line(app) -> None:
+    scene = MechanismScene(studied(example("four_bar") + outline("link 2", round_mm=5.0)))
+    assert scene.item("outline.link2").isVisible()
+    assert scene.item("nearest.line").boundingRect().isEmpty()
