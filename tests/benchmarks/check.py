@@ -22,7 +22,7 @@ from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, measure
 from linkages import chain
 
-from core.design import Design, OptimalCurve, Segment, get, only, put
+from core.design import Design, OptimalCurve, Segment, get, only, put, require_motion
 from core.design.curves import segment_shape
 from core.design.engine import Lobe, LobeRow
 from core.design.lobe import lobe_sides
@@ -49,6 +49,7 @@ FINDINGS = "findings: a new lift"
 LOBE = "lobe: a new duration, by a law"
 VALVES = "valve: two drives, by their check"
 DRAGGED = "chain after a dragged duration, by a dragged join"
+TORQUE_LAW = "optimal law of least torque of the lift, by one of least jerk"
 OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
 FLANK = "flank of a barrel, 3,600 × 20 points with angle and curvature, by the profile of the lift"
 POSES = "linkages for five poses, by a fresh study of the four-bar"
@@ -82,6 +83,7 @@ def keys() -> dict[str, Callable[[], float]]:
         VALVES: look_at_valves,
         DRAGGED: look_at_dragged_duration,
         OPTIMUM: look_at_optimum,
+        TORQUE_LAW: look_at_torque_law,
         FLANK: look_at_flank,
         POSES: partial(look_at_task, five_poses),
         PATH: partial(look_at_task, hoeken_path),
@@ -201,6 +203,23 @@ def look_at_optimum(seconds: float = SECONDS) -> float:
 
     ours = Fresh(lambda: partial(segment_shape, another(), False, "segment"))
     told = measure({"ours": ours, "rival": partial(np.sin, angles)}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_torque_law(seconds: float = 2.0 * SECONDS) -> float:
+    """The law of least torque of the lift at another speed each time, by the law of least jerk with other cycles each time."""
+    lift = put(load(EXAMPLE), "motion.segments[1].law", "optimal")
+    lift = put(lift, "motion.segments[1].minimise", "torque")
+
+    def torque() -> Segment:
+        design = put(lift, "shaft.speed_rpm", 20.0 + 1e-6 * next(DURATIONS))
+        return require_motion(design).segments[1]
+
+    def jerk() -> Segment:
+        return Segment(90.0, 1.0, OptimalCurve(minimise="jerk", vibration_free=(3.3 + 1e-6 * next(DURATIONS),)))
+
+    ours, rival = (Fresh(lambda law=law: partial(segment_shape, law(), False, "segment")) for law in (torque, jerk))
+    told = measure({"ours": ours, "rival": rival}, seconds).seconds
     return told["ours"] / told["rival"]
 
 
