@@ -17,6 +17,7 @@ from core.design import (
     SplinePoint,
     Tolerance,
     edited,
+    faults,
     merged,
     only,
     require_motion,
@@ -299,3 +300,32 @@ def test_limits_that_no_law_keeps_name_the_least_one() -> None:
         _ = Study(design).motion
     least = float(error.value.faults[0].allowed.removeprefix(">= "))
     assert np.isfinite(peak(optimal(design, "torque", limits__acceleration=least), "torque"))
+
+
+# -- every mechanism --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.toml")), ids=lambda file: file.stem)
+def test_searches_agree_in_every_example(file: Path) -> None:
+    """Each drive with a rise: the law is better than every start, and the searches lead to one optimum."""
+    design = load(file)
+    for number, drive in enumerate(design.drives):
+        if drive.motion is None or drive.motion.is_computed:
+            continue
+        rises = [i for i, segment in enumerate(drive.motion.segments) if segment.rise]
+        for aim in ("torque", "contact_force") if rises else ():
+            changed = edited(only(design, number), f"motion.segments[{rises[0]}].law", "optimal")
+            changed = edited(
+                edited(changed, f"motion.segments[{rises[0]}].minimise", aim),
+                f"motion.segments[{rises[0]}].intervals",
+                20,
+            )
+            if faults(changed):
+                continue
+            segments = require_motion(changed).segments
+            law = law_in_machine(segments[rises[0]], len(segments) == 1)
+            begins, ends = np.array(law.starts).T
+            assert law.value <= (1.0 + 1e-4) * min(begins)
+            assert np.ptp(ends) <= 1e-4 * ends.min()
+            assert law.value <= (1.0 + 1e-3) * law.least
