@@ -7,7 +7,7 @@ BDC is the closing of the inlet after BDC, or the opening of the exhaust before 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from math import ceil
 from types import MappingProxyType
@@ -16,8 +16,9 @@ from typing import Any
 from core.design import Design, faults
 from core.design.camshaft import drive_names, with_drives
 from core.design.design import Drive
-from core.design.engine import Lobe, LobeRow
+from core.design.engine import CRANK_PER_CAM, Lobe, LobeClosing, LobeRow
 from core.design.fields import Info, choice, info_of, length, number, unit_of
+from core.design.lobe import lobe_sides
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.project import from_table
@@ -55,9 +56,24 @@ def _duration(default: float) -> Any:
     return number("Duration", 0.0, 720.0, open_low=True, default=default, step=1.0, help="in crank degrees")
 
 
+def _of_lobe(label: str, step: float) -> Any:
+    return number(label, 0.0, open_low=True, default=None, step=step, help="of the lobe by cam angle; typed: it drives")
+
+
+ROWS = ("first", "second")
+DURATIONS = ("first_deg", "second_deg")
+SCALARS = ("velocity_mm_per_deg", "acceleration_mm_per_deg2", "nose_acceleration_mm_per_deg2")
+"""Names of the values of which two drive a lobe: its durations, its greatest velocity, and its accelerations."""
+
+
 @frozen(kw_only=True)
 class ValveCard:
-    """What a card prints of one valve; lifts are those of the lobe or the valve, as the card counts."""
+    """What a card prints of one valve; lifts are those of the lobe or the valve, as the card counts.
+
+    ``typed`` names the two values that drive the lobe, the last one typed behind; the others follow. ``base`` is the lobe of a
+    design whose sides the card shows and keeps, because they differ or are given from the nose; ``skews_deg`` are then the
+    differences of its sides, see ``skew``.
+    """
 
     lift_mm: float = length("Lift", default=9.0, help="the greatest")
     lash_mm: float = number("Lash", 0.0, default=0.0, step=0.01, help="at the valve's tip")
@@ -75,6 +91,25 @@ class ValveCard:
         help="crank angle from TDC of overlap to the greatest lift",
     )
     ramp_mm: float | None = length("Ramp", default=None, help="height at which it ends; empty: from the lash")
+    velocity_mm_per_deg: float | None = _of_lobe("Greatest velocity", 0.01)
+    acceleration_mm_per_deg2: float | None = _of_lobe("Flank acceleration", 0.001)
+    nose_acceleration_mm_per_deg2: float | None = _of_lobe("Nose deceleration", 0.001)
+    typed: tuple[str, str] = DURATIONS
+    base: Lobe | None = None
+    skews_deg: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether the sides of the lobe are as in the design: they differ, or are given from the nose."""
+        return self.base is not None
+
+    def driven(self, name: str, value: float | None) -> ValveCard:
+        """The card with a value that drives the lobe, together with the one of both that was typed last before."""
+        values: dict[str, Any] = {name: value}
+        if value is None:
+            return replace(self, typed=DURATIONS, **values)
+        others = [other for other in self.typed if other != name]
+        return replace(self, typed=(others[-1], name), **values)
 
     def duration(self, row: str) -> float:
         """Duration of a row, ``first`` or ``second`` [crank deg]."""
@@ -82,12 +117,18 @@ class ValveCard:
 
     def events(self, row: str) -> tuple[float, float]:
         """Events near TDC and near BDC at the lift of a row [crank deg]."""
-        return card_events(self.duration(row), self.centre_deg)
+        near, far = card_events(self.duration(row), self.centre_deg)
+        skew = self.skew(row)
+        return near + skew, far - skew
+
+    def skew(self, row: str) -> float:
+        """Half of what the side near TDC is longer than the other one, at the lift of a row [crank deg]."""
+        return self.skews_deg[ROWS.index(row)]
 
     def with_events(self, row: str, near_tdc_deg: float, near_bdc_deg: float) -> ValveCard:
         """The card with both events of a row; the duration of the other row remains."""
         duration, centre = duration_and_centre(near_tdc_deg, near_bdc_deg)
-        return replace(self, centre_deg=centre, **{f"{row}_deg": duration})
+        return replace(self, centre_deg=centre).driven(f"{row}_deg", duration)
 
 
 @frozen(kw_only=True)
@@ -160,6 +201,8 @@ class TrainCard:
 
 USUAL_RAMP, USUAL_VELOCITY = 0.1, 0.01
 """Height [mm] and velocity [mm/deg] of the ramp without lash; a proposed ramp is as long, its velocity in proportion."""
+SINGLE_ROW = 0.5
+"""Lift above which a single duration is in the second row of a card [mm]."""
 ABOVE_LASH = 0.02
 """Height of the proposed ramp above the lash, at least [mm]."""
 
@@ -204,8 +247,17 @@ def _event(row: str, end: int, label: str) -> CardValue:
     return CardValue(info, UNITS["deg"], lambda valve: valve.events(row)[end], write)
 
 
+def _driving(name: str, info: Info, unit: Unit) -> CardValue:
+    """A value that drives the lobe once it is typed."""
+    return CardValue(info, unit, lambda valve: getattr(valve, name), lambda valve, value: valve.driven(name, value))
+
+
 VALVE_VALUES: Mapping[str, CardValue] = MappingProxyType(
-    {part.name: _plain(part.name, info, unit_of(part)) for part in fields(ValveCard) if (info := info_of(part))}
+    {
+        part.name: (_driving if part.name in (*DURATIONS, *SCALARS) else _plain)(part.name, info, unit_of(part))
+        for part in fields(ValveCard)
+        if (info := info_of(part))
+    }
     | {
         f"{row}_{end}": _event(row, i, label)
         for row in ("first", "second")
@@ -391,15 +443,7 @@ def with_card(design: Design, card: TrainCard) -> Design:
 def _with_valve(drive: Drive, card: TrainCard, valve: ValveCard, sense: float) -> Drive:
     assert drive.valve is not None
     assert drive.motion is not None
-    rows = tuple(
-        LobeRow(card.motion_mm(valve, getattr(valve, f"{row}_at_mm")), valve.duration(row))
-        for row in ("first", "second")
-    )
-    lobe = drive.motion.lobe or Lobe(lift_mm=1.0)
-    ramp = card.ramp_mm(valve)
-    velocity = _ramp_velocity(ramp) if valve.ramp_mm is None else lobe.ramp_mm_per_deg
-    lift = card.motion_mm(valve, valve.lift_mm)
-    lobe = replace(lobe, lift_mm=lift, duration=rows, ramp_mm=ramp, ramp_mm_per_deg=velocity)
+    lobe = card_lobe(card, valve, drive.motion.lobe or Lobe(lift_mm=1.0))
     follower: Any = drive.follower
     if (arm := card.row.arm) and abs(card.rocker_ratio - _ratio(drive, arm)) > 1e-9:
         follower = replace(follower, pad_mm=round(card.rocker_ratio * getattr(follower, arm), 6))
@@ -409,6 +453,67 @@ def _with_valve(drive: Drive, card: TrainCard, valve: ValveCard, sense: float) -
         valve=replace(drive.valve, centre_deg=sense * valve.centre_deg, lash_mm=valve.lash_mm),
         mechanism=follower,
     )
+
+
+def card_lobe(card: TrainCard, valve: ValveCard, before: Lobe) -> Lobe:
+    """Lobe of a valve of a card, with the run-up, the flats and the position of another one."""
+    ramp = card.ramp_mm(valve)
+    velocity = _ramp_velocity(ramp) if valve.ramp_mm is None else before.ramp_mm_per_deg
+    lobe = replace(
+        valve.base or before,
+        lift_mm=card.motion_mm(valve, valve.lift_mm),
+        ramp_mm=ramp,
+        ramp_mm_per_deg=velocity,
+    )
+    if valve.is_fixed:
+        return lobe
+    rows = tuple(
+        LobeRow(card.motion_mm(valve, getattr(valve, f"{row}_at_mm")), valve.duration(row))
+        for row in ROWS
+        if f"{row}_deg" in valve.typed
+    )
+    scalars: dict[str, Any] = {name: getattr(valve, name) if name in valve.typed else None for name in SCALARS}
+    return replace(lobe, duration=rows, to_nose=(), closing=None, **scalars)
+
+
+def followed(card: TrainCard, design: Design | None = None) -> TrainCard:
+    """The card with the values of its lobes that are not typed: durations, events, velocity and accelerations.
+
+    A valve without a lobe keeps its values. ``design``: the one whose run-up and flats the lobes have.
+    """
+    befores: list[Lobe | None] = [None, None]
+    if design is not None:
+        motions = (design.drives[index].motion for index in _pair_of(design))
+        befores = [motion.lobe if motion is not None else None for motion in motions]
+    inlet, exhaust = (
+        _followed(card, valve, before or Lobe(lift_mm=1.0), is_inlet=is_inlet)
+        for valve, before, is_inlet in zip((card.inlet, card.exhaust), befores, (True, False), strict=True)
+    )
+    return replace(card, inlet=inlet, exhaust=exhaust)
+
+
+def _followed(card: TrainCard, valve: ValveCard, before: Lobe, is_inlet: bool) -> ValveCard:
+    try:
+        opening, closing = lobe_sides(card_lobe(card, valve, before))
+        near, far = (opening, closing) if is_inlet else (closing, opening)
+        heights = [card.motion_mm(valve, getattr(valve, f"{row}_at_mm")) for row in ROWS]
+        spans = [
+            (CRANK_PER_CAM * near.distance(height), CRANK_PER_CAM * far.distance(height))
+            if height > 0.0
+            else (0.0, 0.0)
+            for height in heights
+        ]
+    except (KindynaError, ValueError, ZeroDivisionError):
+        return valve
+    values: dict[str, Any] = {
+        name: round(sum(span), 9)
+        for name, span, height in zip(DURATIONS, spans, heights, strict=True)
+        if 0.0 < height < opening.form.lift
+    }
+    values |= zip(SCALARS, (opening.velocity, opening.acceleration, opening.nose_acceleration), strict=True)
+    values = {name: value for name, value in values.items() if valve.is_fixed or name not in valve.typed}
+    first, second = (round(0.5 * (a - b), 9) if valve.is_fixed else 0.0 for a, b in spans)
+    return replace(valve, skews_deg=(first, second), **values)
 
 
 def require_values(card: TrainCard) -> None:
@@ -481,18 +586,33 @@ def _valve_of(drive: Drive, card: TrainCard, sense: float) -> ValveCard:
     assert drive.valve is not None
     assert drive.motion is not None
     lobe = drive.motion.lobe
-    if lobe is None or len(lobe.duration) != 2 or lobe.closing is not None:
-        raise KindynaError(
-            "a card needs lobes with two durations, equal on both sides: enter [motion.lobe] duration twice"
-        )
-    lash = drive.valve.lash_mm
-    lift, (low, high) = lobe.lift_mm, sorted(lobe.duration, key=lambda row: row.at_mm)
-    valve = ValveCard(
-        lift_mm=card.card_mm(lash, lift), lash_mm=lash,
-        first_at_mm=card.card_mm(lash, low.at_mm), first_deg=low.crank_deg,
-        second_at_mm=card.card_mm(lash, high.at_mm), second_deg=high.crank_deg,
+    if lobe is None:
+        raise KindynaError("a card needs lobes: both drives with [motion.lobe] in place of segments")
+    lash, plain = drive.valve.lash_mm, ValveCard()
+    is_fixed = bool(lobe.to_nose) or lobe.closing not in (None, LobeClosing())
+    rows = _rows_of(lobe.duration or lobe.to_nose)
+    values: dict[str, Any] = {name: getattr(lobe, name) for name in SCALARS}
+    for name, row in rows.items():
+        values |= {f"{name}_at_mm": card.card_mm(lash, row.at_mm), f"{name}_deg": row.crank_deg}
+    typed = [*(f"{name}_deg" for name in rows), *(name for name in SCALARS if values[name] is not None)]
+    valve = replace(
+        plain,
+        lift_mm=card.card_mm(lash, lobe.lift_mm),
+        lash_mm=lash,
         centre_deg=sense * drive.valve.centre_deg,
-    )  # fmt: skip
+        base=lobe if is_fixed else None,
+        typed=DURATIONS if is_fixed else (typed[0], typed[1]),
+        **values,
+    )
     ramp = card.ramp_mm(valve)
     is_proposed = (ramp, _ramp_velocity(ramp)) == (lobe.ramp_mm, lobe.ramp_mm_per_deg)
-    return valve if is_proposed else replace(valve, ramp_mm=lobe.ramp_mm)
+    valve = valve if is_proposed else replace(valve, ramp_mm=lobe.ramp_mm)
+    return valve if valve.typed == DURATIONS and not is_fixed else _followed(card, valve, lobe, is_inlet=sense > 0.0)
+
+
+def _rows_of(typed: Sequence[LobeRow]) -> dict[str, LobeRow]:
+    """Typed rows of a lobe by the rows of a card, the lower lift first; a single one is in the row with the nearer lift."""
+    rows = sorted(typed, key=lambda row: row.at_mm)
+    if len(rows) != 1:
+        return dict(zip(ROWS, rows, strict=True)) if rows else {}
+    return {ROWS[rows[0].at_mm > SINGLE_ROW]: rows[0]}

@@ -42,9 +42,8 @@ class TimingDiagram(Picture):
         _draw_axes(painter, radius)
         for valve, ring, colour, sense in _valves(card):
             for row, is_pale in (("first", True), ("second", False)):
-                _draw_band(
-                    painter, ring * radius, radius, sense * valve.centre_deg, valve.duration(row), colour, is_pale
-                )
+                middle = sense * (valve.centre_deg - valve.skew(row))
+                _draw_band(painter, ring * radius, radius, middle, valve.duration(row), colour, is_pale)
         for end, turned in ((0, 0.0), (1, 180.0)):
             texts = []
             for valve, _, colour, sense in _valves(card):
@@ -73,7 +72,7 @@ def _draw_axes(painter: QPainter, radius: float) -> None:
 
 
 def _draw_band(
-    painter: QPainter, outer: float, radius: float, centre_deg: float, duration_deg: float, colour: str, is_pale: bool
+    painter: QPainter, outer: float, radius: float, middle_deg: float, duration_deg: float, colour: str, is_pale: bool
 ) -> None:
     """Draw a duration clockwise from the top: pale in the outer half of the band of its valve, full in the inner half."""
     width = 0.5 * (BAND - GAP) * radius
@@ -85,7 +84,7 @@ def _draw_band(
     painter.setPen(pen)
     duration = min(duration_deg, 360.0)
     box = QRectF(-middle, -middle, 2.0 * middle, 2.0 * middle)
-    opens = centre_deg - 0.5 * duration
+    opens = middle_deg - 0.5 * duration
     painter.drawArc(box, round((90.0 - opens) * SIXTEENTHS), -round(duration * SIXTEENTHS))
 
 

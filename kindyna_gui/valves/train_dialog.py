@@ -34,7 +34,19 @@ from core.requests import field_info
 from core.units import Unit, conversion_factor
 from core.valves import ValvePair, valve_pairs, valve_timings
 from core.valves.crank_plots import crank_plots
-from core.valves.new_trains import TRAIN_VALUES, TRAINS, VALVE_VALUES, CardValue, TrainCard, new_train, with_card
+from core.valves.new_trains import (
+    DURATIONS,
+    ROWS,
+    SCALARS,
+    TRAIN_VALUES,
+    TRAINS,
+    VALVE_VALUES,
+    CardValue,
+    TrainCard,
+    followed,
+    new_train,
+    with_card,
+)
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import accept_buttons, give_help
 from kindyna_gui.forms.faded_cover import FadedCover
@@ -53,7 +65,7 @@ from kindyna_gui.valves.figures import HEADINGS, figure_rows, shown_figures
 from kindyna_gui.valves.timing_diagram import TimingDiagram
 
 VALVES = ("inlet", "exhaust")
-FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 400, QSize(1240, 700), QSize(1000, 560)
+FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 400, QSize(1240, 700), QSize(1000, 620)
 THUMB, PLOT_HEIGHT, FIGURES_HEIGHT = QSize(84, 60), 110, 236
 PAUSE_MS = 150  # from a value to the figures of the valves, or to the search for the nearest one that fits
 LIFT_UNITS = ("mm", "in", "thou")
@@ -110,6 +122,15 @@ GRID = (
     *_timing("second"),
     CardRow("Centre", "centre_deg", "centre_deg", ("° ATDC", "° BTDC")),
 )
+LOBE_ROWS = (
+    CardRow("Velocity", "velocity_mm_per_deg", "velocity_mm_per_deg", ("mm/°", "mm/°"), ", greatest"),
+    CardRow("Flank acc.", "acceleration_mm_per_deg2", "acceleration_mm_per_deg2", ("mm/°²", "mm/°²")),
+    CardRow("Nose dec.", "nose_acceleration_mm_per_deg2", "nose_acceleration_mm_per_deg2", ("mm/°²", "mm/°²")),
+)
+"""Rows below the grid: values that follow from the durations, or drive the lobe once they are typed."""
+OF_SIDES = (*DURATIONS, *SCALARS, *(f"{row}_near_{centre}" for row in ROWS for centre in ("tdc", "bdc")))
+"""Values of a valve that its card only shows where the sides of the lobe are kept as in the design."""
+KEPT_SIDES = "The sides of this lobe differ, or are given from the nose: edit them on the page Motion of Parameters"
 
 
 class CardBox(RequestBox):
@@ -207,8 +228,11 @@ class ValveTrainDialog(QDialog):
         self.cover = FadedCover(shown)
         middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
         fill(QVBoxLayout(self), (middle, 1), self.buttons, margins=(12, 10, 12, 10))
-        places = [(valve, getattr(row, valve)) for valve in VALVES for row in GRID]
-        in_tab_order(self.of, self.unit, *(self.boxes[place] for place in (RATIO, *places, *CENTRES)), self.same)
+        rows, of_lobe = (
+            [(valve, getattr(row, valve)) for valve in VALVES for row in part] for part in (GRID, LOBE_ROWS)
+        )
+        in_tab_order(self.of, self.unit, *(self.boxes[place] for place in (RATIO, *rows, *CENTRES)), self.same)
+        in_tab_order(self.same, *(self.boxes[place] for place in of_lobe))
         self.setMinimumSize(LEAST_SIZE)
         self.resize(TYPICAL_SIZE.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
@@ -256,7 +280,7 @@ class ValveTrainDialog(QDialog):
         )
 
     def _grid(self) -> QGridLayout:
-        """Values of both valves, then separation and advance."""
+        """Values of both valves, then separation and advance, then what follows from them."""
         grid = fill(QGridLayout(), margins=0, spacing=(4, 2))
         self.same = QCheckBox("Exhaust as the inlet")
         self.same.setToolTip("The exhaust has the lift, lash, ramp and durations of the inlet")
@@ -265,7 +289,8 @@ class ValveTrainDialog(QDialog):
         grid.addWidget(bold_label("Inlet"), 0, 1)
         grid.addWidget(bold_label("Exhaust"), 0, 3)
         self.units: list[QLabel] = []
-        for number, row in enumerate(GRID, 1):
+        first_of_lobe = 1 + len(GRID) + len(CENTRES)
+        for number, row in (*enumerate(GRID, 1), *enumerate(LOBE_ROWS, first_of_lobe)):
             grid.addWidget(QLabel(row.label), number, 0)
             for k, valve in enumerate(VALVES):
                 box = self._box((valve, getattr(row, valve)), f"{valve.capitalize()}, {row.full_name}")
@@ -321,8 +346,8 @@ class ValveTrainDialog(QDialog):
         return _with_same_lobe(self.card) == self.card
 
     def _take(self, card: TrainCard, *typed: CardBox) -> None:
-        """Show another card in all boxes but those that are typed into."""
-        self.card = card
+        """Show another card in all boxes but those that are typed into; values that are not typed follow."""
+        self.card = card = followed(card, self._before)
         self._show_values(*typed)
         self.update_design()
         if not typed:
@@ -338,6 +363,10 @@ class ValveTrainDialog(QDialog):
             if box not in typed:
                 box.show_card_value(_read(self.card, place))
                 box.set_refused(False)
+            if place[0] and place[1] in OF_SIDES:
+                is_fixed = getattr(self.card, place[0]).is_fixed
+                box.setEnabled(not is_fixed)
+                box.setToolTip(KEPT_SIDES if is_fixed else sentence(_value_at(place).info.help))
         for part in (self.boxes[RATIO], self.ratio_label):
             part.setVisible(bool(self.card.row.arm))
 

@@ -5,17 +5,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from core.design import edited, faults
+from core.design import Design, Motion, Segment, edited, faults
+from core.design.engine import LobeClosing, LobeRow
 from core.errors import DesignError, KindynaError
 from core.findings import ERROR
 from core.project import dumps, load, loads
 from core.study import Study, findings_of
 from core.valves import valve_data, valve_pairs, valve_timings
-from core.valves.crank_plots import crank_plots
 from core.valves.new_trains import (
+    DURATIONS,
     TRAINS,
     VALVE_VALUES,
     TrainCard,
@@ -24,6 +24,7 @@ from core.valves.new_trains import (
     card_events,
     card_of,
     duration_and_centre,
+    followed,
     new_train,
     separation_and_advance,
     with_card,
@@ -181,26 +182,82 @@ def test_a_design_without_a_pair_of_valves_has_no_card() -> None:
     design = new_train(card())
     with pytest.raises(KindynaError, match="no inlet and exhaust valve"):
         card_of(replace(design, drives=design.drives[:1]))
-    lobe = design.drives[0].motion.lobe  # type: ignore[union-attr]
-    asymmetric = replace(lobe, duration=lobe.duration[1:], velocity_mm_per_deg=0.24)  # type: ignore[union-attr,type-var]
-    motion = replace(design.drives[0].motion, lobe=asymmetric)  # type: ignore[type-var]
-    with pytest.raises(KindynaError, match="two durations"):
-        card_of(replace(design, drives=(replace(design.drives[0], motion=motion), design.drives[1])))
+    plain = Motion(start=0.0, unit="mm", segments=(Segment(360.0, 0.0),))
+    with pytest.raises(KindynaError, match="a card needs lobes"):
+        card_of(replace(design, drives=(replace(design.drives[0], motion=plain), design.drives[1])))
 
 
-@pytest.mark.parametrize("train", TRAINS)
-def test_the_curves_are_the_motion_of_the_valve(train: str) -> None:
-    """Lift against the events of the card, velocity and acceleration against differences of the lift."""
-    made = card(train, of="valve", lash_mm=0.1, lift_mm=8.9, second_at_mm=1.0).with_centres(108.0, 2.0)
-    lift, velocity, acceleration = crank_plots(valve_pairs(valve_timings(new_train(made)))[0])
-    for k, centre in enumerate((106.0, -110.0)):
-        crank, y = lift.curves[k].x, lift.curves[k].y
-        assert crank[np.argmax(y)] == centre
-        if train != "pushrod":  # whose ratio is not constant
-            assert y.max() == pytest.approx(8.9, abs=1e-9)
-            assert np.interp(centre - 109.0, crank, y) == pytest.approx(1.0, abs=1e-4)
-        step = 0.5 * (crank[1] - crank[0])  # of the cam
-        assert np.gradient(y, step)[y > 0.1] == pytest.approx(velocity.curves[k].y[y > 0.1], abs=2e-4)
-        slope = np.gradient(velocity.curves[k].y, step)
-        assert slope[y > 0.1] == pytest.approx(acceleration.curves[k].y[y > 0.1], abs=2e-4)
-        assert not velocity.curves[k].y[y == 0.0].any()
+# -- lobes by other values, and with another closing side -------------------------------------------------------
+
+
+def with_lobe(**values: Any) -> Design:
+    """The new design with another lobe of the inlet."""
+    design = new_train(card(lift_mm=9.0))
+    motion = design.drives[0].motion
+    assert motion is not None
+    assert motion.lobe is not None
+    lobe = replace(motion.lobe, **{"duration": (), **values})
+    drive = replace(design.drives[0], motion=replace(motion, lobe=lobe))
+    return replace(design, drives=(drive, design.drives[1]))
+
+
+ROW, AT_1_27 = LobeRow(0.1524, 268.0), LobeRow(1.27, 210.0)
+OTHERS = {
+    "velocity": {"duration": (AT_1_27,), "velocity_mm_per_deg": 0.24},
+    "low row": {"duration": (ROW,), "velocity_mm_per_deg": 0.22},
+    "accelerations": {"acceleration_mm_per_deg2": 0.02, "nose_acceleration_mm_per_deg2": 0.0065},
+    "to nose": {"to_nose": (LobeRow(0.1524, 134.0), LobeRow(1.27, 109.0))},
+    "closing": {
+        "duration": (LobeRow(0.15, 270.0), AT_1_27), "ramp_mm": 0.2, "ramp_runup_deg": 8.0,
+        "closing": LobeClosing(ramp_mm=0.25, ramp_mm_per_deg=0.007, to_nose=(LobeRow(1.27, 108.0),)),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_any_lobe_opens_in_a_card_which_keeps_it(name: str) -> None:
+    design = with_lobe(**OTHERS[name])
+    read = card_of(design)
+    assert with_card(design, read) == design
+    changed = with_card(design, read.with_centres(110.0, 0.0))
+    assert changed.drives[0].motion == design.drives[0].motion
+    (timing, _) = valve_timings(design)
+    for row in ("first", "second"):
+        event = timing.event("lobe", getattr(read.inlet, f"{row}_at_mm"))
+        assert event is not None
+        assert read.inlet.duration(row) == pytest.approx(event.duration_deg, abs=1e-8)
+        near, far = read.inlet.events(row)
+        assert (-near, far + 180.0) == pytest.approx((event.opens_deg, event.closes_deg), abs=1e-8)
+    figures = valve_data([timing], ())["valves"][0]
+    assert read.inlet.velocity_mm_per_deg == pytest.approx(max(figures["velocity_mm_per_deg"]), rel=1e-2)
+    assert read.inlet.is_fixed == (name in ("to nose", "closing"))
+
+
+def test_an_exhaust_with_another_closing_side_has_its_events() -> None:
+    design = with_lobe(**OTHERS["closing"])
+    drives = design.drives
+    swapped = replace(design, drives=(drives[1], replace(drives[0], valve=drives[1].valve, name="Out")))
+    swapped = replace(swapped, drives=(replace(drives[1], valve=drives[0].valve), swapped.drives[1]))
+    read = card_of(swapped)
+    event = valve_timings(swapped)[1].event("lobe", read.exhaust.second_at_mm)
+    assert event is not None
+    near, far = read.exhaust.events("second")
+    assert (near, -far - 180.0) == pytest.approx((event.closes_deg, event.opens_deg), abs=1e-8)
+
+
+def test_the_last_two_typed_values_drive_and_the_others_follow() -> None:
+    """A greatest velocity, typed after both durations, takes the place of the first of them, which follows."""
+    start = followed(card(lift_mm=9.0))
+    assert start.inlet.velocity_mm_per_deg == pytest.approx(0.2098, abs=1e-3)
+    typed = start.with_valve("inlet", start.inlet.driven("velocity_mm_per_deg", 0.213))
+    assert typed.inlet.typed == ("second_deg", "velocity_mm_per_deg")
+    after = followed(typed)
+    assert (after.inlet.second_deg, after.inlet.velocity_mm_per_deg) == (218.0, 0.213)
+    assert after.inlet.first_deg != 268.0
+    lobe = new_train(after).drives[0].motion.lobe  # type: ignore[union-attr]
+    assert lobe is not None
+    assert [row.at_mm for row in lobe.duration] == [1.27]
+    assert (lobe.velocity_mm_per_deg, lobe.acceleration_mm_per_deg2) == (0.213, None)
+    back = followed(after.with_valve("inlet", after.inlet.driven("first_deg", 268.0)))
+    assert back.inlet.typed == ("velocity_mm_per_deg", "first_deg")
+    assert followed(back.with_valve("inlet", back.inlet.driven("velocity_mm_per_deg", None))).inlet.typed == DURATIONS

@@ -270,3 +270,64 @@ def test_a_pushrod_train_is_chosen_by_its_picture_and_opens_by_its_ratio(user: U
     followers: list[Any] = [drive.follower for drive in user.session.full_design.drives]
     assert [follower.pad_mm / follower.push_arm_mm for follower in followers] == pytest.approx([1.6, 1.6], rel=1e-9)
     assert [drive.motion.lobe.lift_mm for drive in user.session.full_design.drives] == [7.0, 7.0]  # type: ignore[union-attr]
+
+
+# -- lobes by other values --------------------------------------------------------------------------------------
+
+
+def test_a_velocity_typed_last_drives_and_a_duration_follows(user: User) -> None:
+    def act(dialog: ValveTrainDialog) -> None:
+        assert number(dialog, "inlet", "velocity_mm_per_deg") == pytest.approx(0.2100183, abs=1e-6)
+        enter(dialog, "inlet", "velocity_mm_per_deg", "0.213")
+        assert number(dialog, "inlet", "second_deg") == 218.0
+        first = number(dialog, "inlet", "first_deg")
+        assert first is not None
+        assert first != 268.0
+        near, far = (number(dialog, "inlet", f"first_near_{centre}") for centre in ("tdc", "bdc"))
+        assert near is not None
+        assert far is not None
+        assert near + far + 180.0 == pytest.approx(first, abs=1e-6)
+        assert number(dialog, "exhaust", "first_deg") == first, "it has the lobe of the inlet"
+        assert max(dialog.plots[1].lines[0][1]) == pytest.approx(0.213, rel=1e-3)
+        dialog.accept_button.click()
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*NEW)
+    lobe: Any = user.session.full_design.drives[1].motion.lobe  # type: ignore[union-attr]
+    assert [(row.at_mm, row.crank_deg) for row in lobe.duration] == [(1.27, 218.0)]
+    assert lobe.velocity_mm_per_deg == 0.213
+
+    def again(dialog: ValveTrainDialog) -> None:
+        assert number(dialog, "inlet", "velocity_mm_per_deg") == 0.213
+        enter(dialog, "inlet", "centre_deg", "106")
+        dialog.accept_button.click()
+
+    with answering(ValveTrainDialog, again):
+        user.choose(*EDIT)
+    assert user.session.full_design.drives[0].motion.lobe == lobe  # type: ignore[union-attr]
+    assert user.session.full_design.drives[0].valve.centre_deg == 106.0  # type: ignore[union-attr]
+
+
+def test_a_lobe_with_another_closing_side_is_shown_and_kept(user: User, tmp_path: Path) -> None:
+    text = EXAMPLE.read_text(encoding="utf-8")
+    plain = "ramp_mm = 0.2, ramp_runup_deg = 8.0 }"
+    closing = "ramp_mm = 0.2, ramp_runup_deg = 8.0, closing = { ramp_mm = 0.25, ramp_mm_per_deg = 0.007, to_nose = [[1.27, 108.0]] } }"
+    (tmp_path / "closing.toml").write_text(text.replace(plain, closing, 1), encoding="utf-8")
+    user.session.open(tmp_path / "closing.toml")
+    before: Any = user.session.full_design.drives[0].motion
+
+    def act(dialog: ValveTrainDialog) -> None:
+        assert number(dialog, "inlet", "second_near_bdc") == pytest.approx(108.0 + 108.0 - 180.0, abs=1e-6)
+        assert number(dialog, "inlet", "second_near_tdc") == pytest.approx(105.0 - 108.0, abs=1e-6)
+        assert number(dialog, "inlet", "second_deg") == pytest.approx(213.0, abs=1e-6)
+        assert not dialog.boxes["inlet", "second_deg"].isEnabled()
+        assert "page Motion" in dialog.boxes["inlet", "second_deg"].toolTip()
+        assert dialog.boxes["exhaust", "second_deg"].isEnabled()
+        enter(dialog, "inlet", "centre_deg", "104")
+        assert dialog.accept_button.isEnabled()
+        dialog.accept_button.click()
+
+    with answering(ValveTrainDialog, act):
+        user.choose(*EDIT)
+    assert user.session.full_design.drives[0].motion == before
+    assert user.session.full_design.drives[0].valve.centre_deg == 104.0  # type: ignore[union-attr]

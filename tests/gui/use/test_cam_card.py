@@ -14,9 +14,9 @@ from PySide6.QtTest import QTest
 from window_user import Open, User, answering, settle, wait_for
 
 from core.valves import LIFTS, valve_data, valve_timings
+from kindyna_gui.cam_dialogs.profile_dialogs import ProfileDialog
 from kindyna_gui.export_dialogs import LiftTableDialog
 from kindyna_gui.forms.tables import RowsTable
-from kindyna_gui.profile_dialogs import ProfileDialog
 from kindyna_gui.timing_view import TimingView
 from kindyna_gui.valves.figures import ValveFiguresView
 from kindyna_gui.valves.train_dialog import CENTRES, ValveTrainDialog
