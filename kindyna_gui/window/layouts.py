@@ -52,6 +52,7 @@ class Layouts(QObject):
         self._by_hand: dict[str, Task] = {}  # arrangements by the user, by task
         self._pages_behind: dict[str, str] = {}  # pages that gave way to the mechanism for want of room, by task
         self._kinds: dict[str, tuple[bool, bool]] = {}  # whether a task is laid out for a linkage, for several drives
+        self._in_space: dict[str, bool] = {}  # whether a task has shown the page of a cam in space
         self.current = ""
         self._inspector = INSPECTOR  # width of the parameters in every task; the user may have changed it
         self._is_laying = False  # whether docks or pages are being laid out here
@@ -461,6 +462,20 @@ class Layouts(QObject):
                 names = [name for name in names if name not in of_kind]
         if called or names != opened:
             self._apply((*called, *names), self._fronts((*called, *self._in_front)))
+        self._show_cam_in_space()
+
+    def _show_cam_in_space(self) -> None:
+        """Show the page of a cam in space where the mechanism is large, once a design has such a cam; close it with the last."""
+        is_in_space, was_in_space = self._window.session.design.drive.has_surface, self._in_space.get(self.current, False)
+        if self._row.large != "mechanism" or is_in_space == was_in_space:
+            return
+        self._in_space[self.current] = is_in_space
+        pages, front = self._centre.open_pages
+        others = tuple(name for name in pages if name != "surface")
+        if is_in_space:
+            self._set_pages((*others, "surface"), "surface")
+        elif "surface" in pages:
+            self._set_pages(others, "mechanism" if front == "surface" else front)
 
     def _has_open_group(self, name: str, opened: Collection[str]) -> bool:
         """Whether the user has not closed all docks of the group of this one."""

@@ -125,3 +125,14 @@ def test_a_drive_with_a_cam_in_space_is_added_to_a_shaft(open_user: Open) -> Non
     settle()
     assert len(user.session.full_design.drives) == count + 1
     assert user.session.full_design.drives[-1].kind == "globoidal"
+
+
+def test_the_page_opens_with_a_cam_in_space_and_closes_with_it(user: User) -> None:
+    window = user.window
+    window.show_task("kine")
+    user.choose("File", "New by type", "Barrel cam")
+    assert window.centre.open_pages == (("mechanism", "surface"), "surface")
+    window.show_task("compo")
+    assert window.centre.open_pages[1] == "surface"
+    user.choose("File", "New by type", "Translating follower")
+    assert window.centre.open_pages == (("mechanism",), "mechanism")
