@@ -122,6 +122,8 @@ _ROWS = (
     UnitKind("stress", {"MPa": _MEGA, "Pa": _ONE, "kPa": _KILO, "GPa": _GIGA, "N/mm²": _MEGA, "bar": _ONE * 10**5,
              "psi": _POUND_FORCE / _INCH / _INCH},
              {"mpa": "MPa", "gpa": "GPa"}),
+    UnitKind("pressure times velocity", {"MPa·m/s": _MEGA, "psi·ft/min": _POUND_FORCE / _INCH / _INCH * _INCH * 12 / _MINUTE},
+             {"mpa_m_s": "MPa·m/s"}),
     UnitKind("mass", {"kg": _ONE, "g (mass)": _MILLI, "t": _KILO}, {"kg": "kg"}, {"lb": _POUND}, {"g": "g (mass)"}),
     UnitKind("density", {"kg/m³": _ONE, "g/cm³": _KILO}, {"kg_m3": "kg/m³"}),
     UnitKind("inertia", {"kg·m²": _ONE, "lb·in²": _POUND * _INCH * _INCH}, {"kg_m2": "kg·m²"},

@@ -204,6 +204,8 @@ def cam_facets(
     parts = [_quads(patch.point, -patch.normal, FLANK, patch.pressure_angle) for patch in patches]
     if machine.is_turret:
         blank = _TurretBlank(machine, outer, bore)
+        inside = [np.abs(part.corners[..., 2].mean(axis=1)) <= blank.height for part in parts]
+        parts = [Facets(*(row[kept] for row in part)) for part, kept in zip(parts, inside, strict=True)]
         return joined([*parts, *blank.floor(angles), *blank.lands(state(np.linspace(0.0, TURN, angles + 1)), sense)])
     return joined([*parts, *_blank_of_barrel(machine, {patch.side: patch for patch in patches}, outer, bore, middle)])
 
@@ -219,6 +221,11 @@ class _TurretBlank:
         self._is_barrel = machine.kind == "barrel"
         limit = min(turret_limit(machine), 0.45 * np.pi)
         self._limit = machine.lever * float(np.sin(limit)) if self._is_barrel else limit
+
+    @property
+    def height(self) -> float:
+        """Height of the ends of the floor above the middle [m]."""
+        return self._limit if self._is_barrel else self._machine.outer * float(np.sin(self._limit))
 
     def _point(self, polar: np.ndarray, elevation: np.ndarray, on_floor: bool) -> tuple[np.ndarray, np.ndarray]:
         """Point (3, ...) [m] of the surface or of the floor, and the direction (3, ...) out of the body."""

@@ -678,6 +678,22 @@ def roller_speed(study: DriveForces, roller: str) -> np.ndarray:
     return speed * study.omega
 
 
+def roller_pv(study: DriveForces) -> np.ndarray:
+    """Specific load of the roller of a cam in space times its largest sliding speed, PV = |F_c| v_s/(d L).
+
+    Parameters
+    ----------
+    study : DriveForces
+
+    Returns
+    -------
+    ndarray (n,) [Pa m/s]
+    """
+    machine, length = study.machine, study.machine.outer - study.machine.inner
+    load = np.abs(study.dynamics.contact) / (2.0 * machine.roller_radius(machine.middle) * length)
+    return np.asarray(load * study.surface.sliding * abs(study.omega))
+
+
 def roller_lives(study: DriveForces) -> tuple[RollerLife, ...]:
     """Life of every roller with a load rating; empty where nothing loads the cam, or friction jams."""
     ratings = load_ratings(study)

@@ -26,7 +26,7 @@ from core.frozen import frozen
 from core.mechanism import body_name
 from core.shaft import Flywheel
 from core.study.clearances import clearance
-from core.study.drive_forces import roller_speed, servo_power, servo_speed, servo_torque
+from core.study.drive_forces import roller_pv, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     CLEARANCE,
     PUSHROD,
@@ -322,6 +322,8 @@ _ROWS: tuple[Quantity, ...] = (
     Quantity("output_torque", "torque_nm", "Torque", "T", "torque", "dynamics", lambda s: s.dynamics.driver, OUTPUTS, needs="turned"),
     Quantity("output_power", "power_w", "Power", "P", "power",
              "dynamics", output_power, OUTPUTS, needs="loaded"),
+    Quantity("roller_pv", "roller_pv_mpa_m_s", "PV of the roller", "PV", "stress",
+             "dynamics", roller_pv, SURFACES, needs="loaded cam"),
     Quantity("drive_torque", "drive_torque_nm", "Cam torque", "T_c", "torque",
              "dynamics", lambda s: s.dynamics.torque, needs="loaded cam"),
     Quantity("motor_torque", "motor_torque_nm", "Motor torque with flywheel", "T_m", "torque",

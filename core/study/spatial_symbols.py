@@ -27,6 +27,8 @@ SPATIAL_FORMULAS: tuple[Formula, ...] = (
     Formula(f"contact_force{SURFACE}", "Contact force", ("F_c = Q/|∂p/∂y · n|",), "F_c Q.space p.space y n.space", "Virtual power",
             "dynamics.forces.with_cam_in_space", working="F_c = Q/g", values="Q.space g.middle",
             remark="positive on the flank behind the roller, negative on the flank ahead; in the roller's middle"),
+    Formula("roller_pv", "PV of the roller", ("PV = |F_c| v_s/(d L)",), "PV.space F_c v_s.largest d.space L.space",
+            "specific load times sliding speed", "study.drive_forces.roller_pv"),
     Formula(f"drive_torque{SURFACE}", "Cam torque", ("T_c = Q y′",), "T_c Q.space y′", "Virtual power",
             "dynamics.forces.with_cam_in_space"),
 )  # fmt: skip
@@ -102,6 +104,11 @@ SPATIAL_LETTERS: Mapping[str, SymbolSource] = {
     "k.space": SymbolSource("∂n/∂θ · T, less the part along the line of contact", "", _sharpest(lambda flank: flank.turning), CAM),
     "t.space": SymbolSource("∂p/∂θ · T", "mm", _sharpest(lambda flank: flank.stretch), CAM),
     "Q.space": SymbolSource("force or torque that makes the motion", _effort_unit, _effort, DYNAMICS),
+    "PV.space": SymbolSource("specific load of the roller times its sliding speed"),
+    "v_s.largest": quantity_symbol("largest sliding of the roller", "sliding_mm_s", lambda s: s.surface.sliding * abs(s.omega), CAM),
+    "d.space": SymbolSource("diameter of the roller in its middle", "mm",
+                            lambda s, _: 2.0 * float(s.machine.roller_radius(s.machine.middle)), "cam.roller_radius_mm"),
+    "L.space": SymbolSource("length of the roller", "mm", lambda s, _: s.machine.outer - s.machine.inner, "cam.roller_length_mm"),
     "p.space": SymbolSource("point of the roller's axis"),
     "g.middle": SymbolSource("|n · ∂p/∂y| in the roller's middle", _per_motion, _middle_gain, CAM),
 }  # fmt: skip

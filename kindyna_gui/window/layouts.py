@@ -466,7 +466,10 @@ class Layouts(QObject):
 
     def _show_cam_in_space(self) -> None:
         """Show the page of a cam in space where the mechanism is large, once a design has such a cam; close it with the last."""
-        is_in_space, was_in_space = self._window.session.design.drive.has_surface, self._in_space.get(self.current, False)
+        is_in_space, was_in_space = (
+            self._window.session.design.drive.has_surface,
+            self._in_space.get(self.current, False),
+        )
         if self._row.large != "mechanism" or is_in_space == was_in_space:
             return
         self._in_space[self.current] = is_in_space

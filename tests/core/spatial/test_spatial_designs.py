@@ -109,6 +109,8 @@ def test_tables_of_a_barrel_have_closed_forms(tmp_path) -> None:
     assert forces["drive_torque_nm"] == pytest.approx(effort * slope * 1e-3, abs=1e-9)
     contact = effort * np.hypot(1.0, slope / 77.0)
     assert forces["contact_force_n"][moving] == pytest.approx(contact[moving], abs=1e-9)
+    load = np.abs(forces["contact_force_n"]) / (20.0 * 14.0)
+    assert forces["roller_pv_mpa_m_s"] == pytest.approx(load * profile["sliding_mm_s"] * 1e-3, abs=1e-12)
     summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     worst = summary["extremes"]["pressure_angle_deg"]["max"]
     # cycloidal: greatest slope 2 h/β at the middle of the rise
