@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from benchmarks import designs, forces, laws, plain, processes
 from benchmarks.table import Kernel, kernels
-from benchmarks.timing import Fresh, measure
+from benchmarks.timing import Fresh, Run, measure
 from linkages import chain
 
 from core.design import Design, OptimalCurve, Segment, get, only, put, require_motion
@@ -35,6 +35,7 @@ from core.spatial import flank
 from core.study import Study, certificate_of, findings_of
 from core.synthesis import BodyPose, Task, load_task, synthesise
 from core.valves import LIFTS, valve_data, valve_timings
+from core.varying import Goal, StudyFile, StudyLimit, VariedField, optimise, study_of
 
 FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times what it takes today: of a row that does not keep its limit yet, too much
@@ -54,6 +55,7 @@ OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
 FLANK = "flank of a barrel, 3,600 × 20 points with angle and curvature, by the profile of the lift"
 POSES = "linkages for five poses, by a fresh study of the four-bar"
 PATH = "linkages for a path, by a fresh study of the four-bar"
+TOP = "top speed of the lift with four variables, by the same study with a quantity as its goal"
 DURATIONS = count(1)  # solved lobes and laws are remembered
 DURATION = "motion.lobe.duration[1].crank_deg"
 JOIN = ("motion.segments[0].span_deg", "motion.segments[1].span_deg")  # of a dwell and the run-up
@@ -84,6 +86,7 @@ def keys() -> dict[str, Callable[[], float]]:
         DRAGGED: look_at_dragged_duration,
         OPTIMUM: look_at_optimum,
         TORQUE_LAW: look_at_torque_law,
+        TOP: look_at_top_speed,
         FLANK: look_at_flank,
         POSES: partial(look_at_task, five_poses),
         PATH: partial(look_at_task, hoeken_path),
@@ -191,6 +194,40 @@ def look_at_dragged_duration(seconds: float = SECONDS) -> float:
     ours = Fresh(lambda: partial(chain, put(train, DURATION, 210.0 + 1e-6 * next(DURATIONS))))
     theirs = Fresh(lambda: partial(chain, dragged(1e-6 * next(DURATIONS))))
     told = measure({"ours": ours, "rival": theirs}, seconds).seconds
+    return told["ours"] / told["rival"]
+
+
+def look_at_top_speed(seconds: float = 10.0 * SECONDS) -> float:
+    """The fastest lift whose contact force stays within 0 and 60 kN, and the one of least torque within them; of another mass each time."""
+    speed, masses = "shaft.speed_rpm", count(1)
+    ranges = {
+        speed: (10.0, 200.0),
+        **{f"motion.segments[{i}].span_deg": (30.0, 80.0) for i in (1, 3)},
+        "cam.base_radius_mm": (380.0, 480.0),
+    }
+    limits = (
+        StudyLimit("contact_force_n", "abs", max=60e3),
+        StudyLimit("contact_force_n", "min", min=0.0),
+        StudyLimit("pressure_angle_deg", "max", max=45.0),
+    )
+
+    def search(goal: Goal) -> Fresh:
+        file = StudyFile(
+            design="",
+            vary=tuple(VariedField(path, *ends) for path, ends in ranges.items()),
+            limits=limits,
+            goals=(goal,),
+        )
+
+        def make() -> Run:
+            study = study_of(file, put(load(EXAMPLE), "loads.slider_mass_kg", 200.0 + 1e-6 * next(masses)))
+            return lambda: optimise(study)
+
+        return Fresh(make)
+
+    told = measure(
+        {"ours": search(Goal(field=speed, minimise=False)), "rival": search(Goal("drive_torque_nm", "abs"))}, seconds
+    ).seconds
     return told["ours"] / told["rival"]
 
 
