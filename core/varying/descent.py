@@ -17,7 +17,7 @@ from core.design import Design, get, only
 from core.errors import KindynaError
 from core.motion import Angles
 from core.numerics.lazy import checkpoint
-from core.study import many
+from core.study import Study, many
 from core.study.batch import design_block, is_batchable, paths_inside
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.limits import SPEEDS
@@ -126,6 +126,7 @@ INSET = 1e-9  # of a limit: solutions keep it by this margin
 NEAR_TOP = 0.3  # of the range of a quantity: lower peaks are left out
 MAX_PEAKS, PEAK_PASSES = 8, 5
 NEAR_SOLUTION = 0.9  # of the longest step: a shorter one ends near the solution, so that the next rounds are accurate
+FAR = 1.0  # of a limit: distance from which its slopes are not computed where they are slow
 SAME_PLACE = 1e-3  # of the bounds: nearer to a solution of another start a search ends there
 
 ProgressCallback = Callable[[Mapping[str, Any], float, int], None]
@@ -202,7 +203,7 @@ class Descent:
         u : ndarray (k, m), dimensionless
             Coordinates of m designs.
         polish : bool
-            Refine the extremes.
+            Refine the extremes; without it limits of clearances, which take long, count as kept.
 
         Returns
         -------
@@ -211,7 +212,16 @@ class Descent:
         good : ndarray (m,), dimensionless
             Mask of designs that can be built.
         """
-        return self._figures([Figures(u, [*self.terms, *self.goals])], polish)[0]
+        terms = [*self.terms, *self.goals]
+        if polish:
+            return self._figures([Figures(u, terms)])[0]
+        is_quick = np.array([term.row.quantity not in self.clearances for term in terms])
+        values, good = self._figures([Figures(u, [terms[i] for i in np.flatnonzero(is_quick)])], polish=False)[0]
+        rows = np.repeat(
+            np.array([[np.nan if term.bound is None else term.bound] for term in terms]), u.shape[1], axis=1
+        )
+        rows[is_quick] = values
+        return rows, good
 
     def excess(self, rows: np.ndarray, good: np.ndarray) -> np.ndarray:
         """Greatest excess over the limits, as a part of the limit.
@@ -360,6 +370,11 @@ class Descent:
         return [result[i] for i in range(len(questions))]
 
     @cached_property
+    def clearances(self) -> frozenset[str]:
+        """Columns of the clearances of bodies, which take long to compute."""
+        return frozenset(Study(self.design).clearances.by_column) if self.design.outlines else frozenset()
+
+    @cached_property
     def any_figure(self) -> tuple[str]:
         """A figure that tells whether designs can be built, where no figure is a goal or limited."""
         return (f"{request_columns(self.design)[int(self.design.listed)]}:max",)
@@ -418,7 +433,9 @@ class LocalSearch:
     def __init__(self, descent: Descent, terms: Sequence[Term], goal: Term, ask: Ask, number: int = 0) -> None:
         self.descent, self.terms, self.goal, self.ask, self.number = descent, terms, goal, ask, number
         self.peaked = [term for term in terms if term.peaks]
-        self.single = [term for term in terms if not term.peaks and term.line is None]
+        slow = descent.clearances
+        self.single = [term for term in terms if not term.peaks and term.line is None and term.row.quantity not in slow]
+        self.slow = [term for term in terms if term.row.quantity in slow]
         self.lines = [term for term in terms if term.line is not None]
         self.peaks: Peaks = {}
         self._memory: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
@@ -481,7 +498,12 @@ class LocalSearch:
 
     def _owners(self) -> list[Term]:
         """Term of every row: at each of its peaks, or of its single value."""
-        return [*(term for p, term in enumerate(self.peaked) for _ in self.peaks[p]), *self.single, *self.lines]
+        return [
+            *(term for p, term in enumerate(self.peaked) for _ in self.peaks[p]),
+            *self.single,
+            *self.slow,
+            *self.lines,
+        ]
 
     def _rows(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (c,) of all terms at the peaks, or of their single values, and slopes (c, k), at a point (k,)."""
@@ -518,10 +540,21 @@ class LocalSearch:
             for term, row in zip(self.single, figures, strict=True):
                 f = term.side * term.smoothed(term.side * row)
                 result.append((term, f[:1], (f[1 : k + 1] - f[k + 1 :])[None] / (2.0 * SEARCH_STEP)))
+        for term in self.slow:
+            result.append(self._slow_value(u, term))
         for term in self.lines:
             assert term.line is not None, "a linear value"
             result.append((term, term.on_line(u[:, None]), term.side * term.line[1][None]))
         return result
+
+    def _slow_value(self, u: np.ndarray, term: Term) -> tuple[Term, np.ndarray, np.ndarray]:
+        """Value and slopes of a figure that is computed design by design; slopes 0 far from its bound, where they change nothing."""
+        f = self.ask(Figures(u[:, None], [term]))[0][0]
+        slopes = np.zeros((1, u.size))
+        if term.bound is None or term.bound - f[0] < FAR * self.descent.scale(term):
+            row = self.ask(Figures(_neighbours(u, SEARCH_STEP)[:, 1:], [term]))[0][0]
+            slopes = (row[: u.size] - row[u.size :])[None] / (2.0 * SEARCH_STEP)
+        return term, f, slopes
 
     # -- peaks --------------------------------------------------------------------------------------------
 

@@ -113,7 +113,7 @@ ROWS: Mapping[str, MachineLimit] = MappingProxyType(
 
 
 def machine_limits(design: Design, stated: StatedLimits = MappingProxyType({})) -> tuple[StudyLimit, ...]:
-    """Limits of all drives of a design: as stated, else their own, else the typical ones.
+    """Limits of all drives of a design, as stated, else their own, else the typical ones; and the clearances of its bodies.
 
     A typical limit, one of the pressure angle and one of the contact are relaxed to the present value where this exceeds them.
 
@@ -144,6 +144,7 @@ def machine_limits(design: Design, stated: StatedLimits = MappingProxyType({})) 
             rows[path_in(design, number, figure)] = bound
         present = set(request_keys(single))
         used |= {at for key, at in keys.items() if any(split_key(f)[0] in present for f in ROWS[key].figures(single))}
+    rows |= _clearances(design)
     for key, value in stated.items():
         if ":" in key:
             _require_figure(design, key)
@@ -156,6 +157,15 @@ def machine_limits(design: Design, stated: StatedLimits = MappingProxyType({})) 
                 "a figure as drive_torque_nm:abs, or the path of a varied number with _min or _max"
             )
     return tuple(_study_limit(figure, bound) for figure, bound in rows.items())
+
+
+def _clearances(design: Design) -> Mapping[str, float]:
+    """Least distance over the turn of every pair of bodies with a stated clearance -> this clearance [mm]."""
+    if not design.clearances:
+        return {}
+    clearances = Study(design).clearances
+    least = {f"{column}:min": clearances.required(pair) for column, pair in clearances.by_column.items()}
+    return {figure: bound for figure, bound in least.items() if bound}
 
 
 def _require_figure(design: Design, key: str) -> None:

@@ -11,6 +11,7 @@ from core.study import TOTALS, quantity
 from core.study.quantity_requests import quantity_request
 from core.varying.linear import SPANS
 from kindyna_gui import labels
+from kindyna_gui.pictures.paper.timing_chart import event_text
 
 STATISTICS: Mapping[str, str] = MappingProxyType(
     {"abs": "peak", "max": "greatest", "min": "least", "rms": "RMS", "mean": "mean", "range": "range"}
@@ -61,6 +62,10 @@ def column_text(design: Design, column: str) -> str:
     slug, _, statistic = column.rpartition("_")
     if statistic in STATISTICS and slug and not column.endswith(("_kg_m2", "_j", "_hours")):
         return figure_label(design, f"{slug}:{statistic}")
+    _, number, inside = row_at(column, "timing")
+    if inside != column:
+        row = design.timing[number]
+        return f"Distance from {event_text(row.first)} to {event_text(row.second)}"
     if column.endswith(SPANS):
         return "the rest of the turn for other segments"
     return label_of(design, column) if column in TOTALS else name_of(design, column)

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from outlined import clearance, slides
 
 from core.__main__ import main
 from core.design import Design, NamedCurve, Segment, distances, edited, get, put, with_drive
 from core.errors import KindynaError
 from core.numerics.lazy import Cancelled, cancellable
 from core.process import resources
-from core.project import load, save
+from core.project import load, loads, save
 from core.study import Study, findings_of, many
 from core.varying import (
     Goal,
@@ -335,3 +336,27 @@ def test_a_design_without_such_a_field_is_refused() -> None:
         find_top_speed(replace(example("transfer_lift"), shaft=None), {})
     with pytest.raises(KindynaError, match="no number or word of this design"):
         find_top_speed(example("transfer_lift"), {}, (VariedField("follower.nothing_mm", 1.0, 2.0),))
+
+
+def test_stated_clearances_are_limits_too() -> None:
+    limits = {limit.key: limit.min for limit in top_speed_study(example("transfer_unit_outlines")).limits}
+    assert limits["feed_arm__lift_arm_mm:min"] == 20.0
+    assert "lift_arm__clamp_follower_mm:min" not in limits, "only a finding where they meet"
+
+
+@pytest.mark.stress
+def test_a_clearance_holds_the_speed_and_is_named() -> None:
+    """The right slide would take more time for its strokes, until the left one, which comes after it, is too near."""
+    design = loads(slides(0.0, 60.0, 40.0) + clearance("left.follower", "right.follower", 15.0))
+    rows = tuple(VariedField(f"drives[1].motion.segments[{i}].span_deg", 60.0, 170.0) for i in (0, 2))
+    force = {"drives[1].contact_force_n:abs": 180.0}
+    solution = find_top_speed(design, force, rows)
+    clearances = Study(solution.machine).clearances
+    (pair,) = clearances.pairs
+    assert clearances.least(pair).value * 1e3 >= 15.0
+    assert {limit for limit, _ in solution.binding} == {
+        "left_follower__right_follower_mm_min",
+        "drives[1].contact_force_n_abs",
+    }
+    free = find_top_speed(replace(design, clearances=()), force, rows)
+    assert free.answer[SPEED] > 1.2 * solution.answer[SPEED]

@@ -12,10 +12,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 from window_user import Open, User, end_pauses, settle, wait_for
 
-from core.design import edited, get
+from core.design import distances, edited, get
 from core.find import CAM_SEARCHES, find
 from core.project import load, save
-from core.study import Study, extremes_of
+from core.study import Study, extremes_of, findings_of
 from core.varying import find_top_speed
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.find import FindView
@@ -394,3 +394,26 @@ def type_limit_of(view: FindView, key: str, text: str) -> None:
     settle()
     type_limit(view, key, text)
     rested(view)
+
+
+@pytest.mark.stress
+def test_the_transfer_unit_with_outlines_runs_faster_after_one_step(open_user: Open) -> None:
+    """Speed, spans and phases change together; nothing meets, and no error or warning is new."""
+    user = open_user(example("transfer_unit_outlines"))
+    before = user.session.full_design
+    view = seek(see(user), "top-speed")
+    lines = text_of(view).splitlines()
+    assert "other numbers and laws change" in lines[1]
+    assert sum(line.startswith("Held by ") for line in lines) == 3
+    assert view.answer.toolTip().count("\n") > 10
+    press(view.take)
+    machine = user.session.full_design
+    assert machine.shaft.speed_rpm > 5.0 * before.shaft.speed_rpm
+    assert user.steps == ["Take over top speed"]
+    assert all(row.kept for row in distances(machine))
+    clearances = Study(machine).clearances
+    assert [clearances.required(pair) for pair in clearances.pairs] == [20.0, 20.0, 0.0]
+    assert all(clearances.keeps(pair, 1e-3 * clearances.required(pair)) for pair in clearances.pairs)
+    assert {finding.severity for finding in findings_of(Study(machine))} <= {"note"}
+    user.session.stack.undo()
+    assert user.session.full_design == before
