@@ -18,7 +18,7 @@ from core.frozen import frozen
 from core.output.drawing.scales import nice_below
 from core.study import Quantity, Study
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.live_plot import TIP, LivePlot
 from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.style import DASHED, SCREEN, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import short, with_unit
@@ -86,6 +86,12 @@ def limit_lines(study: Study, channel: Quantity, order: int, chosen: int) -> lis
 def _can_be_limited(curve: OptimalCurve, order: int) -> bool:
     minimised, rms = MINIMISED[curve.minimise]
     return rms or curve.needs_machine or minimised != order
+
+
+def _tip(line: LimitLine) -> str:
+    name = f"{ORDERS_LIMITED[line.order - 1]} limit of segment {line.segment + 1}"
+    done = "set a" if line.limit is None else "change the"
+    return f"Drag to {done} {name}; the law follows. Esc cancels the drag"
 
 
 class LimitPlot(LivePlot):
@@ -234,6 +240,7 @@ class LimitPlot(LivePlot):
         line = None if event is None or event.buttons() else self.line_at(event.position())
         if line != self._hovered:
             self._hovered = line
+            self.setToolTip(TIP if line is None else _tip(line))
             self.scene().update()
         super().hover(event)
         if line is not None:

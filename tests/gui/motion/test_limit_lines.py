@@ -173,3 +173,12 @@ def test_other_segments_have_no_lines(user: User) -> None:
     user.motion().choose(3)
     settle()
     assert [row.limit for row in plot(user, "velocity").limit_lines] == [1.7], "limits that are set stay in sight"
+
+
+def test_the_tip_says_what_a_line_does(user: User) -> None:
+    shown = plot(user, "velocity")
+    at = shown.position_of_limit(line(user, "velocity")).toPoint()
+    QTest.mouseMove(shown.viewport(), at)
+    assert shown.toolTip().startswith("Drag to set a velocity limit of segment 2")
+    QTest.mouseMove(shown.viewport(), QPoint(at.x(), at.y() + 25))
+    assert "cam angle" in shown.toolTip()
