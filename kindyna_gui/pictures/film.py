@@ -308,7 +308,7 @@ def paint(drawn: Drawn) -> dict[str, bytes]:
 
         return {drawn.ending: report_file(drawn.document, drawn.ending) or b""}
     if isinstance(drawn, Study):
-        return {name: draw(drawn) for name, draw in PICTURES.items() if name != "cam.png" or drawn.has_disk}
+        return {name: draw(drawn) for name, draw in PICTURES.items() if name != "cam.png" or "cam" in drawn.stages}
     from core.output.graph.curves import GraphImage
 
     if isinstance(drawn, GraphImage):

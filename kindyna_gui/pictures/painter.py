@@ -274,7 +274,7 @@ def curves_file(
 
 
 MOTION = (("displacement",), ("velocity",), ("acceleration",), ("jerk",))
-CAM = (("pressure_angle",), ("pitch_curvature",), ("radius",))
+CAM = (("pressure_angle",), ("pitch_curvature",), ("radius",), ("surface_curvature",), ("sliding",))
 FORCES = (("contact_force",), ("drive_torque", "motor_torque", "linear_motor_torque"), ("guide_force",))
 
 PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(

@@ -273,6 +273,9 @@ def _motion(subject: Subject) -> list[Section]:
 
 
 def _cam(subject: Subject) -> list[Section]:
+    if subject.study.has_surface:
+        in_space = {"cam": "Pressure angle, curvature and sliding over one turn, each the worst along the roller."}
+        return section("Curves of the cam", *subject.pictures(in_space))
     if not subject.study.has_disk:
         return []
     curves = {"cam": "Pressure angle, curvature and radius of the cam over one turn."}

@@ -15,12 +15,15 @@ NONE = [
     ("rocker_cam", "follower.pivot_x_mm", "300", "cannot reach the base circle"),
     ("rocker_flat", "cam.base_radius_mm", "200", "cannot lie on the base circle"),
     ("tappet_knife", "follower.offset_mm", "90", "must stay within"),
+    ("globoidal_indexer", "cam.rollers", "12", "rollers than fit on the turret"),
+    ("barrel_feeder", "cam.roller_radius_mm", "71", "smaller than the roller's distance"),
 ]
 # ... and the finding
 FOUND = [
     ("tappet_flat", "cam.base_radius_mm", "5", "Undercut: under the flat face"),
     ("tappet_flat", "follower.face_half_width_mm", "3", "The contact leaves the flat face at"),
     ("groove", "cam.base_radius_mm", "2", "groove"),
+    ("globoidal_indexer", "cam.centre_distance_mm", "92", "enlarge the centre distance"),
     ("groove", "cam.cutter_radius_mm", "20", "The cutter's radius of 20 mm is more than half the width of the groove"),
     ("transfer_lift", "limits.pressure_angle_return_deg", "15", "your limit 15 deg"),
 ]

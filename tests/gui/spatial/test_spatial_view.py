@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QMouseEvent
 from window_user import Open, User, settle
 
 from core.study import Study, findings_of
+from kindyna_gui.__main__ import main
 from kindyna_gui.places import example
 from kindyna_gui.spatial.view import SpatialView
 
@@ -136,3 +137,27 @@ def test_the_page_opens_with_a_cam_in_space_and_closes_with_it(user: User) -> No
     assert window.centre.open_pages[1] == "surface"
     user.choose("File", "New by type", "Translating follower")
     assert window.centre.open_pages == (("mechanism",), "mechanism")
+
+
+def test_an_edit_of_the_roller_is_one_step_that_undo_takes_back(open_user: Open) -> None:
+    user = open_user(example("barrel_feeder"))
+    view, before = view_of(user), user.design
+    first = view.solid.rollers.corners
+    user.enter("cam.roller_radius_mm", "6")
+    assert user.design.drive.cam.roller_radius_mm == 6.0
+    view.pull()
+    view.follow(0.0)
+    assert np.ptp(view.solid.rollers.corners[..., 2]) == pytest.approx(0.012)
+    user.choose("Edit", f"Undo {user.steps[-1]}")
+    assert user.design == before
+    view.pull()
+    view.follow(0.0)
+    assert np.ptp(view.solid.rollers.corners[..., 2]) == pytest.approx(np.ptp(first[..., 2]))
+
+
+def test_the_report_has_the_curves_of_the_cam(tmp_path: Path) -> None:
+    out = tmp_path / "report.html"
+    assert main(["--headless", "report", str(example("barrel_feeder")), "--out", str(out)]) == 0
+    text = out.read_text("utf-8")
+    assert "Pressure angle, curvature and sliding over one turn" in text
+    assert "Sliding of the roller" in text
