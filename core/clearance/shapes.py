@@ -6,12 +6,15 @@ A point is a line without length, so that a circle is a grown point and a bar a 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.contour.elements import ContourElement
 from core.frozen import frozen
 from core.numerics.lazy import lazy
+
+if TYPE_CHECKING:  # few outlines are drawings
+    from core.contour.elements import ContourElement
 
 LONGEST_SWEEP = 0.5 * np.pi  # of an arc; longer ones are divided, so that a small disc contains each
 MM = 1e-3

@@ -361,6 +361,22 @@ class Clearances:
         """Poses of the bodies at the angles of a study of the only drive."""
         return MachinePose(self._camshaft, self.turn, study.angles, study)
 
+    def of_member(self, study: DriveStudy, member: str) -> np.ndarray:
+        """Distance of two bodies at the angles of a study of the only drive, d = min |q - p| over all points of both.
+
+        Parameters
+        ----------
+        study : DriveStudy
+        member : str
+            Names of both bodies, as in the column: ``link_3__frame``.
+
+        Returns
+        -------
+        ndarray (n,) [m]
+            0 where they meet.
+        """
+        return self.distance(self.by_column[f"{member}_mm"], self.pose_of(study))
+
     @lazy
     def _at_intervals(self) -> MachinePose:
         return MachinePose(self._camshaft, self.turn, self.intervals.angles)
@@ -604,25 +620,8 @@ def drawings_of(design: Design) -> tuple[bytes, ...]:
     return tuple(map(drawing_of, design.outlines))
 
 
-def clearance(study: Any, member: str) -> np.ndarray:
-    """Distance of two bodies with outlines, d = min |q - p| over the points p and q of both; 0 where they meet.
-
-    Parameters
-    ----------
-    study : Study
-    member : str
-        Names of both bodies, as in the column: ``link_3__frame``.
-
-    Returns
-    -------
-    ndarray (n,) [m]
-    """
-    clearances: Clearances = study.clearances
-    return clearances.distance(clearances.by_column[f"{member}_mm"], clearances.pose_of(study))
-
-
 def nearest_points_of(study: Any, member: str) -> tuple[complex, complex]:
-    """Nearest points of two bodies at the first angle of a study [m], in the global frame; member as for `clearance`."""
+    """Nearest points of two bodies at the first angle of a study [m], in the global frame; member as ``link_3__frame``."""
     clearances: Clearances = study.clearances
     angles = Angles(study.theta[:1], study.angles.piece[:1])
     return clearances.nearest(clearances.by_column[f"{member}_mm"], angles)

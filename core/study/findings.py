@@ -18,7 +18,6 @@ from core.motion import program
 from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.study import cam_checks, quantity_requests
 from core.study.camshaft import Camshaft
-from core.study.clearances import Clearances, clearance_findings
 from core.study.drive_forces import has_servo, servo_part, servo_turn
 from core.study.extremes import cam_extremes, extremes_beyond_lash, extremes_of, near_singular, search_together
 from core.study.limits import limit_findings
@@ -159,7 +158,7 @@ def _linkage_findings(study: Study) -> list[Finding]:
     singular = {name: e for name, e in extremes.items() if name in mechanism.SINGULAR}
     transmission = {member_of(name): e for name, e in extremes.items() if name not in singular}
     findings = mechanism.findings(study.driver_ranges, singular, transmission, study.by_crank)
-    findings += clearance_findings(study.clearances) if study.design.outlines else []
+    findings += _clearance_findings(study.camshaft) if study.design.outlines else []
     if not study.design.drive.has_valve:
         return findings
     from core.study.valve_findings import lash_findings, piston_findings  # few designs have a valve
@@ -191,6 +190,12 @@ def _cam_findings(study: Study) -> list[Finding]:
     findings += cam.further_findings(extremes, pair_kinds, drive.face, drive.cam, second)
     findings += cam.wall_findings(_thinnest_wall(study), drive.cam) if cam.OUTER in pair_kinds else []
     return findings + cam_checks.cam_findings(study)
+
+
+def _clearance_findings(camshaft: Camshaft[Study]) -> list[Finding]:
+    from core.study.clearances import Clearances, clearance_findings  # few designs have outlines
+
+    return clearance_findings(Clearances(camshaft))
 
 
 def _thinnest_wall(study: Study) -> Wall | None:
@@ -289,7 +294,7 @@ def _camshaft_findings(camshaft: Camshaft[Study], stages: Sequence[str]) -> Iter
     if not stages or "motion" in stages:
         yield from _timing_findings(camshaft.design)
     if camshaft.design.outlines and not camshaft.failures and (not stages or "linkage" in stages):
-        yield from clearance_findings(Clearances(camshaft))
+        yield from _clearance_findings(camshaft)
     has_torque = not camshaft.failures.keys() & set(camshaft.loading_drives)
     if has_torque and (not stages or "dynamics" in stages):
         yield from _torque_findings(camshaft)

@@ -107,7 +107,7 @@ _LINKAGE: tuple[Formula, ...] = (
     Formula("transmission.{}", "Transmission angle", ("μ = atan2(|c₁ × c₂|, |c₁ · c₂|)",), "μ.transmission c₁ c₂",
             "angle between the links at the joint", f"{_VALUES}.transmission_angle", working="μ = atan2(s, c)", values="s.sine c.cosine"),
     Formula("{}_mm", "Clearance of two bodies", ("d = min |q - p|",), "d.clearance p.outline q.outline",
-            "points p and q of both outlines", "study.clearances.clearance", working="d = √((q_x - p_x)² + (q_y - p_y)²)",
+            "points p and q of both outlines", "study.clearances.Clearances.of_member", working="d = √((q_x - p_x)² + (q_y - p_y)²)",
             values="p_x q_x p_y q_y", remark="0 where the bodies meet"),
 )  # fmt: skip
 

@@ -21,7 +21,6 @@ from core.numerics.derivatives import cross
 from core.shaft.flywheel import Flywheel, energy_range, motor_inertia
 from core.shaft.servo import lever, moved_mass
 from core.stress import Pairing, RollerLife, pairings, relative_curvature
-from core.study.clearances import nearest_points_of
 from core.study.drive_forces import load_ratings, roller_lives, roller_speed, servo_load, servo_part, servo_torque
 from core.study.member_quantities import (
     centre_distance,
@@ -86,6 +85,17 @@ def _flank(study: Study, second: bool = False) -> Flank:
 
 def _of_flank(read: Callable[[Flank], np.ndarray | complex], second: bool = False) -> Point:
     return lambda study, _: first_complex(read(_flank(study, second)))
+
+
+def _nearest_point(number: int) -> Point:
+    """Nearest point of the first or the second body of a pair with outlines."""
+
+    def value(study: Study, pair: str) -> complex:
+        from core.study.clearances import nearest_points_of  # few designs have outlines
+
+        return nearest_points_of(study, pair)[number]
+
+    return value
 
 
 def _face_normal(study: Study, _: str = "") -> complex:
@@ -426,8 +436,8 @@ _LINKS: Mapping[str, SymbolSource] = {
     "d.clearance": SymbolSource("clearance"),
     "p.outline": SymbolSource("point of the first outline"),
     "q.outline": SymbolSource("point of the second outline"),
-    **vector_symbols("p", "nearest point of the first body", "mm", lambda s, pair: nearest_points_of(s, pair)[0], LINKAGE),
-    **vector_symbols("q", "nearest point of the second body", "mm", lambda s, pair: nearest_points_of(s, pair)[1], LINKAGE),
+    **vector_symbols("p", "nearest point of the first body", "mm", _nearest_point(0), LINKAGE),
+    **vector_symbols("q", "nearest point of the second body", "mm", _nearest_point(1), LINKAGE),
 }  # fmt: skip
 
 # -- symbols of forces, shaft and stability -------------------------------------------------------------------------

@@ -17,7 +17,6 @@ from core.mechanism.kinematics import SLIDING
 from core.motion import Angles
 from core.numerics.derivatives import Derivatives, spread
 from core.shaft import Flywheel
-from core.study.clearances import pair_members
 from core.study.study import Study
 
 Part = Callable[[np.ndarray], np.ndarray]
@@ -560,6 +559,8 @@ def members(design: Design) -> Iterator[tuple[str, str]]:
         yield from _pairs(design)
     yield from _energies(design)
     if design.outlines and not design.drive.is_alone:
+        from core.study.clearances import pair_members  # few designs have outlines
+
         yield from ((CLEARANCE, member) for member in pair_members(Study(design)))
 
 

@@ -25,7 +25,6 @@ from core.dynamics.walk import input_of
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.shaft import Flywheel
-from core.study.clearances import clearance
 from core.study.drive_forces import roller_pv, roller_speed, servo_power, servo_speed, servo_torque
 from core.study.member_quantities import (
     CLEARANCE,
@@ -550,7 +549,8 @@ OF_MEMBERS: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
             Quantity("driver_force", "driver_force_n", "Driver force", "F_d", "force", "dynamics", lambda s: s.dynamics.driver),
         ),
         CLEARANCE: (
-            Quantity(DISTANCE, DISTANCE, "Clearance of {}", "d", "length", "linkage", clearance, file=CLEARANCES),
+            Quantity(DISTANCE, DISTANCE, "Clearance of {}", "d", "length", "linkage", lambda s, pair: s.clearances.of_member(s, pair),
+                     file=CLEARANCES),
         ),
     }
 )  # fmt: skip

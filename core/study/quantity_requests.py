@@ -15,7 +15,6 @@ from core.findings import Finding
 from core.motion.extremes import Extreme
 from core.project.reading_faults import did_you_mean
 from core.study.camshaft import Camshaft
-from core.study.clearances import pair_members
 from core.study.drive_forces import PRESSURES, pairings, roller_lives
 from core.study.extremes import extremes_of, has_undercut
 from core.study.quantities import Quantity, names_of, quantity, why_absent
@@ -162,6 +161,10 @@ def request_columns(design: Design) -> tuple[str, ...]:
 @lru_cache(maxsize=16)
 def _clearance_columns(design: Design) -> tuple[str, ...]:
     """Columns of the clearances of a design with several drives."""
+    if not design.outlines:
+        return ()
+    from core.study.clearances import pair_members  # few designs have outlines
+
     return tuple(f"{member}_mm" for member in pair_members(Study(design)))
 
 

@@ -18,12 +18,12 @@ from core.numerics.lazy import lazy
 from core.shaft import Flywheel
 from core.stress import load_ratings, pairings
 from core.study.camshaft import Camshaft, is_complete
-from core.study.clearances import Clearances, drawings_of
 from core.study.drive_forces import ROLLERS, DriveForces, has_servo
 from core.study.stages import memory
 
 if TYPE_CHECKING:
     from core.stability import Stability, SteadyTurn
+    from core.study.clearances import Clearances
 
 
 class Study(DriveForces):
@@ -64,6 +64,8 @@ class Study(DriveForces):
     @lazy
     def clearances(self) -> Clearances:
         """Clearances of the bodies with outlines, of all drives together."""
+        from core.study.clearances import Clearances, drawings_of  # few designs have outlines
+
         key = self.design, drawings_of(self.design), self._followed
         clearances: Clearances = memory.get("clearances", key, lambda: Clearances(self._at_angles(None).camshaft))
         return clearances

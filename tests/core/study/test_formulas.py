@@ -10,6 +10,7 @@ from zlib import crc32
 
 import numpy as np
 import pytest
+from outlined import example, outline
 from random_linkages import DRIVES, random_linkage
 from sampled import spread
 from typeset_lines import Evaluator, symbols_in
@@ -91,6 +92,9 @@ def more_designs() -> Mapping[str, Design]:
         "elastic": elastic,
         "slide": axis("mm", "mass_kg = 5.0\nforce_n = 10.0", f"{rotary}travel_mm_per_turn = 20.0\n", 120.0),
         "linear": axis("mm", "mass_kg = 5.0\nforce_n = 10.0", 'kind = "linear"\nfriction_n = 2.0\nmass_kg = 3.0\n'),
+        "outlined": loads(
+            example("four_bar") + outline("link 2", round_mm=5.0) + outline("frame", points=[[0.0, 80.0]], round_mm=3.0)
+        ),
         "table": axis("deg", "inertia_kg_m2 = 0.2\ntorque_nm = 3.0", rotary),
         **{f"linkage {seed}": random_linkage(seed, DRIVES[seed]) for seed in (2, 5, 6)},
     }
@@ -123,7 +127,7 @@ def check(line: str, letters: tuple[Letter, ...], value: float, size: float, wra
 
 
 @pytest.mark.parametrize("name", [*spread([n for n in NAMES if n != "transfer_unit"], 3), "stressed", "elastic", "slide", "linear",
-                                  "table", "linkage 2", "linkage 5", "linkage 6"])  # fmt: skip
+                                  "outlined", "table", "linkage 2", "linkage 5", "linkage 6"])  # fmt: skip
 def test_the_text_of_a_formula_gives_its_quantity_at_seeded_angles(name: str) -> None:
     study = Study(design(name), 72)
     rows = existing(study, channels(study.design))

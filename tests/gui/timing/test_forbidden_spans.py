@@ -29,7 +29,9 @@ def test_a_field_covers_both_bands_where_their_bodies_are_too_near(same_window: 
 
     def colour(angle: float, drive: int) -> QColor:
         box = chart.box(drive)
-        return QColor(image.pixel(QPointF(chart.x(angle) * image.devicePixelRatio(), box.bottom() - 3.0).toPoint()))
+        return QColor(
+            image.pixel(QPointF(chart.x(angle) * image.devicePixelRatio(), box.bottom() - 0.2 * box.height()).toPoint())
+        )
 
     inside = 0.5 * (span.begin + span.end)
     assert all(colour(inside, drive).red() > colour(inside, drive).blue() + 20 for drive in (0, 1))
