@@ -6,6 +6,7 @@ from core.synthesis.candidates import FOUR_BAR, INVERTED, SLIDER_CRANK, Candidat
 from core.synthesis.dyads import Dyad
 from core.synthesis.judge import Answer
 from core.synthesis.task import (
+    AnglePair,
     AnglePairs,
     AnswerLimits,
     Area,

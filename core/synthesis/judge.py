@@ -300,6 +300,35 @@ def _is_grashof(linkage: Linkage, turns_fully: bool) -> bool:
     return turns_fully if bar is None else bar.kind != "triple rocker"
 
 
+def joint_positions(answer: Answer, count: int) -> Mapping[str, np.ndarray]:
+    """Positions of all points of an answer while its driver passes its full turn, or its range.
+
+    Parameters
+    ----------
+    answer : Answer
+    count : int
+        Number n of driver positions, evenly spaced.
+
+    Returns
+    -------
+    mapping of str to ndarray (n,) complex [mm]
+        By the name of the point.
+    """
+    linkage = answer.candidate.linkage
+    ranges = driver_ranges_of(linkage)
+    low, high = ranges.ranges[0].low, ranges.ranges[0].high
+    inset = 0.0 if answer.turns_fully else 1e-6 * (high - low)
+    at = np.linspace(low + inset, high - inset, count)
+    kinematics = unit_speed_kinematics(linkage, at, ranges)
+    positions: dict[str, np.ndarray] = {}
+    for link in linkage.links:
+        body = kinematics.bodies["frame" if link.number == FRAME else body_name(link.number)]
+        for name, point in link.places.items():
+            if name not in positions:
+                positions[name] = np.broadcast_to(1e3 * body.fixed_point(1e-3 * point)[0], (count,))
+    return positions
+
+
 def _violated(answer: Answer, task: Task) -> Iterator[str]:
     least, most = task.limits.transmission_deg_min, task.longest_to_shortest
     if least is not None and not answer.transmission_deg >= least - TURNS_FREELY:

@@ -200,6 +200,11 @@ def task_of(table: Mapping[str, Any]) -> Task:
     return task
 
 
+def task_table(task: Task) -> dict[str, Any]:
+    """Tables of a task's file."""
+    return parsed(dumps_table(task), "task")
+
+
 def save_task(task: Task, path: AnyPath) -> str:
     """Write a task to a file, completely or not at all, and return the text. Raises DesignError and FileError."""
     text = dumps_table(task)

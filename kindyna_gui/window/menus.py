@@ -401,6 +401,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
                  "Begin with another follower, cam form or linkage, chosen from images; the motion is kept"),
+            Item("Find a linka&ge...", "designing.find_linkage", None, None,
+                 "Four-bars and slider-cranks through poses of a body, along a path, for pairs of angles or a swing"),
             Item("V&alve train...", "designing.edit_valve_train", None, None,
                  "Edit inlet and exhaust valve by their cam card, with lift, velocity, acceleration and timing diagram"),
             _view("valve_figures"),

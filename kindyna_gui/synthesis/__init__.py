@@ -1,0 +1,1 @@
+"""Compo > Find a linkage: a task drawn on a sheet, and the linkages found for it."""
