@@ -116,7 +116,9 @@ def _spans(design: Design, number: int, with_dwells: bool) -> Iterator[VariedFie
 def _free_segments(design: Design) -> list[int]:
     """Segments of a drive whose span may change: no process windows, of a motion that is typed and at rest at all joins."""
     motion = design.drive.motion
-    if motion is None or motion.is_computed or motion.lobe is not None or not program(motion).is_rest_to_rest:
+    if motion is None or motion.is_computed or motion.lobe is not None or motion.needs_machine:
+        return []
+    if not program(motion).is_rest_to_rest:
         return []
     scalable = all(
         isinstance(s.curve, NamedCurve | SccaCurve) or (isinstance(s.curve, OptimalCurve) and not s.curve.points)

@@ -185,8 +185,8 @@ class Design:
         drive : str
             Name of a drive, of a design that lists them.
         **options : number, text, flag or list
-            Options of the command: ``for_``, the property of the torque that phases minimise; ``round``, the step of the values, True
-            for the default steps.
+            Options of the command: ``for_``, the property of the torque that phases minimise; ``vary``, a list of ``PATH=LOW:HIGH`` for
+            ``top-speed``; ``round``, the step of the values, True for the default steps.
 
         Raises
         ------
@@ -220,7 +220,8 @@ class Design:
             raise _no_solution(f"find {goal}: no value satisfies every limit", answer, solution.violations)
         curve = read_only(np.array(solution.curve, dtype=float).reshape(-1, 2))
         reached = {key: float(value) for key, value in solution.reached.items()}
-        return FindResult(answer, reached, curve, Design(solution.machine), self._before(answer))
+        binding = tuple({"limit": limit, "per_percent": change} for limit, change in solution.binding)
+        return FindResult(answer, reached, curve, Design(solution.machine), self._before(answer), binding)
 
     def many(
         self,
@@ -311,8 +312,10 @@ class Design:
     def optimise(
         self,
         vary: Mapping[str, tuple[float, float] | Sequence[str]],
-        minimise: str,
+        minimise: str = "",
         limits: Mapping[str, Mapping[str, float]] | None = None,
+        *,
+        maximise: str = "",
         **options: Any,
     ) -> Optimum:
         """Return the best design within limits, as the command ``optimise``.
@@ -322,9 +325,11 @@ class Design:
         vary : mapping of str -> (low, high) or list of words
             Path -> its bounds, or its choices.
         minimise : str
-            Figure to be minimised, as ``drive_torque_nm:abs``, or a total.
+            Figure to be minimised, as ``drive_torque_nm:abs``, a total, or the path of a varied number.
         limits : mapping of str -> mapping, optional
             Figure -> its least value ``min`` and greatest value ``max``.
+        maximise : str, optional
+            Figure or path to be maximised, in place of ``minimise``: ``shaft.speed_rpm`` gives the fastest machine.
         **options : number, text, flag or list
             Options of the command: ``round``, the step of the values, True for the default steps.
 
@@ -355,7 +360,10 @@ class Design:
         self._require_fields("vary", vary)
         fields = {path: varied_range(path, bounds) for path, bounds in vary.items()}
         ends = {key: limit_ends(key, values) for key, values in _mapping("limits", limits or {}).items()}
-        study = varied_study(self._design, fields, limits=ends, goals={text("minimise", minimise): {}})
+        if bool(text("minimise", minimise)) == bool(text("maximise", maximise)):
+            raise ValueError(f"minimise = {minimise!r}, maximise = {maximise!r}: give one of the two")
+        goal = {minimise or maximise: {"minimise": bool(minimise)}}
+        study = varied_study(self._design, fields, limits=ends, goals=goal)
         request = requested(OptimiseArguments, options, "into", "json", study=Path())
         optimum, notes = best_design(study, request)
         if not optimum.is_feasible:
@@ -427,6 +435,10 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, str) else float(value)
 
 
+def _shown(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:.9g}"
+
+
 def _mapping(what: str, value: Any) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
         raise TypeError(f"{what} = {value!r}: a mapping is needed, not {type(value).__name__}")
@@ -478,10 +490,11 @@ class FindResult:
 
     Attributes
     ----------
-    answer : path -> value
+    answer : path -> value, a number or a word
     reached : limit -> value reached with the answer
-    curve : ndarray (n, 2), the varied value and what it reaches
+    curve : ndarray (n, 2), the varied value and what it reaches; of the top speed the speed after each step of the search
     design : the design with the answer
+    binding : what holds the top speed, the strongest first, each with ``limit`` and ``per_percent``, the change for 1 % of relief
 
     Examples
     --------
@@ -493,11 +506,12 @@ class FindResult:
     20.0
     """
 
-    answer: Mapping[str, float]
+    answer: Mapping[str, Any]
     reached: Mapping[str, float]
     curve: Array
     design: Design
     _before: Mapping[str, Any]
+    binding: Sequence[Mapping[str, Any]] = ()
 
     def _repr_html_(self) -> str:
         from kindyna._html import found_html  # only notebooks need it
@@ -506,7 +520,7 @@ class FindResult:
 
     def __repr__(self) -> str:
         return brief(
-            f"<kindyna.FindResult {', '.join(f'{path} = {value:.9g}' for path, value in self.answer.items())}>"
+            f"<kindyna.FindResult {', '.join(f'{path} = {_shown(value)}' for path, value in self.answer.items())}>"
         )
 
 

@@ -27,7 +27,7 @@ def varied_study(
     ----------
     design : Design
     fields : path -> further keys of its row
-    **figures : list of a study file -> figure, as ``pressure_angle_deg:max`` or a total -> further keys of its row
+    **figures : list of a study file -> figure, as ``pressure_angle_deg:max`` or a total, or the path of a field -> further keys of its row
 
     Raises
     ------
@@ -37,7 +37,7 @@ def varied_study(
     table: dict[str, Any] = {"design": "", "vary": [{"field": path, **row} for path, row in fields.items()]}
     names = {f"vary[{i}]": path for i, path in enumerate(fields)}
     for name, rows in figures.items():
-        table[name] = [{**_figure(key), **row} for key, row in rows.items()]
+        table[name] = [{**({"field": key} if key in fields else _figure(key)), **row} for key, row in rows.items()]
         names |= {f"{name}[{i}]": key for i, key in enumerate(rows)}
     try:
         return study_of_table(table, design)

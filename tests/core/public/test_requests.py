@@ -146,6 +146,21 @@ goals = [{{ quantity = "drive_torque_nm", of = "abs" }}]
     assert best.answer[BASE] % 0.5 == 0.0 or step is None
 
 
+def test_the_fastest_lift_is_found_by_a_goal_and_by_the_search_of_the_command() -> None:
+    speed, force = "shaft.speed_rpm", {"contact_force_n:abs": {"max": 60e3}}
+    best = LIFT.optimise({speed: (20, 60)}, limits=force, maximise=speed)
+    assert best.goal == best.answer[speed] == best.design[speed]
+    fastest = LIFT.find("top-speed", {"contact_force_n": 60e3}, vary=[f"{speed}=20:60"])
+    assert fastest.answer[speed] == pytest.approx(best.goal, rel=1e-8)
+    assert fastest.design[speed] == fastest.answer[speed] == fastest.curve[-1, 1]
+    assert fastest.binding[0]["limit"] == "contact_force_n_abs"
+    assert repr(fastest).startswith(f"<kindyna.FindResult {speed} = ")
+    assert "rpm" in fastest._repr_html_()
+    assert LIFT.optimise({speed: (10, 60)}, speed, force).answer == {speed: 10.0}
+    with pytest.raises(ValueError, match="give one of the two"):
+        LIFT.optimise({speed: (20, 60)})
+
+
 def test_rounded_dimensions_are_those_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     LIFT.save("lift.toml")
     for value, words in ((True, ["--round"]), (5, ["--round", "5"])):
