@@ -11,6 +11,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -22,7 +23,7 @@ from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, Run, measure
 from linkages import chain
 
-from core.design import Design, OptimalCurve, Segment, get, only, put, require_motion
+from core.design import Design, OptimalCurve, Outline, OutlinePoint, Segment, get, only, put, require_motion
 from core.design.curves import segment_shape
 from core.design.engine import Lobe, LobeRow
 from core.design.lobe import lobe_sides
@@ -55,6 +56,7 @@ OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
 FLANK = "flank of a barrel, 3,600 × 20 points with angle and curvature, by the profile of the lift"
 POSES = "linkages for five poses, by a fresh study of the four-bar"
 PATH = "linkages for a path, by a fresh study of the four-bar"
+CLEARANCES = "least clearances of 20 pairs of 8 sides, proven, by a fresh study of the four-bar"
 TOP = "top speed of the lift with four variables, by the same study with a quantity as its goal"
 DURATIONS = count(1)  # solved lobes and laws are remembered
 DURATION = "motion.lobe.duration[1].crank_deg"
@@ -90,6 +92,7 @@ def keys() -> dict[str, Callable[[], float]]:
         FLANK: look_at_flank,
         POSES: partial(look_at_task, five_poses),
         PATH: partial(look_at_task, hoeken_path),
+        CLEARANCES: look_at_clearances,
         **{f"{name}, by import numpy": partial(processes.document, name, 4) for name in processes.DOCUMENTS},
         START: partial(processes.start, STARTS),
         **{
@@ -293,18 +296,58 @@ def hoeken_path() -> Task:
 
 def look_at_task(task: Callable[[], Task], seconds: float = 2.0 * SECONDS) -> float:
     """Judged answers of a task, by all positions, velocities and forces of the four-bar at 3,600 angles with another length."""
-    bar = load(EXAMPLES / "four_bar.toml")
     synthesise(hoeken_path())  # the list of curves is calculated once
+    told = measure({"ours": Fresh(lambda: partial(synthesise, task())), "rival": Fresh(studied_bar)}, seconds).seconds
+    return told["ours"] / told["rival"]
 
-    def study(design: Design) -> None:
+
+def another_bar() -> Design:
+    """The four-bar with a length of its own."""
+    return put(load(EXAMPLES / "four_bar.toml"), "linkage.links[2].points.B.x_mm", 90.0 + 1e-6 * next(DURATIONS))
+
+
+def studied_bar() -> Callable[[], None]:
+    """All positions, velocities and forces of the four-bar at 3,600 angles with another length."""
+    design = another_bar()
+
+    def study() -> None:
         fresh = Study(design, 3600)
         for body in fresh.linkage.bodies.values():
             _ = [(body.x[order], body.y[order], body.angle[order]) for order in range(3)]
         _ = fresh.dynamics.torque
 
-    rival = Fresh(lambda: partial(study, put(bar, "linkage.links[2].points.B.x_mm", 90.0 + 1e-6 * next(DURATIONS))))
-    told = measure({"ours": Fresh(lambda: partial(synthesise, task())), "rival": rival}, seconds).seconds
-    return told["ours"] / told["rival"]
+    return study
+
+
+OCTAGONS = (
+    ("link 2", 30.0, 0.0),
+    ("link 3", 45.0, 40.0),
+    ("link 4", 70.0, 0.0),
+    ("frame", 20.0, 110.0),
+    ("frame", -40.0, 60.0),
+)
+"""Body, centre x and y [mm] of octagons on the four-bar: a pin, the coupler, the rocker, and two posts."""
+
+
+def look_at_clearances(seconds: float = 2.0 * SECONDS) -> float:
+    """Least clearances of the six pairs of four bodies with octagons, as 20 of them, by a study of the four-bar."""
+    corners = [(8.0 * np.cos(turn), 8.0 * np.sin(turn)) for turn in np.arange(8) * np.pi / 4.0]
+
+    def outlined() -> Callable[[], None]:
+        outlines = [
+            Outline(of=of, points=tuple(OutlinePoint(float(x + dx), float(y + dy)) for dx, dy in corners))
+            for of, x, y in OCTAGONS
+        ]
+        design = replace(another_bar(), outlines=tuple(outlines))
+
+        def compute() -> None:
+            clearances = Study(design).clearances
+            assert len([clearances.least(pair) for pair in clearances.pairs]) == 6
+
+        return compute
+
+    told = measure({"ours": Fresh(outlined), "rival": Fresh(studied_bar)}, seconds).seconds
+    return 20.0 / 6.0 * told["ours"] / told["rival"]
 
 
 def look_at_edit(path: str, angles: int, seconds: float = SECONDS) -> float:
