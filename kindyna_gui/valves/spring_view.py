@@ -30,8 +30,8 @@ from kindyna_gui.requirements import NO_VALVE_SPRINGS, Unavailable
 from kindyna_gui.view import View
 
 FORCE, SPEEDS = "force", "speeds"
-PAGES = {FORCE: "Force over the turn", SPEEDS: "Harmonics over speed"}
-PAGE_WIDTH = 160  # pixels
+PAGES = {FORCE: "Force", SPEEDS: "Harmonics"}
+PAGE_WIDTH = 104  # pixels
 SPEED = "Engine speed, rpm"
 REACH = 1.25
 """End of the axis of speeds over the greater of the present and the float speed."""

@@ -31,7 +31,7 @@ def speeds_page(view: SpringView) -> None:
     view.page.setFocus()
     QTest.keyClick(view.page, Qt.Key.Key_Down)
     settle()
-    assert view.page.currentText() == "Harmonics over speed"
+    assert view.page.currentText() == "Harmonics"
 
 
 def test_the_force_has_both_curves_and_the_verdict_is_first(user: User) -> None:
