@@ -111,7 +111,7 @@ class Exports(QObject):
                 "&Solid and surfaces...",
                 "Write the solid cam with bore, keyway and hub, or its flanks, as STEP, STL or CSV for CAD and CAM",
                 self.surfaces,
-                no_cam,
+                "" if session.design.drive.cam is not None else NO_CAM,
             ),
             Export(
                 "&Drawing...",

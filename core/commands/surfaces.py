@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import DriveArguments, as_json, one_studied, require_cam, verdict
+from core.commands.common import DriveArguments, as_json, one_studied, verdict
 from core.frozen import frozen
 from core.output.solids.surface import (
     SURFACE_FORMATS,
@@ -33,7 +33,6 @@ class SurfaceArguments(DriveArguments):
 def run_surface(arguments: SurfaceArguments, painter: Painter | None) -> int:
     """Write the file, and print its deviation."""
     study = one_studied(load(arguments.design), arguments.drive)
-    require_cam(study, "surface")
     job = surface_job(study, arguments.out, arguments.request)
     paths = write_surface(job, arguments.out)
     if arguments.json:

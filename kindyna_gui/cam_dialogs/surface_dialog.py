@@ -16,9 +16,18 @@ from PySide6.QtWidgets import QComboBox, QWidget
 from core.design import Design
 from core.frozen import frozen
 from core.numerics.derivatives import ISOMETRIC, seen_from
+from core.output.solids.disk import Prisms
 from core.output.solids.outline import area, polygon
 from core.output.solids.prism import Cap, Prism, in_space
-from core.output.solids.surface import SURFACE_FORMATS, SurfaceJob, SurfaceRequest, shown_prisms, summary, surface_job
+from core.output.solids.surface import (
+    SIDES,
+    SURFACE_FORMATS,
+    SurfaceJob,
+    SurfaceRequest,
+    drawn_surfaces,
+    summary,
+    surface_job,
+)
 from core.study import Study
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.request_form import ComputedDialog, RequestForm, accepted, flanks
@@ -28,7 +37,7 @@ from kindyna_gui.pictures.style import SCREEN, THIN, brush
 
 # -- shaded drawing --------------------------------------------------------------------------------------
 
-MARGIN, COARSE = 20, 1e-3  # pixels; tolerance of the drawn polygons, relative to the size
+MARGIN, COARSE, COARSE_SURFACE = 20, 1e-3, 1e-3  # pixels; tolerances of what is drawn, relative to the size
 TURN_PER_PIXEL, FLATTEST, STEEPEST = 0.5, 10.0, 90.0  # degrees
 LIGHT = np.array([-0.45, -0.35, 0.82])
 DARKEST, CREASE = 0.62, 0.9  # brightness away from the light; cosine of the angle from which an edge is drawn
@@ -36,10 +45,11 @@ DARKEST, CREASE = 0.62, 0.9  # brightness away from the light; cosine of the ang
 
 @frozen(eq=False)
 class SolidPreview:
-    """A file of surfaces and the bodies that are drawn."""
+    """A file of surfaces, and what is drawn: bodies between level planes, or triangles (n, 3, 3) [mm]."""
 
     job: SurfaceJob
     prisms: tuple[Prism, ...]
+    triangles: np.ndarray
 
 
 class SolidPicture(Picture):
@@ -59,7 +69,7 @@ class SolidPicture(Picture):
 
     def show_picture(self, shown: Any, message: str = "") -> None:
         self._polygons = []
-        if shown is not None:
+        if shown is not None and shown.prisms:
             size = max(abs(piece.start) for prism in shown.prisms for wall in prism.walls for piece in wall.outline)
             self._polygons = [
                 (prism, [polygon(wall.outline, COARSE * size) for wall in prism.walls]) for prism in shown.prisms
@@ -75,6 +85,9 @@ class SolidPicture(Picture):
         return np.array([np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)])
 
     def draw(self, painter: QPainter) -> None:
+        if self.shown.triangles.size:
+            self._draw_triangles(painter, self.shown.triangles)
+            return
         extent = [
             self._seen(points, z)
             for prism, loops in self._polygons
@@ -104,6 +117,21 @@ class SolidPicture(Picture):
                 ]
             for _, _, draw in sorted(parts, key=lambda part: part[:2]):
                 draw()
+
+    def _draw_triangles(self, painter: QPainter, triangles: np.ndarray) -> None:
+        """Triangles from the farthest to the nearest; those that face away are darker."""
+        seen = seen_from(triangles.reshape(-1, 3), self.turn, self.tilt).reshape(-1, 3)
+        painter.setTransform(fit_transform(seen.ravel(), self.size(), MARGIN), True)
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        towards = self._towards_viewer
+        light = DARKEST + (1.0 - DARKEST) * np.clip(normal @ LIGHT, 0.0, 1.0)
+        light = np.where(normal @ towards > 0.0, light, DARKEST * DARKEST)
+        for i in np.argsort(triangles.mean(axis=1) @ towards, kind="stable").tolist():
+            colour = self._shade(light[i]).name()
+            painter.setPen(SCREEN.pen(colour, THIN))  # no seams
+            painter.setBrush(brush(colour))
+            painter.drawPath(outline(seen[i]))
 
     def _shade(self, brightness: float) -> QColor:
         colour = QColor(SCREEN.cam)
@@ -175,8 +203,10 @@ class SurfaceDialog(ComputedDialog):
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), SolidPicture()
-        self._solid = True  # as chosen last for a format that has solids
-        form = RequestForm(SurfaceRequest, flanks(design), {"solid": True}, [("Format", self.format)])
+        self._solid = design.drive.has_disk  # as chosen last for a format that has solids
+        self._has_solid = design.drive.has_disk
+        offered = flanks(design) if self._has_solid else {"flank": SIDES}
+        form = RequestForm(SurfaceRequest, offered, {"solid": self._has_solid}, [("Format", self.format)])
         super().__init__(parent, "surfaces", form, self.picture)
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in SURFACE_FORMATS.items()})
         self.form.boxes["solid"].toggled.connect(self._show_rows)
@@ -191,7 +221,7 @@ class SurfaceDialog(ComputedDialog):
 
     def _show_format(self) -> None:
         """Show the fields that the selected format has."""
-        has_solids, solid = SURFACE_FORMATS[self.ending].has_solids, self.form.boxes["solid"]
+        has_solids, solid = self._has_solid and SURFACE_FORMATS[self.ending].has_solids, self.form.boxes["solid"]
         solid.blockSignals(True)
         solid.setChecked(has_solids and self._solid)
         solid.setEnabled(has_solids)
@@ -201,16 +231,16 @@ class SurfaceDialog(ComputedDialog):
 
     def _show_rows(self) -> None:
         """A solid has all flanks; only a table has cam angles."""
-        has_solids = SURFACE_FORMATS[self.ending].has_solids
-        if has_solids:
-            self._solid = self.form.boxes["solid"].isChecked()
-        flank = self.form.boxes["flank"]
-        if self.form.boxes["solid"].isChecked():
+        is_table = not SURFACE_FORMATS[self.ending].has_solids
+        solid, flank = self.form.boxes["solid"], self.form.boxes["flank"]
+        if solid.isEnabled():
+            self._solid = solid.isChecked()
+        if solid.isChecked():
             flank.setCurrentIndex(0)
-        flank.setEnabled(not self.form.boxes["solid"].isChecked())
+        flank.setEnabled(not solid.isChecked())
         for name in ("samples", "along"):
-            self.form.rows.setRowVisible(self.form.boxes[name], not has_solids)
-        self.form.rows.setRowVisible(self.form.boxes["tolerance_mm"], has_solids)
+            self.form.rows.setRowVisible(self.form.boxes[name], is_table)
+        self.form.rows.setRowVisible(self.form.boxes["tolerance_mm"], not is_table)
 
     def job(self) -> Callable[[], SolidPreview]:
         return partial(_preview, self._design, self.ending, self.form.request)
@@ -225,7 +255,11 @@ class SurfaceDialog(ComputedDialog):
 
 def _preview(design: Design, ending: str, request: SurfaceRequest) -> SolidPreview:
     job = surface_job(Study(design), Path(f"surface{ending}"), request)
-    return SolidPreview(job, shown_prisms(job))
+    surfaces = drawn_surfaces(job)
+    if isinstance(surfaces, Prisms):
+        return SolidPreview(job, surfaces.prisms, np.zeros((0, 3, 3)))
+    size = max(float(np.abs(body.vertices).max()) for body in surfaces.bodies)
+    return SolidPreview(job, (), surfaces.triangles(COARSE_SURFACE * size))
 
 
 def ask_surface(parent: QWidget, design: Design) -> tuple[SurfaceJob, str] | None:

@@ -23,17 +23,18 @@ from benchmarks.table import Kernel, kernels
 from benchmarks.timing import Fresh, Run, measure
 from linkages import chain
 
-from core.design import Design, OptimalCurve, Outline, OutlinePoint, Segment, get, only, put, require_motion
+from core.design import Design, OptimalCurve, Outline, OutlinePoint, Segment, get, only, put, require_motion, with_drive
 from core.design.curves import segment_shape
 from core.design.engine import Lobe, LobeRow
 from core.design.lobe import lobe_sides
 from core.mechanism.drivers import with_drawn_pose
 from core.mechanism.unfinished import mobility
 from core.motion.tables import lobe_to_segments
+from core.output.solids.surface import SurfaceRequest, surface_job
 from core.process import keep_freed_memory
 from core.project import load
 from core.spatial import flank
-from core.study import Study, certificate_of, findings_of
+from core.study import Study, certificate_of, clear_caches, findings_of
 from core.synthesis import BodyPose, Task, load_task, synthesise
 from core.valves import LIFTS, valve_data, valve_timings
 from core.varying import Goal, StudyFile, StudyLimit, VariedField, optimise, study_of
@@ -54,6 +55,10 @@ DRAGGED = "chain after a dragged duration, by a dragged join"
 TORQUE_LAW = "optimal law of least torque of the lift, by one of least jerk"
 OPTIMUM = "optimal law of 60 intervals, by sines of 3,600 angles"
 FLANK = "flank of a barrel, 3,600 × 20 points with angle and curvature, by the profile of the lift"
+SURFACES = {
+    "STEP of a globoidal indexer at 2 µm, by the profile of the lift": ("globoidal_indexer.toml", False),
+    "STEP of a groove cam, solid, at 2 µm, by the profile of the lift": ("groove.toml", True),
+}
 POSES = "linkages for five poses, by a fresh study of the four-bar"
 PATH = "linkages for a path, by a fresh study of the four-bar"
 CLEARANCES = "least clearances of 20 pairs of 8 sides, proven, by a fresh study of the four-bar"
@@ -90,6 +95,7 @@ def keys() -> dict[str, Callable[[], float]]:
         TORQUE_LAW: look_at_torque_law,
         TOP: look_at_top_speed,
         FLANK: look_at_flank,
+        **{row: partial(look_at_surface, *file) for row, file in SURFACES.items()},
         POSES: partial(look_at_task, five_poses),
         PATH: partial(look_at_task, hoeken_path),
         CLEARANCES: look_at_clearances,
@@ -265,8 +271,6 @@ def look_at_torque_law(seconds: float = 2.0 * SECONDS) -> float:
 
 def look_at_flank(seconds: float = SECONDS) -> float:
     """Points of a flank of the barrel with pressure angle and curvature, by profile and pressure angle of the lift at 3,600 angles."""
-    kernel = next(kernel for kernel in kernels() if kernel.name == "profile")
-    there = kernel.given(kernel.grid(3600))
     shape = Study(load(EXAMPLES / "barrel_feeder.toml"), 3600).surface
     side, motion = shape.tracks[0]
     along = np.linspace(shape.machine.inner, shape.machine.outer, 20)[:, None]
@@ -275,9 +279,30 @@ def look_at_flank(seconds: float = SECONDS) -> float:
         surface = flank(shape.machine, motion, along, shape.sense, side)
         return surface.cam_point, surface.pressure_angle, surface.curvature
 
+    return by_profile(ours, seconds)
+
+
+def by_profile(ours: Callable[[], object], seconds: float) -> float:
+    """A time by that of profile and pressure angle of the lift at 3,600 angles."""
+    kernel = next(kernel for kernel in kernels() if kernel.name == "profile")
+    there = kernel.given(kernel.grid(3600))
     rival = Fresh(lambda: partial(kernel.ours.cold, kernel.again(there), None))
     told = measure({"ours": ours, "rival": rival}, seconds).seconds
     return told["ours"] / told["rival"]
+
+
+def look_at_surface(name: str, is_solid: bool, seconds: float = 4.0 * SECONDS) -> float:
+    """The STEP file of a design at the tolerance of 2 µm; nothing of an earlier file is remembered."""
+    design = load(EXAMPLES / name)
+    if is_solid:
+        form = replace(design.drive.cam.form, outer_radius_mm=160.0, groove_depth_mm=18.0)
+        design = with_drive(design, cam=replace(design.drive.cam, form=form))
+
+    def ours() -> object:
+        clear_caches()
+        return surface_job(Study(design), Path("cam.step"), SurfaceRequest(solid=is_solid)).content
+
+    return by_profile(ours, seconds)
 
 
 def five_poses() -> Task:

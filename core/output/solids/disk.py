@@ -12,6 +12,8 @@ from core.errors import KindynaError, NoCam
 from core.frozen import frozen
 from core.number_text import result_text, rounded_up
 from core.output.lines import finding_line
+from core.output.solids.body import Body
+from core.output.solids.mesh import prism_triangles
 from core.output.solids.outline import Outline, circle, polygon, reversed_outline, slot
 from core.output.solids.prism import Cap, Prism, Rim, Wall
 from core.output.solids.profile import FittedOutline, fit_profile
@@ -27,6 +29,30 @@ class Prisms:
 
     prisms: tuple[Prism, ...]
     deviation: float
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Their vertices, edges and faces."""
+        return tuple(prism.body for prism in self.prisms)
+
+    @property
+    def volume(self) -> float | None:
+        """Volume of all solids [mm³]; None for sheets."""
+        return sum(prism.volume for prism in self.prisms) if all(prism.caps for prism in self.prisms) else None
+
+    def triangles(self, tolerance: float) -> np.ndarray:
+        """Triangles of all bodies, counter-clockwise seen from outside.
+
+        Parameters
+        ----------
+        tolerance : float [mm]
+            Largest distance of the walls from the triangles.
+
+        Returns
+        -------
+        ndarray (n, 3, 3) [mm]
+        """
+        return np.concatenate([prism_triangles(prism, tolerance) for prism in self.prisms])
 
 
 def disk_sheets(study: Study, flanks: tuple[str, ...], tolerance: float) -> Prisms:

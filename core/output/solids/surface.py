@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from core.cam import form_row
+from core.cam import OUTER, form_row
 from core.design.fields import choice, flag, length, whole
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -17,14 +17,14 @@ from core.motion import degrees
 from core.number_text import result_text, rounded_up
 from core.numerics.lazy import checkpoint
 from core.output.export import csv_header, csv_lines
-from core.output.files.fitted_curve import CERTAIN, flank_number
+from core.output.files.fitted_curve import CERTAIN
 from core.output.files.profile_curve import MM
 from core.output.files.profile_files import SENSES
-from core.output.files.profile_request import ALL_FLANKS, AT_ONCE, ProfileRequest
+from core.output.files.profile_request import ALL_FLANKS, AT_ONCE
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
-from core.output.solids.mesh import prism_triangles, stl_bytes, stl_rounding
-from core.output.solids.prism import Prism
+from core.output.solids.mesh import stl_bytes, stl_rounding
 from core.output.solids.step import step_bytes
+from core.output.solids.strips import Strips, spatial_rows, spatial_strips
 from core.output.summary import to_json
 from core.project.files import write_all
 from core.requests import option
@@ -33,6 +33,8 @@ from core.study import Study
 # -- the request ------------------------------------------------------------------------------------------------
 
 TOLERANCE = 0.002  # mm
+SIDES, BOTH = ("ahead", "behind"), "both"
+"""Flanks of a cam in space; both flanks of a cam that has two."""
 MOST_ROWS = 5_000_000  # of a table
 
 
@@ -49,7 +51,8 @@ class SurfaceRequest:
     """
 
     flank: str = option(
-        choice("Flank", ALL_FLANKS, default="", help="which flank of the cam"), default_text="all flanks"
+        choice("Flank", (*ALL_FLANKS, *SIDES, BOTH), default="", help="which flank of the cam"),
+        default_text="all flanks",
     )
     solid: bool = flag("Solid", help="the solid cam with bore, keyway and hub instead of its flanks")
     tolerance_mm: float = length(
@@ -76,84 +79,99 @@ class SurfaceJob:
     study : the study of the design
     request : the requested surfaces
     content : the file
-    prisms : the bodies in it; empty for a table
+    surfaces : the bodies in it; None for a table
     deviation : largest distance of the exact surfaces from the file [mm]
     faces : number of faces, of a table its number of flanks
-    volume : of all solids [mm³]; None without a solid
+    rows : of a table
     """
 
     study: Study
     request: SurfaceRequest
     content: bytes
-    prisms: tuple[Prism, ...]
+    surfaces: Prisms | Strips | None
     deviation: float
     faces: int
-    volume: float | None = None
+    rows: int = 0
+
+    @property
+    def volume(self) -> float | None:
+        """Volume of all solids [mm³]; None without a solid."""
+        return None if self.surfaces is None else self.surfaces.volume
 
 
 def _flanks(study: Study, request: SurfaceRequest) -> tuple[str, ...]:
-    """The requested flanks. Raises NoSuchStage, KindynaError."""
-    study.require_stage("cam")
-    if request.flank:
-        flank_number(study, ProfileRequest(flank=request.flank))
-        return (request.flank,)
-    return form_row(study.design.drive.cam.form).flanks
+    """The requested flanks. Raises KindynaError."""
+    if "cam" not in study.stages:
+        raise KindynaError("surface: this design has no cam; allowed: one with [cam]")
+    flanks = SIDES if study.has_surface else form_row(study.design.drive.cam.form).flanks
+    if request.solid and request.flank not in ("", BOTH):
+        raise KindynaError(
+            f"flank {request.flank!r} cannot be combined with a solid, which has all flanks; leave one out"
+        )
+    allowed = (*flanks, BOTH) if len(flanks) == 2 else flanks
+    if request.flank and request.flank not in allowed:
+        raise KindynaError(f"flank {request.flank!r}: this cam has none of that name; allowed: {', '.join(allowed)}")
+    return (request.flank,) if request.flank in flanks else flanks
 
 
-def _prisms(study: Study, request: SurfaceRequest, tolerance: float) -> Prisms:
+def _surfaces(study: Study, request: SurfaceRequest, tolerance: float) -> Prisms | Strips:
     flanks = _flanks(study, request)
-    if request.solid:
-        if request.flank:
-            raise KindynaError(
-                f"flank {request.flank!r} cannot be combined with a solid, which has all flanks; leave one out"
-            )
-        return disk_solids(study, tolerance)
-    return disk_sheets(study, flanks, tolerance)
+    if study.has_surface:
+        if request.solid:
+            kind = study.design.drive.cam.kind
+            raise KindynaError(f"cam.kind = {kind!r}: a cam in space is written as its flanks; leave the solid out")
+        return spatial_strips(study, flanks, tolerance)
+    return disk_solids(study, tolerance) if request.solid else disk_sheets(study, flanks, tolerance)
 
 
-def _job(study: Study, request: SurfaceRequest, prisms: Prisms, content: bytes, deviation: float) -> SurfaceJob:
-    volume = sum(prism.volume for prism in prisms.prisms) if request.solid else None
-    faces = sum(len(prism.body.faces) for prism in prisms.prisms)
-    return SurfaceJob(study, request, content, prisms.prisms, deviation, faces, volume)
+def drawn_surfaces(job: SurfaceJob) -> Prisms | Strips:
+    """Bodies for a drawing of the file: those in it, of a table the flanks. Raises as `surface_job`."""
+    return job.surfaces or _surfaces(job.study, job.request, TOLERANCE)
 
 
-def shown_prisms(job: SurfaceJob) -> tuple[Prism, ...]:
-    """Bodies of a drawing of the file: those in it, of a table the flanks. Raises as `surface_job`."""
-    return job.prisms or _prisms(job.study, job.request, TOLERANCE).prisms
+def _job(
+    study: Study, request: SurfaceRequest, surfaces: Prisms | Strips, content: bytes, deviation: float
+) -> SurfaceJob:
+    faces = sum(len(body.faces) for body in surfaces.bodies)
+    return SurfaceJob(study, request, content, surfaces, deviation, faces)
 
 
 def _about(study: Study, request: SurfaceRequest, deviation: float) -> list[str]:
     """Facts about the file in lines, for its header."""
+    kind = f"{study.design.drive.cam.kind} cam" if study.has_surface else "disk cam"
     return [
-        f"{'Solid' if request.solid else 'Flanks'} of a disk cam; it turns {SENSES[study.sense][1]} seen from +z",
+        f"{'Solid' if request.solid else 'Flanks'} of a {kind}; it turns {SENSES[study.sense][1]} seen from +z",
         "Units: mm; origin: cam centre; the x axis is the global one at cam angle 0",
         f"Deviation from the exact surface: at most {rounded_up(deviation, 4)!r} mm",
     ]
 
 
 def _step(study: Study, request: SurfaceRequest) -> SurfaceJob:
-    prisms = _prisms(study, request, request.tolerance_mm)
-    bodies = [prism.body for prism in prisms.prisms]
-    content = step_bytes(study.design.name, _about(study, request, prisms.deviation), bodies, {})
-    return _job(study, request, prisms, content, prisms.deviation)
+    surfaces = _surfaces(study, request, request.tolerance_mm)
+    about = _about(study, request, surfaces.deviation)
+    content = step_bytes(study.design.name, about, surfaces.bodies, {})
+    return _job(study, request, surfaces, content, surfaces.deviation)
 
 
 CHORDS = 0.8
-"""Part of the tolerance that the triangles of an STL file may use; a tenth is for the curve, the rest for rounding."""
+"""Part of the tolerance that the triangles of an STL file may use; a tenth is for the surface, the rest for rounding."""
 
 
 def _stl(study: Study, request: SurfaceRequest) -> SurfaceJob:
-    prisms = _prisms(study, request, 0.1 * request.tolerance_mm)
+    surfaces = _surfaces(study, request, 0.1 * request.tolerance_mm)
     chords = CHORDS * request.tolerance_mm
-    triangles = np.concatenate([prism_triangles(prism, chords) for prism in prisms.prisms])
-    deviation = prisms.deviation + chords + stl_rounding(triangles)
+    triangles = surfaces.triangles(chords)
+    deviation = surfaces.deviation + chords + stl_rounding(triangles)
     if deviation > request.tolerance_mm:
         least = 10.0 * stl_rounding(triangles)
         raise KindynaError(
             f"tolerance {request.tolerance_mm:g} mm: below the accuracy of an STL file of this size; "
             f"allowed: {rounded_up(least, 1):g} mm and more, or a STEP file"
         )
-    return _job(study, request, prisms, stl_bytes(study.design.name, triangles), deviation)
+    return _job(study, request, surfaces, stl_bytes(study.design.name, triangles), deviation)
+
+
+# -- tables -----------------------------------------------------------------------------------------------------
 
 
 COLUMNS = (
@@ -163,7 +181,7 @@ COLUMNS = (
 
 
 def _csv(study: Study, request: SurfaceRequest) -> SurfaceJob:
-    """Points of the flanks as a table: a row for every cam angle and every height on the cam."""
+    """Points of the flanks as a table: a row for every cam angle and every place across the cam."""
     if request.solid:
         raise KindynaError("a table holds flanks, not a solid; leave the solid out, or write a STEP or STL file")
     flanks = _flanks(study, request)
@@ -171,31 +189,37 @@ def _csv(study: Study, request: SurfaceRequest) -> SurfaceJob:
         raise KindynaError(
             f"{request.samples} cam angles times {request.along} points are more than {MOST_ROWS} rows; choose fewer"
         )
-    parts, size = [csv_header(COLUMNS)], 0.0
+    angles, parts, size, rows = degrees(request.samples), [csv_header(COLUMNS)], 0.0, 0
+    step = max(AT_ONCE // request.along, 1)
+    blocks = [angles[first : first + step] for first in range(0, angles.size, step)]
+    table = spatial_rows if study.has_surface else _disk_rows
     for flank in flanks:
-        heights = np.linspace(0.0, thickness(study, flank), request.along)
-        angles, start = degrees(request.samples), f"{flank},1,".encode()
-        step = max(AT_ONCE // request.along, 1)
-        for first in range(0, angles.size, step):
+        by_roller: dict[int, list[bytes]] = {}
+        for roller, block in table(study, flank, blocks, request.along):
             checkpoint()
-            columns = _rows(study, flank, angles[first : first + step], heights)
-            size = max(size, float(np.abs(columns[2:4]).max()))
-            parts += [start + line for line in csv_lines(COLUMNS[2:], columns).splitlines(keepends=True)]
-    return SurfaceJob(study, request, b"".join(parts), (), CERTAIN * size, len(flanks))
+            size, rows = max(size, float(np.abs(block[2:5]).max(initial=0.0))), rows + block[0].size
+            lines = csv_lines(COLUMNS[2:], block).splitlines(keepends=True) if block[0].size else []
+            by_roller.setdefault(roller, []).extend(f"{flank},{roller},".encode() + line for line in lines)
+        parts += [line for roller in sorted(by_roller) for line in by_roller[roller]]
+    return SurfaceJob(study, request, b"".join(parts), None, CERTAIN * size, len(flanks), rows)
 
 
-def _rows(study: Study, flank: str, angles: np.ndarray, heights: np.ndarray) -> list[np.ndarray]:
-    """Columns behind flank and roller, for each of n cam angles [deg] and m heights [mm]."""
-    cam_angles = study.program.angles(np.deg2rad(angles))
-    samples = study.at(cam_angles).cam.only(flank).flank
-    z = samples.profile * MM
-    normal = samples.normal * (cam_angles.unit.conj() if study.sense > 0.0 else cam_angles.unit)
-    convex = -1.0 if flank == "outer" else 1.0  # the material of a groove is around its outer flank
-    values = (angles, z.real, z.imag, normal.real, normal.imag, np.rad2deg(samples.pressure_angle))
-    angle, x, y, nx, ny, pressure = (np.repeat(value, heights.size) + 0.0 for value in values)
-    curvature = np.repeat(convex * samples.profile_curvature / MM, heights.size) + 0.0
-    u = np.tile(heights, angles.size)
-    return [angle, u, x, y, u, nx, ny, np.zeros(u.size), pressure, curvature]
+def _disk_rows(
+    study: Study, flank: str, blocks: list[np.ndarray], along: int
+) -> Iterator[tuple[int, list[np.ndarray]]]:
+    """Roller, and columns behind it, for each block of cam angles [deg], at equal heights on the cam."""
+    heights = np.linspace(0.0, thickness(study, flank), along)
+    convex = -1.0 if flank == OUTER else 1.0  # the material of a groove is around its outer flank
+    for angles in blocks:
+        cam_angles = study.program.angles(np.deg2rad(angles))
+        samples = study.at(cam_angles).cam.only(flank).flank
+        z = samples.profile * MM
+        normal = samples.normal * (cam_angles.unit.conj() if study.sense > 0.0 else cam_angles.unit)
+        values = (angles, z.real, z.imag, normal.real, normal.imag, np.rad2deg(samples.pressure_angle))
+        angle, x, y, nx, ny, pressure = (np.repeat(value, heights.size) + 0.0 for value in values)
+        curvature = np.repeat(convex * samples.profile_curvature / MM, heights.size) + 0.0
+        u = np.tile(heights, angles.size)
+        yield 1, [angle, u, x, y, u, nx, ny, np.zeros(u.size), pressure, curvature]
 
 
 # -- formats ----------------------------------------------------------------------------------------------------
@@ -251,8 +275,8 @@ def facts_text(job: SurfaceJob) -> str:
 
 def summary(job: SurfaceJob) -> str:
     """Facts about the file in a sentence."""
-    if not job.prisms:
-        return f"{job.faces * job.request.samples * job.request.along} points with their normals, on the exact surface"
+    if job.surfaces is None:
+        return f"{job.rows} points with their normals, on the exact surface"
     volume = "" if job.volume is None else f", {result_text(job.volume, 6)} mm³"
     return f"{job.faces} faces{volume}, at most {rounded_up(job.deviation, 4):g} mm from the exact surface"
 

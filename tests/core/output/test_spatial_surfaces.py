@@ -1,0 +1,276 @@
+"""Flanks of cams in space as STEP, STL and CSV, measured against rollers that a test moves by its own equations."""
+
+import contextlib
+import io
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from step_reader import Face, StepFile, check_topology
+
+from core.__main__ import main
+
+ROOT = Path(__file__).parents[3]
+EXAMPLES = ROOT / "resources/examples"
+RADIUS, PLAY, TURNS = 8.0, 0.1, 6  # mm; rollers on the turret
+INNER, LENGTH, STROKE = 40.0, 12.0, 25.0
+DISTANCE = 100.0  # between the axes of cam and turret
+
+
+def run(*words: object) -> tuple[int, str, str]:
+    """The command in this process: exit code, what it printed, its faults."""
+    said, faults = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
+        code = main(["surface", *map(str, words)])
+    return code, said.getvalue(), faults.getvalue()
+
+
+def written(design: Path, out: Path, *words: object) -> dict[str, float]:
+    """What the command says of the file that it wrote."""
+    code, said, faults = run(design, "--out", out, "--json", *words)
+    assert (code, faults) == (0, ""), faults
+    return json.loads(said)
+
+
+def cycloidal(x: np.ndarray) -> np.ndarray:
+    return x - np.sin(2.0 * np.pi * x) / (2.0 * np.pi)
+
+
+def barrel(folder: Path, rotation: str = "ccw", taper: float = 0.0, form: str = "groove") -> Path:
+    """A roller that slides along the cam's axis: a dwell of 60°, a cycloidal rise and a return of 150° each."""
+    keys = f"play_mm = {PLAY}\n" if form == "groove" else "roller_distance_mm = 24.0\n"
+    path = folder / f"barrel_{rotation}_{form}.toml"
+    path.write_text(
+        'format = 1\nname = "Barrel"\n[motion]\nstart_mm = 0.0\n[[motion.segments]]\nlaw = "dwell"\nspan_deg = 60.0\n'
+        f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_mm = {STROKE}\n'
+        f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_mm = {-STROKE}\n'
+        f'[cam]\nkind = "barrel"\nform = "{form}"\n{keys}roller_radius_mm = {RADIUS}\nroller_length_mm = {LENGTH}\n'
+        f'roller_inner_mm = {INNER}\nroller_taper_deg = {taper}\n[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n',
+        "utf-8",
+    )
+    return path
+
+
+def barrel_motion(theta: np.ndarray) -> np.ndarray:
+    x = np.clip((np.mod(theta, 2.0 * np.pi) - math.radians(60.0)) / math.radians(150.0), 0.0, 2.0)
+    return STROKE * cycloidal(np.minimum(x, 2.0 - x))
+
+
+def indexer(folder: Path) -> Path:
+    """A globoidal indexer of six stops: a dwell of 240°, and a cycloidal step of 60° in 120°."""
+    path = folder / "indexer.toml"
+    path.write_text(
+        'format = 1\nname = "Indexer"\n[motion]\nstart_deg = 30.0\nadvance_deg = 60.0\n'
+        '[[motion.segments]]\nlaw = "dwell"\nspan_deg = 240.0\n'
+        '[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 120.0\nrise_deg = 60.0\n'
+        f'[cam]\nkind = "globoidal"\ncentre_distance_mm = {DISTANCE}\nform = "rib"\nroller_radius_mm = {RADIUS}\n'
+        f"roller_length_mm = {LENGTH}\nroller_inner_mm = {INNER}\nrollers = {TURNS}\nlength_mm = 82.0\n"
+        '[shaft]\nrotation = "ccw"\nspeed_rpm = 60.0\n[loads]\n',
+        "utf-8",
+    )
+    return path
+
+
+def turned(points: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Points (n, 3) rotated about z by angles (k,): (n, k, 3)."""
+    x, y, z = (points[:, i, None] for i in range(3))
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack((c * x - s * y, s * x + c * y, z + 0.0 * c), axis=-1)
+
+
+def least_distance(
+    points: np.ndarray,
+    axis: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    sense: float,
+    ends: tuple[float, float],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Least distance (n,) of points of the cam from the axis of a roller over the turn, and the vector (n, 3) from it.
+
+    The axis at cam angles (k,) is its point and its direction (k, 3); it is only as long as the roller. The least of the
+    samples is refined by a parabola.
+    """
+    theta = 2.0 * np.pi * np.arange(14_400) / 14_400
+    origin, along = axis(theta)
+    result, vectors = np.empty(len(points)), np.empty((len(points), 3))
+    for i in range(0, len(points), 40):
+        away = turned(points[i : i + 40], sense * theta) - origin
+        u = (away * along).sum(axis=-1)
+        across = away - u[..., None] * along
+        size = np.where((u > ends[0]) & (u < ends[1]), np.linalg.norm(across, axis=-1), np.inf)
+        best = size.argmin(axis=1)
+        rows = np.arange(len(size))
+        left, middle, right = (size[rows, (best + k) % theta.size] for k in (-1, 0, 1))
+        with np.errstate(invalid="ignore"):
+            curvature = left - 2.0 * middle + right
+            drop = np.where((curvature > 0.0) & np.isfinite(curvature), (right - left) ** 2 / (8.0 * curvature), 0.0)
+        result[i : i + 40] = middle - drop
+        back = turned(across[rows, best], -sense * theta[best])[rows, rows]
+        vectors[i : i + 40] = back
+    return result, vectors
+
+
+def random_points(faces: list[Face], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Random points and outward normals (n, 3) of B-spline faces."""
+    generator = np.random.default_rng(5)
+    at = [face.surface.at(*generator.uniform(size=(2, count))) for face in faces]
+    normals = [normal if face.is_along else -normal for (_, normal), face in zip(at, faces, strict=True)]
+    return np.concatenate([points for points, _ in at]), np.concatenate(normals)
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str) -> None:
+    """Points of the file are the roller's radius, with the play behind it, from its axis over the turn, and nowhere nearer."""
+    out = tmp_path / "cam.step"
+    facts = written(barrel(tmp_path, rotation), out)
+    assert 0.0 < facts["deviation_mm"] <= 0.002
+
+    def axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        zero = 0.0 * theta
+        return np.stack((zero, zero, barrel_motion(theta)), axis=-1), np.stack((zero + 1.0, zero, zero), axis=-1)
+
+    shells = StepFile(out.read_bytes()).shells
+    assert list(shells) == ["ahead 1", "behind 1"]
+    for name, faces in shells.items():
+        check_topology(faces, is_closed=False)
+        assert len(faces) == 3, "a dwell, a rise and a return"
+        points, normals = random_points(faces, 100)
+        distance, away = least_distance(
+            points, axis, 1.0 if rotation == "ccw" else -1.0, (INNER - 1.0, INNER + LENGTH + 1.0)
+        )
+        radius = RADIUS + (PLAY if name.startswith("behind") else 0.0)
+        assert np.abs(distance - radius).max() <= facts["deviation_mm"] + 1e-6
+        assert (away * normals).sum(axis=1).max() < 0.0, "normals point out of the cam, towards the roller"
+        assert np.sign(away[:, 2]).tolist() == [1.0 if name.startswith("ahead") else -1.0] * len(away)
+
+
+def test_an_indexers_flanks_touch_its_rollers(tmp_path: Path) -> None:
+    """The six-stop globoidal indexer, 2 µm true: no point is nearer to any roller than its radius, and each is that near to one."""
+    out = tmp_path / "cam.step"
+    facts = written(indexer(tmp_path), out)
+    assert facts["deviation_mm"] <= 0.002
+    step = 2.0 * np.pi / TURNS
+
+    def axis(k: int) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        def at(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            x = np.clip((theta - math.radians(240.0)) / math.radians(120.0), 0.0, 1.0)
+            phi = math.radians(30.0) + step * (cycloidal(x) + k)
+            zero = 0.0 * theta
+            return np.stack((zero + DISTANCE, zero, zero), axis=-1), np.stack(
+                (-np.cos(phi), zero, np.sin(phi)), axis=-1
+            )
+
+        return at
+
+    shells = StepFile(out.read_bytes()).shells
+    assert {name.split()[0] for name in shells} == {"ahead", "behind"}
+    for faces in shells.values():
+        check_topology(faces, is_closed=False)
+        points, _ = random_points(faces, 40)
+        ends = (INNER - 0.5, INNER + LENGTH + 0.5)
+        nearest = np.min([least_distance(points, axis(k), 1.0, ends)[0] for k in range(-2, 2)], axis=0)
+        assert np.abs(nearest - RADIUS).max() <= facts["deviation_mm"] + 1e-6
+
+
+def test_a_rib_of_a_slide_has_one_flank_a_roller(tmp_path: Path) -> None:
+    out = tmp_path / "cam.step"
+    written(barrel(tmp_path, form="rib"), out)
+    shells = StepFile(out.read_bytes()).shells
+    assert list(shells) == ["ahead 1", "behind 2"], "ahead of the lower roller, behind the upper one"
+    low, high = (random_points(faces, 20)[0][:, 2] for faces in shells.values())
+    assert low.min() == pytest.approx(-12.0 + RADIUS, abs=1e-3)
+    assert high.min() == pytest.approx(12.0 - RADIUS, abs=0.5)
+
+
+def test_a_table_of_a_barrel_in_closed_form(tmp_path: Path) -> None:
+    """p = (u, 0, y) + r e with e = (0, y', u)/√(u² + y'²) turned back by the cam's angle, tan ψ = |y'|/u."""
+    out = tmp_path / "flank.csv"
+    written(barrel(tmp_path), out, "--samples", 120, "--along", 4, "--flank", "ahead")
+    header, *lines = out.read_text("utf-8").splitlines()
+    rows = np.array([[float(word) for word in line.split(",")[1:]] for line in lines])
+    column = dict(zip(header.split(",")[1:], rows.T, strict=True))
+    assert {line.split(",")[0] for line in lines} == {"ahead"}
+    assert len(lines) == 480
+    u, theta = column["u_mm"], np.deg2rad(column["cam_angle_deg"])
+    assert np.unique(u.round(9)).tolist() == [40.0, 44.0, 48.0, 52.0]
+    y, step = barrel_motion(theta), 1e-5
+    slope = (barrel_motion(theta + step) - barrel_motion(theta - step)) / (2.0 * step)
+    size = np.hypot(u, slope)
+    e = np.stack((0.0 * u, slope / size, u / size), axis=-1)
+    at = np.stack((u, 0.0 * u, y), axis=-1) + RADIUS * e
+    rows = np.arange(theta.size)
+    point, normal = turned(at, -theta)[rows, rows], turned(e, -theta)[rows, rows]
+    assert np.abs(point - np.stack([column[f"{k}_mm"] for k in "xyz"], axis=-1)).max() < 1e-6
+    assert np.abs(normal - np.stack([column[f"n{k}"] for k in "xyz"], axis=-1)).max() < 1e-7
+    assert np.abs(np.rad2deg(np.arctan(np.abs(slope) / u)) - column["pressure_angle_deg"]).max() < 1e-5
+
+
+def test_a_table_of_an_indexer_has_the_rollers_in_the_blank(tmp_path: Path) -> None:
+    out = tmp_path / "flank.csv"
+    written(indexer(tmp_path), out, "--samples", 36, "--along", 3)
+    rows = [line.split(",") for line in out.read_text("utf-8").splitlines()[1:]]
+    assert {row[0] for row in rows} == {"ahead", "behind"}
+    keys = [(row[0], int(row[1]), float(row[2]), float(row[3])) for row in rows]
+    assert keys == sorted(keys), "by flank, roller, cam angle and u"
+    in_dwell = {int(row[1]) for row in rows if float(row[2]) == 100.0}
+    assert in_dwell == {1, 6}, "at 30° and -30°"
+    for row in rows:
+        phi = math.radians(30.0) + math.radians(60.0) * (
+            float(cycloidal(np.clip((np.deg2rad(float(row[2])) - math.radians(240.0)) / math.radians(120.0), 0.0, 1.0)))
+            + int(row[1]) - 1
+        )  # fmt: skip
+        assert abs(float(row[3]) * math.sin(phi)) <= 41.0 + 1e-6
+
+
+def test_stl_of_flanks_keeps_its_tolerance(tmp_path: Path) -> None:
+    out = tmp_path / "cam.stl"
+    facts = written(barrel(tmp_path), out, "--flank", "ahead", "--tolerance", 0.02)
+    content = out.read_bytes()
+    rows = np.frombuffer(content, dtype=[("n", "<f4", 3), ("p", "<f4", (3, 3)), ("a", "<u2")], offset=84)
+    corners = rows["p"].astype(float)[::37]
+    middles = (0.5 * (corners + np.roll(corners, 1, axis=1))).reshape(-1, 3)[:400]
+
+    def axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        zero = 0.0 * theta
+        return np.stack((zero, zero, barrel_motion(theta)), axis=-1), np.stack((zero + 1.0, zero, zero), axis=-1)
+
+    distance, _ = least_distance(middles, axis, 1.0, (INNER - 1.0, INNER + LENGTH + 1.0))
+    assert np.abs(distance - RADIUS).max() <= facts["deviation_mm"] <= 0.02
+
+
+@pytest.mark.parametrize("ending", ["step", "stl", "csv"])
+def test_the_same_design_gives_the_same_bytes(tmp_path: Path, ending: str) -> None:
+    design = indexer(tmp_path)
+    files = [tmp_path / f"{number}.{ending}" for number in range(2)]
+    for out in files:
+        written(design, out, "--tolerance", 0.05, "--samples", 12)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [(["--flank", "inner"], "allowed: ahead, behind, both"), (["--solid"], "is written as its flanks")],
+)
+def test_faults_are_named_in_one_line(tmp_path: Path, words: list[str], said: str) -> None:
+    code, _, faults = run(barrel(tmp_path), "--out", tmp_path / "cam.step", *words)
+    assert code == 2
+    assert said in faults
+    assert faults.count("\n") == 1
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("name", ["barrel_feeder", "globoidal_indexer"])
+def test_a_kernel_reads_valid_flanks(tmp_path: Path, name: str) -> None:
+    """OpenCASCADE reads the file and finds every face and edge valid."""
+    pytest.importorskip("OCP")
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.STEPControl import STEPControl_Reader
+
+    out = tmp_path / "cam.step"
+    written(EXAMPLES / f"{name}.toml", out)
+    reader = STEPControl_Reader()
+    reader.ReadFile(str(out))
+    reader.TransferRoots()
+    assert BRepCheck_Analyzer(reader.OneShape(), True).IsValid()
