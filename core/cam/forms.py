@@ -4,11 +4,7 @@ A form of a disk cam is a class with its word in ``core.design.followers``, name
 that may have it, and a row of ``FORMS``; a flank of a new name is drawn by a row of ``FLANK_PARTS`` in
 the window's ``cam_parts``. Files, checks, certificate and explanations follow from these.
 
-A barrel cam, which moves past its follower when unrolled, needs more than a row. ``relative_motion``,
-``cam_frame_rotation`` and ``sliding`` of ``core.cam.shape`` describe the motion of a disk past the follower; ``rate``
-in ``core.cam.faces``, ``_require_cam`` of both faces and ``cam_follower_centre`` describe the rotation of the face: all of these would
-have to depend on the cam. Crossings, walls, the profile's files and its drawing use the disk's closed curve about the
-origin.
+Cams in space, barrel and globoidal, are no forms of a disk cam: see ``core.spatial``.
 """
 
 from __future__ import annotations
