@@ -146,6 +146,7 @@ def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> Non
         "theta": study.theta,
         "omega": study.omega,
         "stages": study.stages,
+        "has_disk": study.has_disk,
         "sense": study.sense,
         "loading": study.loading,
     }
@@ -255,6 +256,7 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
         "theta": study.theta,
         "omega": study.omega,
         "stages": study.stages,
+        "has_disk": study.has_disk,
         "sense": study.sense,
         "loading": study.loading,
     }
@@ -592,8 +594,10 @@ class Quick:
         self.omega = 6.0
         cam = SimpleNamespace(base_radius_mm=80.0)
         drive = SimpleNamespace(cam=cam, links=(), loads=SimpleNamespace(springs=()))
-        self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=drive)
-        self.stages, self.sense, self.loading = ("linkage", "cam"), 1.0, Loading()
+        self.design = SimpleNamespace(
+            name="quick", shaft=SimpleNamespace(sense=1.0), drive=drive, outlines=(), clearances=()
+        )
+        self.stages, self.has_disk, self.sense, self.loading = ("linkage", "cam"), True, 1.0, Loading()
         end = 0.3 + 0.1 * np.exp(1j * self.theta)
         rocker = np.angle(end - (0.3 - 0.3j))
         bodies = {
