@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from core.commands import Painter
+from core.commands import DONE, Painter
 from core.commands.common import DriveArguments, as_json, one_studied, verdict
 from core.frozen import frozen
 from core.output.solids.surface import (
@@ -17,6 +18,7 @@ from core.output.solids.surface import (
 )
 from core.project import load
 from core.requests import text_option
+from core.study import Study
 
 
 @frozen(kw_only=True)
@@ -32,11 +34,14 @@ class SurfaceArguments(DriveArguments):
 
 def run_surface(arguments: SurfaceArguments, painter: Painter | None) -> int:
     """Write the file, and print its deviation."""
-    study = one_studied(load(arguments.design), arguments.drive)
-    job = surface_job(study, arguments.out, arguments.request)
+    request, design = arguments.request, load(arguments.design)
+    if request.of and arguments.drive:
+        request = replace(request, of=f"{arguments.drive}.{request.of}")
+    study = Study(design) if request.of else one_studied(design, arguments.drive)
+    job = surface_job(study, arguments.out, request)
     paths = write_surface(job, arguments.out)
     if arguments.json:
         print(facts_text(job), end="")
     else:
         print("\n".join([*map(str, paths), summary(job)]))
-    return verdict(study, ("cam",))
+    return DONE if request.of else verdict(study, ("cam",))

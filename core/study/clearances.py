@@ -226,6 +226,16 @@ class Clearances:
             return True  # every profile encloses the centre of its cam
         return self.shape(body, None).contains(point)
 
+    def pins_of(self, body: Body) -> list[complex]:
+        """Points [m] of a body, in its frame, where pins join it to other bodies."""
+        points = [
+            point
+            for pin in self._pins()
+            for owner, point in ((pin.first, pin.first_point), (pin.second, pin.second_point))
+            if owner == body
+        ]
+        return list(dict.fromkeys(points))
+
     def _pins(self) -> Iterator[_Pin]:
         """Points that two bodies share: pins, the centres of rollers and of cams."""
         cams = [i for i, drive in enumerate(self.design.drives) if CAM in body_words(drive)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -25,10 +27,11 @@ _MISSING = "give it in the design"
 
 @frozen(eq=False)
 class Prisms:
-    """Bodies of a cam or plate, and the largest distance [mm] of the exact surfaces from them."""
+    """Bodies of a cam or plate, the largest distance [mm] of the exact surfaces from them, and named points (3,) [mm]."""
 
     prisms: tuple[Prism, ...]
     deviation: float
+    points: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def bodies(self) -> tuple[Body, ...]:

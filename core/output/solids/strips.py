@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -69,6 +70,7 @@ class Strips:
     patches: tuple[tuple[Patch, ...], ...]
     deviation: float
     volume: None = None
+    points: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def bodies(self) -> tuple[Body, ...]:

@@ -23,11 +23,12 @@ from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ALL_FLANKS, AT_ONCE
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
 from core.output.solids.mesh import stl_bytes, stl_rounding
+from core.output.solids.plates import body_plates
 from core.output.solids.step import step_bytes
 from core.output.solids.strips import Strips, spatial_rows, spatial_strips
 from core.output.summary import to_json
 from core.project.files import write_all
-from core.requests import option
+from core.requests import option, text_option
 from core.study import Study
 
 # -- the request ------------------------------------------------------------------------------------------------
@@ -46,6 +47,7 @@ class SurfaceRequest:
     ----------
     flank : name of one of the cam's flanks; empty: all
     solid : whether the file holds the solid cam instead of its flanks
+    of : name of a body with outlines, whose plate is written instead of the cam
     tolerance_mm : largest distance of the exact surface from the file
     samples, along : numbers of cam angles and of points across the cam in a table
     """
@@ -57,6 +59,12 @@ class SurfaceRequest:
     solid: bool = flag("Solid", help="the solid cam with bore, keyway and hub instead of its flanks")
     tolerance_mm: float = length(
         "Tolerance", default=TOLERANCE, help="largest distance of the exact surface from that of the file"
+    )
+    of: str = text_option(
+        "the plate of a body with [[outlines]] and a layer, such as 'link 3' or feed.arm, instead of the cam",
+        "--of",
+        default="",
+        metavar="BODY",
     )
     samples: int = option(
         whole("Cam angles", 3, 1_000_000, default=3600, help="equally spaced cam angles of a table"), "--samples"
@@ -115,6 +123,10 @@ def _flanks(study: Study, request: SurfaceRequest) -> tuple[str, ...]:
 
 
 def _surfaces(study: Study, request: SurfaceRequest, tolerance: float) -> Prisms | Strips:
+    if request.of:
+        if request.flank:
+            raise KindynaError(f"flank {request.flank!r} cannot be combined with a plate; leave one out")
+        return body_plates(study, request.of)
     flanks = _flanks(study, request)
     if study.has_surface:
         if request.solid:
@@ -138,6 +150,9 @@ def _job(
 
 def _about(study: Study, request: SurfaceRequest, deviation: float) -> list[str]:
     """Facts about the file in lines, for its header."""
+    if request.of:
+        kind = f"Plate of {request.of}, in its frame, z across its plane"
+        return [kind, "Units: mm", f"Deviation from the exact outline: at most {rounded_up(deviation, 4)!r} mm"]
     kind = f"{study.design.drive.cam.kind} cam" if study.has_surface else "disk cam"
     return [
         f"{'Solid' if request.solid else 'Flanks'} of a {kind}; it turns {SENSES[study.sense][1]} seen from +z",
@@ -149,7 +164,7 @@ def _about(study: Study, request: SurfaceRequest, deviation: float) -> list[str]
 def _step(study: Study, request: SurfaceRequest) -> SurfaceJob:
     surfaces = _surfaces(study, request, request.tolerance_mm)
     about = _about(study, request, surfaces.deviation)
-    content = step_bytes(study.design.name, about, surfaces.bodies, {})
+    content = step_bytes(study.design.name, about, surfaces.bodies, surfaces.points)
     return _job(study, request, surfaces, content, surfaces.deviation)
 
 
@@ -182,7 +197,7 @@ COLUMNS = (
 
 def _csv(study: Study, request: SurfaceRequest) -> SurfaceJob:
     """Points of the flanks as a table: a row for every cam angle and every place across the cam."""
-    if request.solid:
+    if request.solid or request.of:
         raise KindynaError("a table holds flanks, not a solid; leave the solid out, or write a STEP or STL file")
     flanks = _flanks(study, request)
     if request.samples * request.along > MOST_ROWS:

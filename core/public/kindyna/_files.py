@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.util import find_spec
 from json import loads as parsed
 from pathlib import Path
@@ -64,8 +65,11 @@ def _profile(study: Study, target: Path, options: Mapping[str, Any]) -> list[Pat
 
 def _surface(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:
     request = requested(SurfaceArguments, options, "json", design=Path(), out=target)
-    drive = one_studied(study.design, request.drive)
-    return write_surface(surface_job(drive, target, request.request), target)
+    surfaces = request.request
+    if surfaces.of and request.drive:
+        surfaces = replace(surfaces, of=f"{request.drive}.{surfaces.of}")
+    subject = study if surfaces.of else one_studied(study.design, request.drive)
+    return write_surface(surface_job(subject, target, surfaces), target)
 
 
 def _report(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:
