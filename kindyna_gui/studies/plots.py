@@ -25,6 +25,9 @@ CROSS, GAP = 11.0, 3.5  # pixels
 Z_DESIGN = 60.0
 LEVEL_TEXTS, LIMIT_TEXTS = (0.72, 0.3), (0.24, 0.72)  # preferred position of the texts, as parts of width and height
 LABEL_FIGURES = 4
+CROWDED = 34.0  # pixels between axes, up to which their texts are upright
+UPRIGHT_SHARE = -0.9  # of the height of the axes, for upright texts
+LONGEST_TITLE = 34  # characters of an upright title
 WIDE = 44.0  # pixels between axes, from which on their ends have four digits
 LINE_OPACITY = 0.3  # of the designs within the limits
 
@@ -399,21 +402,30 @@ class ParallelPlot(PlotMouse, XYPlot):
         self.name_axes("", "")
         note = f"{int(within.sum())} of {within.size} designs selected"
         self.show_lines(lines, fit=True, note=note)
-        self.show_range((-0.5, len(titles) - 0.5), (-0.24, 1.08))
+        room = self._view.width() / len(titles) - 6.0
+        self.show_range((-0.5, len(titles) - 0.5), (-0.24 if room > CROWDED else UPRIGHT_SHARE, 1.08))
         self.show_ticks([], [])
         for tag in self._numbers:
             self._view.removeItem(tag)
         self._numbers = []
-        room = self._view.width() / len(titles) - 6.0
         digits = 4 if room > WIDE else 3
         for i, (row, title) in enumerate(zip(ends, titles, strict=True)):
             low_text, high_text = (short(float(end), digits) for end in row)
-            for level, text, lean in ((0.0, f"{low_text}\n{wrapped(title, room)}", 0.0), (1.0, high_text, 1.0)):
-                tag = Tag(text, self._theme.ink, self._theme, SMALL, (0.5, lean), backing=True)
-                self._include(tag, Z_DESIGN)
-                tag.setPos(float(i), level)
-                self._numbers.append(tag)
+            if room > CROWDED:
+                self._label(i, 0.0, f"{low_text}\n{wrapped(title, room)}", (0.5, 0.0))
+                self._label(i, 1.0, high_text, (0.5, 1.0))
+            else:
+                name = title if len(title) <= LONGEST_TITLE else f"{title[: LONGEST_TITLE - 1]}…"
+                self._label(i, -0.02, f"{name}  {low_text} … {high_text}", (0.0, 0.5)).setRotation(90.0)
         self._draw_brushes()
+
+    def _label(self, axis: int, level: float, text: str, lean: tuple[float, float]) -> Tag:
+        """Write a text at an axis."""
+        tag = Tag(text, self._theme.ink, self._theme, SMALL, lean, backing=True)
+        self._include(tag, Z_DESIGN)
+        tag.setPos(float(axis), level)
+        self._numbers.append(tag)
+        return tag
 
     def show_path(self, points: np.ndarray, starts: np.ndarray) -> None:
         """Show the path of a search (m, numbers) across the axes of the numbers."""
