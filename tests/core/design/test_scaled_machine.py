@@ -16,12 +16,14 @@ from core.study import Study
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "resources" / "examples").glob("*.toml"))
 POWERS = {"mm": 1, "mm/s": 1, "mm/s²": 1, "mm/s³": 1, "m/s²": 1, "m/s³": 1, "m/s": 1, "m": 1, "1/mm": -1}
+OF_ANY_SIZE = [path for path in EXAMPLES if 'minimise = "torque"' not in path.read_text("utf-8")]
+"""The law of least torque is another one at another size: weight and friction do not grow as inertia does."""
 COMPUTED = "cam_slider_linkage"  # whose places have all 17 digits
 LIFT = load(next(path for path in EXAMPLES if path.stem == "transfer_lift"))
 
 
 @pytest.mark.parametrize("factor", [0.1, 3.7])
-@pytest.mark.parametrize("path", spread(EXAMPLES, 8), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", spread(OF_ANY_SIZE, 8), ids=lambda path: path.stem)
 def test_a_scaled_mechanism_moves_as_the_original_does_at_its_size(path: Path, factor: float) -> None:
     whole = load(path)
     scaled = rescaled(whole, factor)
