@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 MM = 1e3
 BY_ANGLE, ALONG = 5, 3  # degrees
 WIDEST = np.deg2rad(12.0)  # cam angle of a span at first
-MOST_SPANS = 4000  # of a patch
+MOST_SPANS = 1000  # of a patch, which limits memory
 ALONG_SPANS = (1, 2, 4, 8, 16, 32)
 ALONG_PART = 0.25  # of the tolerance, for the direction along the roller
 SMOOTH = 4  # multiplicity of a knot where the third derivative of the motion jumps
@@ -317,8 +317,12 @@ def _along_basis(exact: _Exact, runs: list[list[tuple[float, float, int]]], tole
         u = np.linspace(*exact.ends, 4 * ACROSS * count + 1)
         fitted = _value(basis, _solve(basis, sites, exact.points(theta, piece, sites).transpose(1, 0, 2)), u)
         if np.abs(fitted.transpose(1, 0, 2) - exact.points(theta, piece, u)).max() <= ALONG_PART * tolerance:
-            break
-    return basis
+            return basis
+    raise KindynaError(_too_fine(tolerance))
+
+
+def _too_fine(tolerance: float) -> str:
+    return f"tolerance {tolerance:g} mm: it requires too many spans of the surface; choose a larger tolerance"
 
 
 def _fit_patch(
@@ -340,9 +344,7 @@ def _fit_patch(
                 break
             bad = error >= error.max() * 0.95
         if nodes.size > MOST_SPANS:
-            raise KindynaError(
-                f"tolerance {tolerance:g} mm: it requires more than {MOST_SPANS} spans; choose a larger tolerance"
-            )
+            raise KindynaError(_too_fine(tolerance))
         middles = 0.5 * (nodes[:-1] + nodes[1:])[bad]
         edges = [np.sort(np.append(e, middles[(middles > e[0]) & (middles < e[-1])])) for e in edges]
     return Patch(basis, along, points, _is_outward(exact, patch, nodes, owner)), deviation
