@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,11 +20,13 @@ from core.design.motions import needs_machine
 from core.design.rules import missing_for_effect
 from core.errors import DesignError, Fault, NoSolution
 from core.laws import Piece
-from core.laws.local import LocalLaw, local_law
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, spread
 from core.study.drive_forces import has_servo, servo_torque
 from core.study.study import Study
+
+if TYPE_CHECKING:
+    from core.laws.local import LocalLaw
 
 STEP = 1e-6  # of s, s', s'': differences for the derivatives of an effect
 AT_REST = 1e-9  # of s': slower is rounding
@@ -116,6 +119,8 @@ def law_in_machine(segment: Segment, whole_turn: bool) -> LocalLaw:
         wrong.append(Fault(f"motion.segments[{index}].minimise", curve.minimise, f"needs {needs}", "another aim"))
     if wrong:
         raise DesignError(wrong)
+    from core.laws.local import local_law  # imported here to save start-up time
+
     effect = _MachineEffect(design, index, curve.minimise)
     return local_law(optimal_task(curve, segment, whole_turn), effect)
 

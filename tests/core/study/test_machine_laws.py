@@ -127,7 +127,7 @@ def test_no_neighbour_with_the_same_limits_is_better() -> None:
     chance = np.random.default_rng(3)
     u = np.array([piece.start for piece in law.pieces])
     ends = [*u[1:], 1.0]
-    for _ in range(40):
+    for _ in range(15):
         k, size = int(chance.integers(1, 6)), 10.0 ** chance.uniform(-4.0, -2.0) * chance.choice([-1.0, 1.0])
         # s + size sin²(kπu) in powers of the distance from the start of each piece
         bent = [piece_with(p, size, k, end - p.start) for p, end in zip(law.pieces, ends, strict=True)]
