@@ -108,3 +108,22 @@ def test_a_table_and_one_flank_of_a_groove(user: User, tmp_path: Path) -> None:
     with answering(SurfaceDialog, act):
         user.choose(*PATH)
     assert len((tmp_path / "flank.csv").read_text("utf-8").splitlines()) == 1 + 36 * 21
+
+
+def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
+    user.session.start(load(example("barrel_feeder")))
+
+    def act(dialog: SurfaceDialog) -> None:
+        assert not dialog.form.boxes["solid"].isEnabled(), "it has flanks only"
+        assert computed(dialog).startswith("8 faces, at most ")
+        pick(dialog.form.boxes["flank"], "Ahead")
+        assert computed(dialog).startswith("4 faces, at most ")
+        seen = dialog.picture.grab().toImage()
+        colours = {seen.pixelColor(x, y).name() for x in range(0, seen.width(), 4) for y in range(0, seen.height(), 4)}
+        assert len(colours) > 10, "shaded"
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    user.picks("surfaces_to_save", tmp_path / "barrel.step")
+    with answering(SurfaceDialog, act):
+        user.choose(*PATH)
+    assert (tmp_path / "barrel.step").read_bytes().startswith(b"ISO-10303-21;")
