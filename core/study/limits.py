@@ -251,12 +251,10 @@ def _curvature(study: Study, concave: bool) -> Iterator[Curve]:
     if study.has_surface:
         if not concave:
             yield Curve(study.surface.curvature, _profile_radius, _curvature_margin, 0.0)
-            # an edge, where a flank is undercut, violates every limit
-            yield Curve(
-                1.0 - study.surface.margin,
-                lambda share, _: 0.0 if share >= 1.0 else math.inf,
-                lambda share, *_: 1.0 - share,
-            )
+            # an edge, where a flank is undercut, violates every limit; elsewhere the radius decides
+            margin = study.surface.margin
+            excess = np.where(margin > 0.0, -1.0, 1.0 - margin)
+            yield Curve(excess, lambda share, _: 0.0 if share >= 1.0 else math.inf, lambda share, *_: 1.0 - share)
         return
     for flank in study.cam.flanks:
         if flank.straight:
