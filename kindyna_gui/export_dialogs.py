@@ -293,7 +293,8 @@ def open_outside(path: Path) -> None:
 # -- hand-over dialog ------------------------------------------------------------------------------------
 
 CONTENT = (
-    "Profile, drawing and inspection table of every cam, report, web page, the design itself, and a list of all files."
+    "Profile, drawing and inspection table of every cam, its solid where the design states the dimensions, report, web page, "
+    "the design itself, and a list of all files."
 )
 
 

@@ -37,6 +37,8 @@ from core.output.files.profile_request import ProfileRequest
 from core.output.lines import finding_line, printable
 from core.output.report.document import Cover, Document, document, numbered_chapters, template_of
 from core.output.report.parts import ROUNDING, ReportPicture, Section
+from core.output.solids.disk import has_solid
+from core.output.solids.surface import SurfaceRequest, surface_job
 from core.output.summary import to_json
 from core.process import resources
 from core.project import dumps
@@ -421,6 +423,8 @@ def _file_builders(
         if request.gcode:
             yield "G-code", lambda: _profile(study, folder, of_drive, request, ".nc")
         yield "inspection table", lambda: _inspection(study, folder, of_drive)
+    if study.has_surface or (study.has_disk and has_solid(study.design.drive.cam)):
+        yield "surfaces", lambda: _surfaces(study, folder, of_drive, request)
     if request.controller:
         yield "table of the controller", lambda: _controller(design, folder, name, request)
 
@@ -438,6 +442,17 @@ def _profile(study: Study, folder: str, of_drive: str, request: HandoverRequest,
             deviation if name == path.name else None,
         )
         for name, data in profile_files(job, path).items()
+    ]
+
+
+def _surfaces(study: Study, folder: str, of_drive: str, request: HandoverRequest) -> list[HandoverFile]:
+    """The solid of a disk cam, or the flanks of a cam in space."""
+    job = surface_job(study, Path("cam.step"), SurfaceRequest(solid=study.has_disk, tolerance_mm=request.error_mm))
+    what = "solid" if study.has_disk else "flanks"
+    return [
+        HandoverFile(
+            f"{folder}cam.step", f"{what} of the cam{of_drive}, STEP AP214", job.content, (job.deviation, "mm")
+        )
     ]
 
 

@@ -169,6 +169,12 @@ def _material_left(flank: str, outline: Outline) -> Outline:
     return reversed_outline(outline) if flank == OUTER else outline
 
 
+def has_solid(cam: Any) -> bool:
+    """Whether a disk cam states the dimensions that its solid needs: thickness, of a groove also blank and depth."""
+    blank = (cam.form.outer_radius_mm, cam.form.groove_depth_mm) if OUTER in form_row(cam.form).flanks else ()
+    return None not in (cam.thickness_mm, *blank)
+
+
 # -- dimensions -------------------------------------------------------------------------------------------------
 
 

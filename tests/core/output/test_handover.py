@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from folders import content
 from sampled import stressed
+from step_reader import StepFile
 
 from core.design import put
 from core.errors import KindynaError
@@ -70,6 +71,24 @@ def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(made: Han
     (row,) = [each for each in made.contents["files"] if each["name"] == "profile.dxf"]
     exact = 1e3 * Study(load(PICKER), 18000).cam.flank.profile
     assert distance_from(exact, tmp_path / "out" / "profile.dxf") <= row["deviation"] + 1.1e-4
+
+
+@pytest.mark.parametrize(
+    ("name", "solids", "sheets"),
+    [("conjugate", 2, 0), ("groove", 0, 0), ("barrel_feeder", 0, 2), ("card_picker", 0, 0)],
+)
+def test_a_cam_with_its_dimensions_leaves_as_a_solid_too(name: str, solids: int, sheets: int) -> None:
+    """A groove without the dimensions of its blank has none, and nothing of it is left out."""
+    made = handover(Study(load(EXAMPLES / f"{name}.toml")), HandoverRequest())
+    files = [file for file in made.files if file.name == "cam.step"]
+    assert len(files) == (solids + sheets > 0)
+    assert not made.left_out
+    for file in files:
+        step = StepFile(file.data)
+        assert len(list(step.all("MANIFOLD_SOLID_BREP"))) == solids
+        assert len(list(step.all("SHELL_BASED_SURFACE_MODEL"))) == sheets
+        assert file.deviation is not None
+        assert 0.0 < file.deviation[0] <= 1e-3
 
 
 @pytest.mark.stress
