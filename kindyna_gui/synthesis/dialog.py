@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
@@ -37,6 +37,7 @@ from core.synthesis import (
     AnswerLimits,
     BodyPose,
     PathPoint,
+    Pivot,
     Swing,
     Synthesis,
     Task,
@@ -47,7 +48,7 @@ from core.synthesis import (
     task_of,
 )
 from core.synthesis.judge import joint_positions
-from core.synthesis.task import ANGLES, PATH, POSES, ROCKER, ROCKER_OUTPUT, SLIDER_OUTPUT, task_table
+from core.synthesis.task import ANGLES, FIXED, PATH, POSES, ROCKER, ROCKER_OUTPUT, SLIDER_OUTPUT, task_table
 from core.synthesis.tasks import TASKS
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
@@ -68,7 +69,7 @@ TASK_FILES, CURVES = "Tasks (*.toml)", "Curves (*.csv *.dxf)"
 FIRST_POSES = (BodyPose(0.0, 0.0, 0.0), BodyPose(60.0, 20.0, 30.0), BodyPose(110.0, 10.0, 60.0))
 FIRST_PAIRS = (AnglePair(45.0, 30.0), AnglePair(75.0, 55.0), AnglePair(105.0, 75.0))
 HINTS: Mapping[str, str] = {
-    POSES: "Press and drag: puts a frame of the body and turns it, two to five of them",
+    POSES: "Press and drag: puts a frame of the body and turns it, two to five of them; with Shift: a fixed pivot",
     PATH: "Draw the path in one stroke; near its start it closes",
 }
 Boxes = list[LiveBox]
@@ -88,6 +89,7 @@ class FindLinkageDialog(PutDialog):
         self.poses: list[Boxes] = []
         self.pairs: list[Boxes] = []
         self.swing = _boxes(Swing, "swing_deg", "time_ratio", "frame_mm")
+        self.pivots = [_boxes(Pivot, "x_mm", "y_mm", suffix=f" of fixed pivot {k}") for k in (1, 2)]
         self.frame_mm = _boxes(AnglePairs, "frame_mm")[0]
         self.limits = _boxes(AnswerLimits, "transmission_deg_min", "length_ratio_max")
         self.closed, self.free, self.order = (
@@ -112,6 +114,7 @@ class FindLinkageDialog(PutDialog):
             (self.kind.activated, self._kind_chosen),
             (self.output.activated, self._changed),
             (self.sheet.poses_changed, self._sheet_poses),
+            (self.sheet.pivots_changed, self._sheet_pivots),
             (self.sheet.path_changed, self._sheet_path),
             (self.closed.toggled, self._changed),
             (self.free.toggled, self._changed),
@@ -121,7 +124,7 @@ class FindLinkageDialog(PutDialog):
             (self.board.list.currentItemChanged, self._show_card),
             (self.board.reopened, self._take),
         )
-        for box in (*self.swing, self.frame_mm, *self.limits):
+        for box in (*self.swing, self.frame_mm, *self.limits, *self.pivots[0], *self.pivots[1]):
             box.changed.connect(self._changed)
         self.finished.connect(self._close)
         self.show_task(replace(Task(kind=POSES), poses=FIRST_POSES))
@@ -138,7 +141,7 @@ class FindLinkageDialog(PutDialog):
         add_pair = self._button("&Add a pair", lambda: self._add_pair())
         curve = self._button("Points from a &file...", self._open_curve)
         pages = {
-            POSES: fill(QVBoxLayout(), self._pose_grid, add_pose, STRETCH, margins=0),
+            POSES: fill(QVBoxLayout(), self._pose_grid, add_pose, 8, self._pivot_form(), STRETCH, margins=0),
             PATH: fill(QVBoxLayout(), self.about_path, self.closed, curve, STRETCH, margins=0),
             ANGLES: fill(QVBoxLayout(), self._angle_form(), self._pair_grid, add_pair, self.free, STRETCH, margins=0),
             ROCKER: fill(QVBoxLayout(), _form(self.swing), STRETCH, margins=0),
@@ -164,6 +167,16 @@ class FindLinkageDialog(PutDialog):
         right = fill(QVBoxLayout(), (self.sheet, 1), self.found, self.board, margins=0)
         self.frame(left, LEFT_WIDTH, right, DEFAULT_SIZE, LEAST_SIZE)
 
+    def _pivot_form(self) -> QGridLayout:
+        """Positions of the fixed pivots; an empty one is free."""
+        grid = QGridLayout()
+        for k, boxes in enumerate(self.pivots):
+            grid.addWidget(QLabel(f"Fixed pivot {k + 1}"), k, 0)
+            for column, box in enumerate(boxes, 1):
+                box.setToolTip("Empty: anywhere. Shift and a press on the sheet put it")
+                grid.addWidget(box, k, column)
+        return grid
+
     def _angle_form(self) -> QFormLayout:
         form = QFormLayout()
         form.addRow("Output", self.output)
@@ -184,6 +197,7 @@ class FindLinkageDialog(PutDialog):
         self.kind.setCurrentIndex(self.kind.findData(task.kind))
         if task.poses:
             self._show_poses(task.poses)
+        self._show_pivots([next((p.z for p in task.pivots if _is_placed(p, dyad)), None) for dyad in (1, 2)])
         angles = task.angles or AnglePairs(pairs=FIRST_PAIRS, frame_mm=100.0)
         self._show_pairs(angles.pairs)
         self.frame_mm.set_number(angles.frame_mm)
@@ -225,6 +239,20 @@ class FindLinkageDialog(PutDialog):
             for box, value in zip(boxes, (pose.x_mm, pose.y_mm, pose.angle_deg), strict=True):
                 if not box.is_refused and box.number != value:
                     box.set_number(value)
+
+    def _show_pivots(self, pivots: Sequence[complex | None]) -> None:
+        for boxes, z in zip(self.pivots, pivots, strict=True):
+            for box, value in zip(boxes, (None, None) if z is None else (z.real, z.imag), strict=True):
+                box.set_number(value)
+
+    def _sheet_pivots(self) -> None:
+        self._show_pivots(self.sheet.pivots)
+        self._changed()
+
+    def _typed_pivots(self) -> list[complex | None]:
+        """Positions of the fixed pivots of both dyads [mm]; None where they are free, or not complete."""
+        rows = [(x.number, y.number) for x, y in self.pivots]
+        return [None if x is None or y is None else complex(x, y) for x, y in rows]
 
     def _show_pairs(self, pairs: tuple[AnglePair, ...]) -> None:
         if len(pairs) != len(self.pairs):
@@ -299,7 +327,7 @@ class FindLinkageDialog(PutDialog):
 
     @property
     def task(self) -> Task:
-        """The task as it is typed and drawn; its pivots and its area are those of the opened file."""
+        """The task as it is typed and drawn; lines of pivots, and the area, are those of the opened file."""
         kind = self.kind.currentData()
         transmission, ratio = (box.number for box in self.limits)
         limits = AnswerLimits(
@@ -307,7 +335,10 @@ class FindLinkageDialog(PutDialog):
         )
         task = Task(kind=kind, limits=limits, folder=self._folder)
         if kind == POSES:
-            return replace(task, poses=tuple(self._typed_poses()), pivots=self._kept.pivots, area=self._kept.area)
+            others = [pivot for pivot in self._kept.pivots if not any(_is_placed(pivot, dyad) for dyad in (1, 2))]
+            placed = enumerate(self._typed_pivots(), 1)
+            typed = [Pivot(dyad=k, of=FIXED, x_mm=z.real, y_mm=z.imag) for k, z in placed if z is not None]
+            return replace(task, poses=tuple(self._typed_poses()), pivots=(*others, *typed), area=self._kept.area)
         if kind == PATH:
             return replace(task, path=replace(self._path, closed=self.closed.isChecked()))
         if kind == ANGLES:
@@ -322,7 +353,7 @@ class FindLinkageDialog(PutDialog):
     def _visible_boxes(self) -> Boxes:
         kind = self.kind.currentData()
         by_kind = {
-            POSES: [box for row in self.poses for box in row],
+            POSES: [box for row in (*self.poses, *self.pivots) for box in row],
             PATH: [],
             ANGLES: [self.frame_mm, *(box for row in self.pairs for box in row)],
             ROCKER: list(self.swing),
@@ -338,6 +369,7 @@ class FindLinkageDialog(PutDialog):
         kind = self.kind.currentData()
         self.frame_mm.setEnabled(self.output.currentData() == ROCKER_OUTPUT)
         points = list(self._path.points) if kind == PATH else []
+        self.sheet.pivots = self._typed_pivots()
         self.sheet.show_task(self._typed_poses() if kind == POSES else [], points, self.closed.isChecked())
         count = len(self._path.points)
         self.about_path.setText(
@@ -478,6 +510,11 @@ class FindLinkageDialog(PutDialog):
             action()
         except KindynaError as error:
             self.show_message(sentence(str(error).splitlines()[0]), wrong=True)
+
+
+def _is_placed(pivot: Pivot, dyad: int) -> bool:
+    """Whether a condition is the position of the fixed pivot of one dyad."""
+    return pivot.of == FIXED and pivot.dyad == dyad and pivot.z is not None
 
 
 def _back_and_forth(z: np.ndarray) -> np.ndarray:

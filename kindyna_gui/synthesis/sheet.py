@@ -33,11 +33,13 @@ class TaskSheet(QWidget):
     """Poses or a path, drawn with the mouse, and the points of an answer.
 
     Press at an empty place and drag to put and turn a frame; drag its origin to move it, the end of its arm to turn it; Delete removes
-    the selected one. A path is drawn in one stroke. The wheel zooms, the right or middle button moves the sheet. Signals:
-    ``poses_changed``, and ``path_changed`` with whether the path is closed.
+    the selected one. With Shift a press puts a fixed pivot, which can be dragged too. A path is drawn in one stroke. The wheel zooms,
+    the right or middle button moves the sheet. Signals:
+    ``poses_changed``, ``pivots_changed``, and ``path_changed`` with whether the path is closed.
     """
 
     poses_changed = Signal()
+    pivots_changed = Signal()
     path_changed = Signal(bool)
 
     def __init__(self) -> None:
@@ -47,6 +49,7 @@ class TaskSheet(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setCursor(Qt.CursorShape.CrossCursor)
         self.poses: list[BodyPose] = []
+        self.pivots: list[complex | None] = [None, None]
         self.points: list[PathPoint] = []
         self.draws_path = self.is_passive = False
         self.closed = False
@@ -54,6 +57,7 @@ class TaskSheet(QWidget):
         self.hint = ""
         self._scale, self._middle = FIRST_SCALE, 0j  # pixels per mm; the place in the centre [mm]
         self._drag: str = ""
+        self._pivot = -1
         self._pressed = QPointF()
         self._stroke: list[complex] = []
         self._answer: Mapping[str, np.ndarray] = {}
@@ -86,7 +90,11 @@ class TaskSheet(QWidget):
 
     def fit(self) -> None:
         """Show the full task, and the answer."""
-        z = [pose.z for pose in self.poses] + [complex(p.x_mm, p.y_mm) for p in self.points]
+        z = (
+            [pose.z for pose in self.poses]
+            + [pivot for pivot in self.pivots if pivot is not None and not self.draws_path]
+            + [complex(p.x_mm, p.y_mm) for p in self.points]
+        )
         z += [complex(p) for positions in self._answer.values() for p in positions[:: max(1, positions.size // 24)]]
         if not z:
             return
@@ -126,12 +134,14 @@ class TaskSheet(QWidget):
         return QPointF(at.x() + turn.real, at.y() - turn.imag)
 
     def _hit(self, point: QPointF) -> tuple[str, int]:
-        """What is under the mouse: ``turn`` or ``move`` with the number of a frame, or nothing."""
-        for action, position in (("turn", self.arm_end), ("move", lambda pose: self.at(pose.z))):
-            for i in reversed(range(len(self.poses))):
-                d = position(self.poses[i]) - point
-                if d.x() ** 2 + d.y() ** 2 <= REACH**2:
-                    return action, i
+        """What is under the mouse: ``turn`` or ``move`` with the number of a frame, ``pivot`` with that of a pivot, or nothing."""
+        places = [("turn", i, self.arm_end(pose)) for i, pose in enumerate(self.poses)]
+        places += [("move", i, self.at(pose.z)) for i, pose in enumerate(self.poses)]
+        places += [("pivot", i, self.at(z)) for i, z in enumerate(self.pivots) if z is not None]
+        for action, i, place in places:
+            d = place - point
+            if d.x() ** 2 + d.y() ** 2 <= REACH**2:
+                return action, i
         return "", -1
 
     # -- mouse and keys -----------------------------------------------------------------------------------
@@ -147,13 +157,18 @@ class TaskSheet(QWidget):
             self._drag, self._stroke = "draw", [self.place(event.position())]
             return
         action, index = self._hit(event.position())
+        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and None in self.pivots:
+            action, index = "pivot", self.pivots.index(None)
+            self.pivots[index] = self.snapped(self.place(event.position()))
+            self.pivots_changed.emit()
         if not action and len(self.poses) < MOST_POSES:
             z = self.snapped(self.place(event.position()))
             angle = self.poses[-1].angle_deg if self.poses else 0.0
             self.poses.append(BodyPose(z.real, z.imag, angle))
             action, index = "new", len(self.poses) - 1
             self.poses_changed.emit()
-        self._drag, self.chosen = action, index
+        self._drag = action
+        self._pivot, self.chosen = (index, -1) if action == "pivot" else (-1, index)
         self.update()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -163,6 +178,9 @@ class TaskSheet(QWidget):
             self._pressed = event.position()
         elif self._drag == "draw":
             self._stroke.append(self.place(event.position()))
+        elif self._drag == "pivot":
+            self.pivots[self._pivot] = self.snapped(self.place(event.position()))
+            self.pivots_changed.emit()
         elif self._drag in ("turn", "new", "move"):
             if self._drag == "new" and d.x() ** 2 + d.y() ** 2 < TURNS**2:
                 return
@@ -215,6 +233,9 @@ class TaskSheet(QWidget):
         self._paint_grid(painter)
         self._paint_path(painter)
         self._paint_answer(painter)
+        for z in self.pivots:
+            if z is not None and not self.is_passive and not self.draws_path:
+                self._paint_pivot(painter, self.at(z))
         for i, pose in enumerate(self.poses):
             self._paint_frame(painter, pose, i)
         if self.hint and not (self.poses or self.points or self._stroke):
@@ -272,6 +293,13 @@ class TaskSheet(QWidget):
             radius = 5.0 if name.startswith("O") else 3.5
             painter.setPen(QPen(QColor(SCREEN.chosen if name == "P" else SCREEN.ink), 1.5))
             painter.drawEllipse(place, radius, radius)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+
+    def _paint_pivot(self, painter: QPainter, at: QPointF) -> None:
+        painter.setPen(QPen(QColor(SCREEN.ink), 1.5))
+        painter.setBrush(QColor(SCREEN.paper))
+        painter.drawPolygon([at, QPointF(at.x() - 9.0, at.y() + 15.0), QPointF(at.x() + 9.0, at.y() + 15.0)])
+        painter.drawEllipse(at, 4.0, 4.0)
         painter.setBrush(Qt.BrushStyle.NoBrush)
 
     def _paint_frame(self, painter: QPainter, pose: BodyPose, index: int) -> None:

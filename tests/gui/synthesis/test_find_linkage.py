@@ -103,6 +103,28 @@ def test_a_frame_is_moved_by_its_origin_and_turned_by_its_arm(user: User) -> Non
     settle()
 
 
+def test_a_fixed_pivot_is_put_with_shift_and_dragged(user: User) -> None:
+    dialog = opened(user)
+    answered(dialog)
+    at = pixel(dialog, 20.0 - 40.0j)
+    QTest.mouseClick(dialog.sheet, LEFT, Qt.KeyboardModifier.ShiftModifier, at)
+    settle()
+    z = dialog.sheet.pivots[0]
+    assert z is not None
+    assert abs(z - (20.0 - 40.0j)) < 3.0
+    assert [box.number for box in dialog.pivots[0]] == [z.real, z.imag]
+    answered(dialog)
+    assert dialog.answer is not None
+    assert z in dialog.answer.candidate.linkage.by_number[1].places.values()
+    drag(dialog, at, at + QPoint(0, 20), at + QPoint(0, 40))
+    moved = dialog.sheet.pivots[0]
+    assert moved is not None
+    assert moved.imag < z.imag
+    assert len(dialog.task.pivots) == 1
+    dialog.reject()
+    settle()
+
+
 def test_a_path_drawn_in_one_stroke_is_followed_within_a_percent(user: User) -> None:
     dialog = opened(user)
     dialog.kind.setFocus()
