@@ -374,7 +374,7 @@ def test_the_joins_stand_in_the_summary_with_their_jumps() -> None:
 def test_units_of_columns_are_those_of_their_endings() -> None:
     factors = {"mm": 1e-3, "deg": math.pi / 180, "rpm": math.pi / 30, "n_per_mm": 1e3, "n_s_per_mm": 1e3, "mm_s": 1e-3, "mm_s2": 1e-3,
                "mm_s3": 1e-3, "deg_s": math.pi / 180, "deg_s2": math.pi / 180, "deg_s3": math.pi / 180, "per_mm": 1e3,
-               "mpa": 1e6, "gpa": 1e9, "mm_min": 1e-3 / 60.0, "mm_per_turn": 1e-3, "mm_per_deg": 0.18 / math.pi,
+               "mpa": 1e6, "mpa_m_s": 1e6, "gpa": 1e9, "mm_min": 1e-3 / 60.0, "mm_per_turn": 1e-3, "mm_per_deg": 0.18 / math.pi,
                "mm_per_deg2": 32.4 / math.pi**2}  # fmt: skip
     for slug, unit in UNITS.items():
         assert unit.factor == factors.get(slug, 1.0), slug
