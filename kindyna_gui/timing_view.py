@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from math import degrees, fsum, radians
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPoint, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
@@ -36,7 +37,6 @@ from core.design import (
 )
 from core.errors import KindynaError
 from core.study import Study
-from core.study.clearances import Clearances
 from kindyna_gui.background import Background
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -61,6 +61,9 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all, fill, widget_with
 from kindyna_gui.timing_canvas import TimingCanvas
 from kindyna_gui.view import View
+
+if TYPE_CHECKING:
+    from core.study.clearances import Clearances
 
 # -- list of sequence conditions -------------------------------------------------------------------------
 

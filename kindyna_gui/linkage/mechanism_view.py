@@ -25,7 +25,6 @@ from kindyna_gui.linkage.mechanism_mouse import MechanismMouseView
 from kindyna_gui.look import Note, linked
 from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.drawing.outline_parts import LAYER as OUTLINE_LAYER
 from kindyna_gui.pictures.drawing.parts import (
     BODY_FORCE_LAYERS,
     COLOUR_LAYERS,
@@ -33,6 +32,7 @@ from kindyna_gui.pictures.drawing.parts import (
     EVERY_LAYER,
     FORCE_LAYERS,
     MODULO,
+    OUTLINE_LAYER,
     STEP_LAYERS,
     TWIST,
     available_layers,

@@ -24,8 +24,7 @@ from core.output.position import Snapshot
 from core.study import Quantity, Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.drawing.outline_parts import LAYER as OUTLINE_LAYER
-from kindyna_gui.pictures.drawing.parts import EVERY_LAYER
+from kindyna_gui.pictures.drawing.parts import EVERY_LAYER, OUTLINE_LAYER
 from kindyna_gui.pictures.drawing.polygons import PolygonSheet, velocity_box, velocity_diagram
 from kindyna_gui.pictures.plots.curves import CurvePlot
 from kindyna_gui.pictures.plots.marks import TEXT_ROOM

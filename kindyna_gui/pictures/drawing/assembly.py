@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from math import degrees
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
@@ -20,8 +21,7 @@ from core.motion.program import ShaftPosition
 from core.numerics.derivatives import ISOMETRIC, seen_from
 from core.output.drawing.palette import BLUE
 from core.study import Camshaft, Study
-from core.study.clearances import Clearances
-from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, outline_parts, parts
+from kindyna_gui.pictures.drawing import cam_parts, load_parts, mechanism, parts
 from kindyna_gui.pictures.drawing.cam_parts import (
     COLOURINGS,
     ColouredLoop,
@@ -36,6 +36,9 @@ from kindyna_gui.pictures.drawing.overlay import FIELDS, Group, Overlay, VectorU
 from kindyna_gui.pictures.items import DrawnPart, Loop, Tag
 from kindyna_gui.pictures.shapes import outline
 from kindyna_gui.pictures.style import BALANCE, SCREEN, TEXT, Theme, rgb
+
+if TYPE_CHECKING:
+    from core.study.clearances import Clearances
 
 BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 
@@ -101,6 +104,8 @@ class DriveFigure:
         self.parts = [part for part in built if not OMITTED_LAYERS & set(part.layers)]
         self.outlines = () if clearances is None else clearances.design.outlines
         if clearances is not None:
+            from kindyna_gui.pictures.drawing import outline_parts  # few designs have outlines
+
             self.parts += outline_parts.body_outlines(clearances, number, self.geometry, theme)
         for part in self.parts:
             part.item.setZValue(part.z)
@@ -237,14 +242,14 @@ class Assembly(QGraphicsScene):
         shaft: Camshaft[Study],
         selected: int,
         about_shaft: bool,
-        layers: Collection[str] = ("loads", *outline_parts.LAYER),
+        layers: Collection[str] = ("loads", *parts.OUTLINE_LAYER),
     ) -> None:
         """Draw the drives with layers of ``DRIVE_LAYERS`` and ``SELECTED_LAYERS``; unchanged figures are reused."""
         drive_layers = tuple(layer for layer in DRIVE_LAYERS if layer in layers)
         selected_layers = tuple(layer for layer in SELECTED_LAYERS if layer in layers)
         rows = list(_rows(shaft, self.theme))
-        has_outlines = bool(shaft.design.outlines) and outline_parts.LAYER[0] in layers and not shaft.failures
-        clearances = Clearances(shaft) if has_outlines else None
+        has_outlines = bool(shaft.design.outlines) and parts.OUTLINE_LAYER[0] in layers and not shaft.failures
+        clearances = _clearances(shaft) if has_outlines else None
         outlines = shaft.design.outlines if has_outlines else ()
         self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
         figures: dict[int, DriveFigure] = {}
@@ -278,9 +283,11 @@ class Assembly(QGraphicsScene):
             self.removeItem(part.item)
         self._machine_parts = []
         if clearances is not None and self.about_shaft:
+            from kindyna_gui.pictures.drawing import outline_parts  # few designs have outlines
+
             nearest = outline_parts.NearestPart(clearances, self.theme)
-            parts = (*outline_parts.frame_outlines(clearances, self.theme), *nearest.parts(lambda _: self._machine))
-            self._machine_parts = list(parts)
+            new_parts = (*outline_parts.frame_outlines(clearances, self.theme), *nearest.parts(lambda _: self._machine))
+            self._machine_parts = list(new_parts)
         for part in self._machine_parts:
             part.item.setZValue(part.z)
             self.addItem(part.item)
@@ -450,6 +457,12 @@ class Assembly(QGraphicsScene):
 
     def lay_labels(self) -> None:
         """Do nothing: the names of the drives keep their positions."""
+
+
+def _clearances(shaft: Camshaft[Study]) -> Clearances:
+    from core.study.clearances import Clearances  # few designs have outlines
+
+    return Clearances(shaft)
 
 
 def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex]:

@@ -13,11 +13,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, keyway_corners, row_of
-from core.design.outline_bodies import body_of
 from core.dynamics import Element, Inertia, OutputForce, Spring, body_inertias
 from core.errors import NoSolution
 from core.followers import FACE_PLACE
-from core.followers.outline_frames import outline_frame
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.mechanism.drivers import Wheel, WheelPair, wheel_pairs
@@ -270,6 +268,11 @@ class Geometry:
     def _corners(self, index: int) -> dict[str, complex]:
         """Positions of the corners of outlines at a sample [mm], by their paths."""
         design, corners = self.study.design, dict[str, complex]()
+        if not design.outlines:
+            return corners
+        from core.design.outline_bodies import body_of  # few designs have outlines
+        from core.followers.outline_frames import outline_frame
+
         for i, outline in enumerate(design.outlines):
             body = body_of(design, outline)
             if body is not None and outline.plane is None:

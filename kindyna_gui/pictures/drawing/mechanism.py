@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 from core.instant_centres import CentreTable
 from core.instant_centres.construction import Key
 from core.study import Study
-from kindyna_gui.pictures.drawing import cam_parts, load_parts, outline_parts, overlay, parts
+from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
 from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, colour_scale, coloured_profile, reading_at
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.labels import Labels, Strokes, TextBox
@@ -147,12 +147,21 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
     parts.linkage,
     cam_parts.contact,
 )
+
+
+def _outlines(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    if geometry.study.design.outlines:
+        from kindyna_gui.pictures.drawing.outline_parts import outlines  # few designs have outlines
+
+        yield from outlines(geometry, theme)
+
+
 LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[DrawnPart]]] = MappingProxyType(
     {
         **{layer: partial(coloured_profile, layer) for layer in COLOURINGS},
         DIMENSIONS: dimensions,
         TWIST: shaft,
-        "outlines": outline_parts.outlines,
+        "outlines": _outlines,
         "loads": load_parts.loads,
         "masses": load_parts.masses,
     }

@@ -15,12 +15,12 @@ from core.errors import KindynaError
 from core.output.drawing.palette import VERMILION
 from core.study.clearances import Clearances, NearestBodies
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.parts import OUTLINE_LAYER as LAYER
 from kindyna_gui.pictures.items import DrawnPart, Outline, Tag, riding
 from kindyna_gui.pictures.shapes import segments
 from kindyna_gui.pictures.style import OUTLINE, THIN, Theme, brush
 from kindyna_gui.pictures.units import readable_text
 
-LAYER = ("outlines",)
 Z_OUTLINE, Z_NEAREST = 2.0, 13.0
 FILL = 0.14  # opacity: the mechanism carries the colour
 NEAREST_ANGLES = 720  # at which the nearest bodies of a turn are computed

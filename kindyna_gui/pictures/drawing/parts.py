@@ -64,6 +64,7 @@ class Layer:
     shown: bool = True
 
 
+OUTLINE_LAYER = ("outlines",)
 DIMENSIONS, TWIST, MODULO, COUPLER = "dimensions", "twist", "modulo", "coupler"
 
 LAYERS: Mapping[str, Layer] = MappingProxyType(
