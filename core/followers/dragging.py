@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import pi
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from core.design import (
     CamSlider,
@@ -29,13 +29,11 @@ from core.design import (
     put,
     si,
 )
-from core.design.outline_bodies import Body, body_of
 from core.design.parts import SIDES
 from core.errors import NoAssembly
 from core.followers import built
 from core.followers.cam_slider import LAYOUT_TABLE, base_position
 from core.followers.dimensions import FACE, SECOND, reach_of
-from core.followers.outline_frames import outline_frame
 from core.frozen import frozen
 from core.mechanism.checks import movable_points, point_changes
 from core.mechanism.dyads import area4_of
@@ -43,6 +41,9 @@ from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.mechanism import ROLLER
 from core.number_text import result_text
 from core.units import split_unit, unit_kind
+
+if TYPE_CHECKING:
+    from core.design.outline_bodies import Body
 
 Changes = Mapping[str, Any]
 """Value as in the file, by path."""
@@ -343,6 +344,10 @@ def joints_of(design: Design) -> Mapping[str, Drag]:
 def _corners(design: Design) -> Mapping[str, Drag]:
     """Corners of the outlines in the plane of the mechanism, of a design with one drive."""
     corners: dict[str, Drag] = {}
+    if not design.outlines:
+        return corners
+    from core.design.outline_bodies import body_of  # few designs have outlines
+
     for i, outline in enumerate(design.outlines if not design.listed else ()):
         body = body_of(design, outline)
         if body is None or outline.plane is not None:
@@ -358,6 +363,8 @@ def _in_outline(path: str, body: Body) -> Callable[[Design, Kinematics, complex]
     """Coordinates in the frame of the outlines of a body."""
 
     def changes(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+        from core.followers.outline_frames import outline_frame  # as above
+
         origin, axis = outline_frame(design, kinematics, body)
         local = (to - complex(origin[0])) * complex(axis[0]).conjugate()
         return {f"{path}.x_mm": local.real * 1e3, f"{path}.y_mm": local.imag * 1e3}
