@@ -332,7 +332,7 @@ class _TurnView(View):
 
     def _show_later(self) -> None:
         self._read_timer.stop()
-        if not self.in_trouble:
+        if self.up_to_date and not self.in_trouble:  # else a refresh follows, of a design that may have no mechanism
             self.draw_later(self.session.shaft)
             self.follow(self.player.theta)
 

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from window_user import Open, User, settle, wait_for
+from window_user import Open, User, end_pauses, settle, wait_for
 
 import core.varying
 from core.design import Tolerance
 from core.project import load
 from core.study import Study, evaluations
 from core.varying import motor_bands, shaft_bands
+from kindyna_gui.dialogs import SaveAnswer
 from kindyna_gui.graph.flywheel_view import FlywheelView
 from kindyna_gui.places import example
 from kindyna_gui.shaft import AgainstSpeedView, ShaftFiguresView, ShaftTorqueView
@@ -140,3 +141,15 @@ def test_the_first_words_against_speed_are_the_torque_and_the_speeds_allowed(uni
     assert view.curves is not None
     allowed = view.curves.rpm[view.curves.fluctuation <= 0.02]
     assert rpm == pytest.approx(allowed.min(), rel=0.01)
+
+
+def test_figures_that_wait_for_a_pause_are_not_those_of_an_incomplete_drawing(unit: User) -> None:
+    """A linkage is drawn before the pause after an edit is over: nothing of it is calculated for the table."""
+    figures = unit.see("shaft_figures")
+    unit.session.edit("shaft.speed_rpm", 31.0, "Change speed")
+    wait_for(lambda: figures.busy)
+    unit.answers(SaveAnswer.DISCARD)
+    unit.choose("File", "New by type", "Linkage by drawing")
+    end_pauses()
+    assert unit.session.is_incomplete_linkage
+    assert not figures.busy
