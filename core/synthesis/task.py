@@ -193,7 +193,7 @@ def task_of(table: Mapping[str, Any]) -> Task:
     """Task in the tables of a file. Raises DesignError with all faults."""
     reader = Reader("")
     task: Task = reader.part(Task, table, "")
-    read_faults = [replace(f, path=f.path.removeprefix(".")) for f in reader.with_rules(_range_faults(task), {})]
+    read_faults = [replace(f, path=f.path.removeprefix(".")) for f in reader.with_rules(part_faults(task, ""), {})]
     faults = read_faults or [*_rule_faults(task)]
     if faults:
         raise DesignError(faults)
@@ -214,21 +214,6 @@ def save_task(task: Task, path: AnyPath) -> str:
 
 
 # -- rules ------------------------------------------------------------------------------------------------------
-
-
-def _range_faults(task: Task) -> Iterator[Fault]:
-    """Faults of the ranges of all numbers."""
-    yield from part_faults(task, "")
-    for name in ("poses", "pivots"):
-        for i, row in enumerate(getattr(task, name)):
-            yield from part_faults(row, f".{name}[{i}]")
-    for name in ("area", "path", "angles", "rocker", "limits"):
-        part = getattr(task, name)
-        if part is not None:
-            yield from part_faults(part, f".{name}")
-    for name, rows in (("path", "points"), ("angles", "pairs")):
-        for i, row in enumerate(getattr(getattr(task, name), rows, ())):
-            yield from part_faults(row, f".{name}.{rows}[{i}]")
 
 
 _TABLES: Mapping[str, tuple[str, ...]] = MappingProxyType(

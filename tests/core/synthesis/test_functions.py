@@ -149,3 +149,11 @@ def test_no_other_crank_rocker_of_the_swing_transmits_better() -> None:
 def test_bad_tasks_are_refused_with_their_field(table: dict[str, object], message: str) -> None:
     with pytest.raises(DesignError, match=message):
         synthesise(task_of(table))
+
+
+def test_every_value_outside_its_range_is_named_once() -> None:
+    table = {"kind": "rocker", "rocker": {"swing_deg": -5.0, "frame_mm": 0.0}, "limits": {"length_ratio_max": 0.5}}
+    with pytest.raises(DesignError) as error:
+        task_of(table)
+    paths = [fault.path for fault in error.value.faults]
+    assert paths == ["rocker.swing_deg", "rocker.frame_mm", "limits.length_ratio_max"]
