@@ -151,7 +151,12 @@ def _ramp_fault(form: SideForm, first: TypedValue, last: TypedValue) -> Fault:
     heights = [least + (form.lift - least) * (k / RAMPS) ** 2 for k in range(RAMPS)]
     good = [k for k, height in enumerate(heights) if serves(height)]
     if not good:
-        return Fault(first.path or last.path, first.value or last.value, "no lobe has it, whatever its ramp", "another")
+        return Fault(
+            first.path or last.path,
+            first.value or last.value,
+            "no lobe has it, whatever its ramp",
+            "another value or lift",
+        )
     k = min(good, key=lambda i: abs(heights[i] - form.ramp))
     low = high = k
     while low - 1 in good:

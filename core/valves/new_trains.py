@@ -57,7 +57,8 @@ def _duration(default: float) -> Any:
 
 
 def _of_lobe(label: str, step: float) -> Any:
-    return number(label, 0.0, open_low=True, default=None, step=step, help="of the lobe by cam angle; typed: it drives")
+    text = "by cam angle, of the lobe or the valve as the lifts; typed: it drives"
+    return number(label, 0.0, open_low=True, default=None, step=step, help=text)
 
 
 ROWS = ("first", "second")
@@ -90,7 +91,9 @@ class ValveCard:
         step=1.0,
         help="crank angle from TDC of overlap to the greatest lift",
     )
-    ramp_mm: float | None = length("Ramp", default=None, help="height at which it ends; empty: from the lash")
+    ramp_mm: float | None = length(
+        "Ramp", default=None, help="height of the motion, with the lash, at which it ends; empty: from the lash"
+    )
     velocity_mm_per_deg: float | None = _of_lobe("Greatest velocity", 0.01)
     acceleration_mm_per_deg2: float | None = _of_lobe("Flank acceleration", 0.001)
     nose_acceleration_mm_per_deg2: float | None = _of_lobe("Nose deceleration", 0.001)
@@ -175,21 +178,22 @@ class TrainCard:
 
     def motion_mm(self, valve: ValveCard, lift_mm: float) -> float:
         """Height of the motion at a lift of the card: of the valve where the motion is the valve's, else of the tappet."""
-        if self.of == LOBE:
-            return _rounded(lift_mm * self._motion_per_lobe)
-        gross = lift_mm + valve.lash_mm
-        return _rounded(gross if self.row.moves_valve else gross / self.rocker_ratio)
+        return _rounded((lift_mm + self._lash_mm(valve.lash_mm)) * self.motion_per_lift)
 
     def card_mm(self, lash_mm: float, motion_mm: float) -> float:
         """Lift of the card at a height of the motion, the inverse of ``motion_mm``."""
-        if self.of == LOBE:
-            return _rounded(motion_mm / self._motion_per_lobe)
-        return _rounded((motion_mm if self.row.moves_valve else motion_mm * self.rocker_ratio) - lash_mm)
+        return _rounded(motion_mm / self.motion_per_lift - self._lash_mm(lash_mm))
+
+    def _lash_mm(self, lash_mm: float) -> float:
+        """Lash below the lifts of the card: none of those of the lobe."""
+        return lash_mm if self.of == VALVE else 0.0
 
     @property
-    def _motion_per_lobe(self) -> float:
-        """Height of the motion over the lift of the lobe."""
-        return self.rocker_ratio if self.row.moves_valve else 1.0
+    def motion_per_lift(self) -> float:
+        """Growth of the motion over that of the card's lift; velocities and accelerations of the card have it too."""
+        if self.of == LOBE:
+            return self.rocker_ratio if self.row.moves_valve else 1.0
+        return 1.0 if self.row.moves_valve else 1.0 / self.rocker_ratio
 
     def ramp_mm(self, valve: ValveCard) -> float:
         """Height of the motion at which the ramp ends: as typed, else above the lash, so that the valve seats on the ramp."""
@@ -472,7 +476,9 @@ def card_lobe(card: TrainCard, valve: ValveCard, before: Lobe) -> Lobe:
         for row in ROWS
         if f"{row}_deg" in valve.typed
     )
-    scalars: dict[str, Any] = {name: getattr(valve, name) if name in valve.typed else None for name in SCALARS}
+    scalars: dict[str, Any] = {
+        name: _rounded(getattr(valve, name) * card.motion_per_lift) if name in valve.typed else None for name in SCALARS
+    }
     return replace(lobe, duration=rows, to_nose=(), closing=None, **scalars)
 
 
@@ -510,7 +516,8 @@ def _followed(card: TrainCard, valve: ValveCard, before: Lobe, is_inlet: bool) -
         for name, span, height in zip(DURATIONS, spans, heights, strict=True)
         if 0.0 < height < opening.form.lift
     }
-    values |= zip(SCALARS, (opening.velocity, opening.acceleration, opening.nose_acceleration), strict=True)
+    scalars = (opening.velocity, opening.acceleration, opening.nose_acceleration)
+    values |= {name: value / card.motion_per_lift for name, value in zip(SCALARS, scalars, strict=True)}
     values = {name: value for name, value in values.items() if valve.is_fixed or name not in valve.typed}
     first, second = (round(0.5 * (a - b), 9) if valve.is_fixed else 0.0 for a, b in spans)
     return replace(valve, skews_deg=(first, second), **values)
@@ -591,7 +598,7 @@ def _valve_of(drive: Drive, card: TrainCard, sense: float) -> ValveCard:
     lash, plain = drive.valve.lash_mm, ValveCard()
     is_fixed = bool(lobe.to_nose) or lobe.closing not in (None, LobeClosing())
     rows = _rows_of(lobe.duration or lobe.to_nose)
-    values: dict[str, Any] = {name: getattr(lobe, name) for name in SCALARS}
+    values: dict[str, Any] = {name: _card_scalar(card, getattr(lobe, name)) for name in SCALARS}
     for name, row in rows.items():
         values |= {f"{name}_at_mm": card.card_mm(lash, row.at_mm), f"{name}_deg": row.crank_deg}
     typed = [*(f"{name}_deg" for name in rows), *(name for name in SCALARS if values[name] is not None)]
@@ -608,6 +615,11 @@ def _valve_of(drive: Drive, card: TrainCard, sense: float) -> ValveCard:
     is_proposed = (ramp, _ramp_velocity(ramp)) == (lobe.ramp_mm, lobe.ramp_mm_per_deg)
     valve = valve if is_proposed else replace(valve, ramp_mm=lobe.ramp_mm)
     return valve if valve.typed == DURATIONS and not is_fixed else _followed(card, valve, lobe, is_inlet=sense > 0.0)
+
+
+def _card_scalar(card: TrainCard, value: float | None) -> float | None:
+    """Velocity or acceleration of the card of that of a motion; None where none is typed."""
+    return None if value is None else value / card.motion_per_lift
 
 
 def _rows_of(typed: Sequence[LobeRow]) -> dict[str, LobeRow]:

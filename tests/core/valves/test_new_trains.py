@@ -261,3 +261,29 @@ def test_the_last_two_typed_values_drive_and_the_others_follow() -> None:
     back = followed(after.with_valve("inlet", after.inlet.driven("first_deg", 268.0)))
     assert back.inlet.typed == ("velocity_mm_per_deg", "first_deg")
     assert followed(back.with_valve("inlet", back.inlet.driven("velocity_mm_per_deg", None))).inlet.typed == DURATIONS
+
+
+@pytest.mark.parametrize(
+    ("train", "of", "motion_per_lift"),
+    [("rocker", "lobe", 1.6), ("rocker", "valve", 1.0), ("pushrod", "lobe", 1.0), ("pushrod", "valve", 1.0 / 1.6)],
+)
+def test_velocity_and_accelerations_are_of_the_lobe_or_the_valve_as_the_lifts(
+    train: str, of: str, motion_per_lift: float
+) -> None:
+    """The motion of a rocker is the valve's, that of a pushrod the tappet's; a ratio of 1.6 multiplies velocities as lifts."""
+    start = followed(card(train, of, 1.6, lift_mm=8.0))
+
+    def motion_velocity(train_card: TrainCard) -> float:
+        timing = valve_timings(new_train(train_card))[0]
+        return float(valve_data([timing], ())["valves"][0]["velocity_mm_per_deg"][1])
+
+    velocity = start.inlet.velocity_mm_per_deg
+    assert velocity is not None
+    assert motion_velocity(start) == pytest.approx(motion_per_lift * velocity, rel=1e-6)
+    faster = round(1.02 * velocity, 6)
+    typed = start.with_valve("inlet", start.inlet.driven("velocity_mm_per_deg", faster))
+    assert motion_velocity(typed) == pytest.approx(motion_per_lift * faster, rel=1e-6)
+    for name in ("velocity_mm_per_deg", "acceleration_mm_per_deg2", "nose_acceleration_mm_per_deg2"):
+        driven = start.inlet.driven(name, getattr(start.inlet, name))
+        design = new_train(start.with_valve("inlet", driven))
+        assert with_card(design, card_of(design)) == design
