@@ -252,7 +252,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "Resp&onse spectrum", "Plot the vibration of an elastic follower in its dwells, at the design speed and against speed",
             picture=True, least=(250, 262), of_cam=True, help="followers#Elastic follower", short="Spectrum"),
         "valve_figures": ViewRow("Valve figures", lazily("valves.figures", "ValveFiguresView"), RIGHT,
-            "Valve fi&gures", "List durations, overlap, velocities, springs, float speed and piston clearance of both valves",
+            "&Valve figures", "List durations, overlap, velocities, springs, float speed and piston clearance of both valves",
             picture=True, least=(360, 200), help="valves#From the card to both valves", short="Valves"),
         "valve_springs": ViewRow("Valve springs", lazily("valves.spring_view", "SpringView"), RIGHT,
             "Valve sprin&gs", "Plot the force of the valve springs with surge, and the engine speeds at which they resonate",

@@ -417,7 +417,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("centres"),
             Item("Fit cen&tres", "fit_centres", None, None,
                  "Show the instant centres of all links, and zoom to all of them"),
-            Item("&Velocity polygon", "show_polygon", "velocities", None,
+            Item("Velocity &polygon", "show_polygon", "velocities", None,
                  "Draw the velocities from one pole, V_P = V_A + V_PA, at the current angle"),
             _view("circle"),
         ),
