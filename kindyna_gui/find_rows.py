@@ -266,7 +266,12 @@ def _held_by(design: Design, solution: Solution) -> list[str]:
     names = [column_text(design, limit) for limit, _ in solution.binding[:MOST_HELD]]
     names = [name if ": " in name else in_sentence(name) for name in names]  # the name of a drive stays as it is
     return [
-        f"Held by {escape(name)}: 1 % of relief gives {escape(brief(abs(change), unit))}"
+        f"Held by {escape(name)}: "
+        + (
+            f"1 % of relief gives {escape(brief(abs(change), unit))}"
+            if change
+            else "relief of this limit alone gives nothing"
+        )
         for name, (_, change) in zip(names, solution.binding, strict=False)
     ]
 
@@ -275,9 +280,15 @@ def answers_tip(design: Design, solution: Solution) -> str:
     """All numbers and laws of a result with the present ones, one a line; empty where the result lists them itself."""
     if len(solution.answer) <= MOST_LISTED:
         return ""
-    return "\n".join(
-        f"{_taken_text(design, solution, path, value)}, now {_present(design, path, solution.present[path])}"
+    taken = (
+        value_of(design, path, value, MOST_DIGITS)
+        if path in solution.rounding
+        else _taken_text(design, solution, path, value)
         for path, value in solution.answer.items()
+    )
+    return "\n".join(
+        f"{text}, now {_present(design, path, solution.present[path])}"
+        for text, path in zip(taken, solution.answer, strict=True)
     )
 
 

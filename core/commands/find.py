@@ -185,7 +185,12 @@ def _text(solution: Solution, step: float | None) -> str:
         lines.append(f"  {key} = {number}{against}{f' ({reason})' if reason else ''}")
     lines += [f"it depends on {path} = {value:.9g}, which is assumed" for path, value in solution.assumed.items()]
     lines += [
-        f"held by {limit}: 1 % of relief changes {solution.curve_of} by {result_text(change)}"
+        f"held by {limit}: "
+        + (
+            f"1 % of relief changes {solution.curve_of} by {result_text(change)}"
+            if change
+            else "relief of this limit alone changes nothing"
+        )
         for limit, change in solution.binding
     ]
     if solution.end:

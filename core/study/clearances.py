@@ -149,7 +149,7 @@ class Clearances:
         return tuple(pair for pair in able if frozenset(pair) in stated or frozenset(pair) not in touching)
 
     def pair(self, texts: Sequence[str]) -> Pair:
-        """The pair of two names. Raises KindynaError where a body is unknown, or both have no common layer."""
+        """The pair of two names. Raises KindynaError where a body is unknown, is named twice, or both have no common layer."""
         bodies = [body_named(self.design, text.strip()) for text in texts]
         if not self.names:
             raise KindynaError("outlines: the design has none; add [[outlines]] of the bodies to compare")
@@ -159,7 +159,11 @@ class Clearances:
                 raise KindynaError(f"pair: {text.strip()!r} is no body with an outline; allowed: {allowed}")
         order = {body: i for i, body in enumerate(self.names)}
         first, second = sorted((body for body in bodies if body is not None), key=lambda body: order[body])
-        if first == second or not self._shares_layer((first, second)):
+        if first == second:
+            raise KindynaError(
+                f"pair: {' and '.join(texts)} are the same body; allowed: two of {' | '.join(self.names.values())}"
+            )
+        if not self._shares_layer((first, second)):
             raise KindynaError(f"pair: {' and '.join(texts)} have no common layer; change layer_from_mm or layer_to_mm")
         return first, second
 

@@ -338,7 +338,9 @@ class _Search(Descent):
     def binding(self, u: np.ndarray, goal: Term) -> list[Binding]:
         """Active limits at a solution, with the change λ L/100 of the goal for 1 % of a limit L.
 
-        The multipliers λ_j >= 0 satisfy ∇t = Σ λ_j ∇g_j over the active constraints g_j, by non-negative least squares.
+        The multipliers λ_j >= 0 satisfy ∇t = Σ λ_j ∇g_j over the active constraints g_j, by non-negative least squares. Where
+        several sets of multipliers do, the gain of a limit is that of the set with its least multiplier: it is 0 for each of two
+        limits that have to be relieved together.
 
         Parameters
         ----------
@@ -392,15 +394,18 @@ class _Search(Descent):
                     names.append(path)
                     columns.append(np.append(sign * np.eye(k)[i], 0.0))
                     weights_of_limits.append(abs(end) / (self.high[i] - self.low[i]))
-        multipliers, _ = nnls(np.array(columns).T, np.append(np.zeros(k), 1.0))
-        by_name: dict[str, float] = {}
+        balance = np.array(columns).T
+        multipliers, _ = nnls(balance, np.append(np.zeros(k), 1.0))
         held: dict[str, set[str]] = {}
-        for name, multiplier, weight, column in zip(names, multipliers, weights_of_limits, columns, strict=True):
+        for name, multiplier, column in zip(names, multipliers, columns, strict=True):
             if name and multiplier > 1e-9:
-                by_name[name] = by_name.get(name, 0.0) - 0.01 * multiplier * weight * size * goal.side
                 slopes = np.abs(column[:k])
                 fields = np.flatnonzero(slopes > HOLDS * slopes.max())
                 held.setdefault(name, set()).update(self.paths[i] for i in fields.tolist())
+        by_name: dict[str, float] = {}
+        for name in held:
+            weights = np.where(np.array(names) == name, weights_of_limits, 0.0)
+            by_name[name] = -0.01 * size * goal.side * _least_weighted(weights, balance, multipliers)
         return [
             Binding(name, float(change), tuple(path for path in self.paths if path in held[name]))
             for name, change in sorted(by_name.items(), key=lambda item: -abs(item[1]))
@@ -440,6 +445,29 @@ class _Search(Descent):
     def _merit(self, u: np.ndarray, goal: int) -> tuple[float, float]:
         rows, good = self.values(u[:, None])
         return max(float(self.excess(rows, good)[0]), 0.0), float(rows[len(self.terms) + goal, 0])
+
+
+def _least_weighted(weights: np.ndarray, balance: np.ndarray, multipliers: np.ndarray) -> float:
+    """Least Σ w_j λ_j of all multipliers λ_j >= 0 with the same balance: the gain by relief of one limit alone.
+
+    Parameters
+    ----------
+    weights : ndarray (n,), dimensionless
+        0 for the constraints of other limits.
+    balance : ndarray (m, n), dimensionless
+        Slopes of the constraints.
+    multipliers : ndarray (n,), dimensionless
+        One set of multipliers.
+
+    References
+    ----------
+    Gauvin (1980), Shadow prices in nonconvex mathematical programming, Mathematical Programming 19.
+    """
+    from scipy.optimize import linprog
+
+    present = float(weights @ multipliers)
+    result = linprog(weights, A_eq=balance, b_eq=balance @ multipliers, method="highs-ds")
+    return max(0.0, min(present, float(result.fun))) if result.success else present
 
 
 def waived(file: StudyFile) -> set[str]:

@@ -99,6 +99,7 @@ def test_check_reports_a_clearance_and_a_collision_with_their_remedies(
     [
         (example("four_bar"), (), "outlines: the design has none"),
         (BAR, (), "outlines: no two bodies"),
+        (BAR + WALL, ("--pair", "link 2,link 2"), "link 2 and link 2 are the same body; allowed: two of link 2 | frame"),
         (BAR + WALL, ("--pair", "link 2,link 3"), "'link 3' is no body with an outline; allowed: link 2 | frame"),
         (BAR + outline("link 9", round_mm=1.0), (), "outlines[1].of = 'link 9': unknown body"),
         (BAR + outline("frame", points=[[0.0, 0.0], [5.0, 0.0]]), (), "outlines[1].points = '2 points': the outline is open"),
