@@ -425,6 +425,8 @@ def _file_builders(
         yield "inspection table", lambda: _inspection(study, folder, of_drive)
     if study.has_surface or (study.has_disk and has_solid(study.design.drive.cam)):
         yield "surfaces", lambda: _surfaces(study, folder, of_drive, request)
+    if study.has_surface and request.gcode:
+        yield "G-code", lambda: _barrel_path(study, folder, of_drive, request)
     if request.controller:
         yield "table of the controller", lambda: _controller(design, folder, name, request)
 
@@ -454,6 +456,12 @@ def _surfaces(study: Study, folder: str, of_drive: str, request: HandoverRequest
             f"{folder}cam.step", f"{what} of the cam{of_drive}, STEP AP214", job.content, (job.deviation, "mm")
         )
     ]
+
+
+def _barrel_path(study: Study, folder: str, of_drive: str, request: HandoverRequest) -> list[HandoverFile]:
+    job = surface_job(study, Path("cam.nc"), SurfaceRequest(tolerance_mm=request.error_mm))
+    what = f"path of a cutter as large as the roller{of_drive}, G-code with a rotary axis"
+    return [HandoverFile(f"{folder}cam.nc", what, job.content, (job.deviation, "mm"))]
 
 
 def _inspection(study: Study, folder: str, of_drive: str) -> list[HandoverFile]:

@@ -208,10 +208,14 @@ class SurfaceDialog(ComputedDialog):
         offered = flanks(design) if self._has_solid else {"flank": SIDES}
         form = RequestForm(SurfaceRequest, offered, {"solid": self._has_solid}, [("Format", self.format)])
         super().__init__(parent, "surfaces", form, self.picture)
-        fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in SURFACE_FORMATS.items()})
+        fill_choices(self.format, self._formats())
         self.form.boxes["solid"].toggled.connect(self._show_rows)
         self.format.currentIndexChanged.connect(self._show_format)
         self._show_format()
+
+    def _formats(self) -> dict[str, str]:
+        rows = {ending: row for ending, row in SURFACE_FORMATS.items() if row.has_disks or not self._has_solid}
+        return {ending: f"{row.label} ({ending})" for ending, row in rows.items()}
 
     @property
     def ending(self) -> str:  # type: ignore[override]
@@ -230,17 +234,17 @@ class SurfaceDialog(ComputedDialog):
         self.changed()
 
     def _show_rows(self) -> None:
-        """A solid has all flanks; only a table has cam angles."""
-        is_table = not SURFACE_FORMATS[self.ending].has_solids
+        """A solid has all flanks, and so has the path of a cutter."""
+        row = SURFACE_FORMATS[self.ending]
         solid, flank = self.form.boxes["solid"], self.form.boxes["flank"]
         if solid.isEnabled():
             self._solid = solid.isChecked()
-        if solid.isChecked():
+        has_all = solid.isChecked() or not row.has_disks
+        if has_all:
             flank.setCurrentIndex(0)
-        flank.setEnabled(not solid.isChecked())
-        for name in ("samples", "along"):
-            self.form.rows.setRowVisible(self.form.boxes[name], is_table)
-        self.form.rows.setRowVisible(self.form.boxes["tolerance_mm"], not is_table)
+        flank.setEnabled(not has_all)
+        for name in {name for other in SURFACE_FORMATS.values() for name in other.fields}:
+            self.form.rows.setRowVisible(self.form.boxes[name], name in row.fields)
 
     def job(self) -> Callable[[], SolidPreview]:
         return partial(_preview, self._design, self.ending, self.form.request)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from cmath import rect
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
@@ -12,7 +11,6 @@ from itertools import pairwise
 from math import atan, ceil, sin, sqrt
 from types import MappingProxyType
 from typing import Any, TypeAlias
-from unicodedata import name, normalize
 
 import numpy as np
 
@@ -32,6 +30,7 @@ from core.output.files.fitted_curve import (
     flank_number,
     parallel_curve,
 )
+from core.output.files.gcode import DIGITS, coordinate, remark
 from core.output.files.profile_curve import MM, exact_profile
 from core.output.files.profile_fit import FITS, Arcs, Cubics
 from core.output.files.profile_request import SAMPLINGS, ProfileRequest
@@ -233,7 +232,7 @@ def _figures(drawn: FittedCurve) -> dict[str, Any]:
     return {"points": drawn.count, "length_mm": drawn.curve.length, "deviation_mm": drawn.deviation}
 
 
-def _one_line(text: str) -> str:
+def one_line(text: str) -> str:
     """Text in one line, without characters that cannot be printed."""
     return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
 
@@ -246,7 +245,7 @@ def comment(job: ProfileDrawing) -> list[str]:
     missing = ", ".join(f"cam.{name}" for name in keyway_unknown(job.study.design.drive.cam))
     keyway = [f"Keyway: not drawn, not given: {missing}"] if missing else []
     return [
-        f"Design: {_one_line(values['design'])}",
+        f"Design: {one_line(values['design'])}",
         f"Curve: {values['curve']}{radius}, {values['flank']} flank",
         f"Cam turns {SENSES[job.study.sense][1]} ({values['rotation']}) as drawn",
         f"Units: mm; origin: {values['origin']}",
@@ -328,7 +327,6 @@ DXF_SHAPES: Mapping[type, Callable[[Any, Any, dict[str, Any]], None]] = MappingP
 # -- G-code (ISO 6983): the path of a cutter's centre -----------------------------------------------------------
 
 
-DIGITS = 4  # decimals of a coordinate in mm
 _POINT = 0.5 * 2.0**0.5 * 10.0**-DIGITS  # largest error of a rounded point, mm
 ROUNDING: Mapping[str, float] = MappingProxyType({"polyline": _POINT, "arcs": (2.0 + 2.0**0.5) * _POINT})
 """Fit -> largest error [mm] of its moves by rounding. Rounded ends move an arc of up to half a turn by √2 times the error of a point.
@@ -354,25 +352,25 @@ def gcode_bytes(job: ProfileDrawing) -> bytes:
 
 def _gcode_lines(job: ProfileDrawing) -> Iterator[str]:
     machining, path, depths, plunge_point = job.request.machining, _cutting_path(job), _depths(job), _plunge_point(job)
-    up = f"G0 Z{_number(machining.safe_mm)}"
+    up = f"G0 Z{coordinate(machining.safe_mm)}"
     yield "%"
-    yield from (_remark(line) for line in (*comment(job), *_header(job, path, depths, plunge_point)))
+    yield from (remark(line) for line in (*comment(job), *_header(job, path, depths, plunge_point)))
     yield "G21 G17 G90 G94 G40 G80"
     yield up
-    yield f"M0 {_remark('Start spindle and coolant')}"
+    yield f"M0 {remark('Start spindle and coolant')}"
     yield f"G0 {_gcode_point(path[0][0] if plunge_point is None else plunge_point)}"
     for number, depth in enumerate(depths, 1):
         if len(depths) > 1:
-            yield _remark(f"Pass {number} of {len(depths)}")
-        yield f"G1 Z{_number(-depth)} F{_number(machining.plunge_mm_min)}"
+            yield remark(f"Pass {number} of {len(depths)}")
+        yield f"G1 Z{coordinate(-depth)} F{coordinate(machining.plunge_mm_min)}"
         moves = list(_moves(path))
         if plunge_point is not None:
             moves = [f"G1 {_gcode_point(path[0][0])}", *moves, f"G1 {_gcode_point(plunge_point)}"]
         first, *following = moves
-        yield f"{first} F{_number(machining.feed_mm_min)}"
+        yield f"{first} F{coordinate(machining.feed_mm_min)}"
         yield from following
     yield up
-    yield f"M0 {_remark('Stop spindle and coolant')}"
+    yield f"M0 {remark('Stop spindle and coolant')}"
     yield "M30"
     yield "%"
 
@@ -393,9 +391,9 @@ def _header(
         "ISO 6983, absolute; zero point of the active offset: X0 Y0 the cam centre, Z0 the face of the blank",
         f"Cutter: radius {radius!r} mm; path of its centre, without compensation",
         f"Direction: {direction} around the cam seen from above, {'conventional' if machining.conventional else 'climb'} milling with M3",
-        f"Feed {_number(machining.feed_mm_min)} mm/min, plunge {_number(machining.plunge_mm_min)} mm/min, "
-        f"rapid moves at Z{_number(machining.safe_mm)}",
-        f"Depth {_number(depths[-1])} mm in {len(depths)} pass{'es' * (len(depths) > 1)}; the cutter plunges {where}",
+        f"Feed {coordinate(machining.feed_mm_min)} mm/min, plunge {coordinate(machining.plunge_mm_min)} mm/min, "
+        f"rapid moves at Z{coordinate(machining.safe_mm)}",
+        f"Depth {coordinate(depths[-1])} mm in {len(depths)} pass{'es' * (len(depths) > 1)}; the cutter plunges {where}",
         *(["Arcs: G2 and G3, with I and J from the start of an arc to its centre"] if has_arcs else []),
         "Tool, spindle and coolant are left to the machinist: the program stops for them",
     ]
@@ -435,7 +433,7 @@ def _moves(path: Sequence[_Arc]) -> Iterator[str]:
             if move_bulge:
                 middle = 0.5 * (position + rounded) + 0.25j * (rounded - position) * (1.0 / move_bulge - move_bulge)
                 centre = middle - position
-                yield f"G{3 if move_bulge > 0.0 else 2} {_gcode_point(rounded)} I{_number(centre.real)} J{_number(centre.imag)}"
+                yield f"G{3 if move_bulge > 0.0 else 2} {_gcode_point(rounded)} I{coordinate(centre.real)} J{coordinate(centre.imag)}"
             else:
                 yield f"G1 {_gcode_point(rounded)}"
             position = rounded
@@ -477,39 +475,12 @@ def _lead(job: ProfileDrawing, side: float) -> float:
     return LEAD * radius
 
 
-def _remark(text: str) -> str:
-    """A comment in ASCII, without characters that end it or that a machine executes."""
-    return f"({''.join(map(_ascii, text))})"
-
-
-_REPLACEMENTS: Mapping[str, str] = MappingProxyType(
-    {"(": "[", ")": "]", ";": ",", "%": " percent", "°": " deg", **dict.fromkeys('!?~$"\\`^{}|', "_")}
-)  # Grbl executes ! ? ~ everywhere
-
-
-def _ascii(c: str) -> str:
-    """A character in ASCII: without accents, or by its name (캠: HANGUL SYLLABLE KAEM), or _."""
-    if c in _REPLACEMENTS or c.isascii():
-        return _REPLACEMENTS.get(c, c)
-    plain = "".join(_REPLACEMENTS.get(part, part) for part in normalize("NFKD", c) if part.isascii())
-    if plain:
-        return plain
-    match = re.search(r"(?: LETTER| SYLLABLE| IDEOGRAPH-)(.+?)(?: WITH .*)?$", name(c, ""))
-    return match[1].strip().replace(" ", "-") if match else "-" if name(c, "").endswith(" DASH") else "_"
-
-
-def _number(value: float) -> str:
-    """A number with a decimal point, without trailing zeros and minus zero."""
-    text = f"{value:.{DIGITS}f}".rstrip("0")
-    return "0." if text == "-0." else text
-
-
 def _rounded(z: complex) -> complex:
     return complex(round(z.real, DIGITS), round(z.imag, DIGITS))
 
 
 def _gcode_point(z: complex) -> str:
-    return f"X{_number(z.real)} Y{_number(z.imag)}"
+    return f"X{coordinate(z.real)} Y{coordinate(z.imag)}"
 
 
 # -- SVG to scale -----------------------------------------------------------------------------------------------

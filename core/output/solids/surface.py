@@ -20,7 +20,8 @@ from core.output.export import csv_header, csv_lines
 from core.output.files.fitted_curve import CERTAIN
 from core.output.files.profile_curve import MM
 from core.output.files.profile_files import SENSES
-from core.output.files.profile_request import ALL_FLANKS, AT_ONCE
+from core.output.files.profile_request import ALL_FLANKS, AT_ONCE, Machining
+from core.output.solids.barrel_path import barrel_path, gcode_bytes
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
 from core.output.solids.mesh import stl_bytes, stl_rounding
 from core.output.solids.plates import body_plates
@@ -28,7 +29,7 @@ from core.output.solids.step import step_bytes
 from core.output.solids.strips import Strips, spatial_rows, spatial_strips
 from core.output.summary import to_json
 from core.project.files import write_all
-from core.requests import option, text_option
+from core.requests import option, request_fields, text_option
 from core.study import Study
 
 # -- the request ------------------------------------------------------------------------------------------------
@@ -50,6 +51,7 @@ class SurfaceRequest:
     of : name of a body with outlines, whose plate is written instead of the cam
     tolerance_mm : largest distance of the exact surface from the file
     samples, along : numbers of cam angles and of points across the cam in a table
+    machining : machining data of a cutter's path
     """
 
     flank: str = option(
@@ -73,6 +75,7 @@ class SurfaceRequest:
         whole("Points across", 2, 10_000, default=21, help="points of a table at every cam angle, from end to end"),
         "--along",
     )
+    machining: Machining = Machining()
 
 
 # -- a job ------------------------------------------------------------------------------------------------------
@@ -87,10 +90,10 @@ class SurfaceJob:
     study : the study of the design
     request : the requested surfaces
     content : the file
-    surfaces : the bodies in it; None for a table
+    surfaces : the bodies in it; None for a table or a path
     deviation : largest distance of the exact surfaces from the file [mm]
-    faces : number of faces, of a table its number of flanks
-    rows : of a table
+    faces : number of faces, of a table or a path its number of flanks
+    about_points : points of a table or a path in a sentence
     """
 
     study: Study
@@ -99,7 +102,7 @@ class SurfaceJob:
     surfaces: Prisms | Strips | None
     deviation: float
     faces: int
-    rows: int = 0
+    about_points: str = ""
 
     @property
     def volume(self) -> float | None:
@@ -216,7 +219,15 @@ def _csv(study: Study, request: SurfaceRequest) -> SurfaceJob:
             lines = csv_lines(COLUMNS[2:], block).splitlines(keepends=True) if block[0].size else []
             by_roller.setdefault(roller, []).extend(f"{flank},{roller},".encode() + line for line in lines)
         parts += [line for roller in sorted(by_roller) for line in by_roller[roller]]
-    return SurfaceJob(study, request, b"".join(parts), None, CERTAIN * size, len(flanks), rows)
+    return SurfaceJob(
+        study,
+        request,
+        b"".join(parts),
+        None,
+        CERTAIN * size,
+        len(flanks),
+        f"{rows} points with their normals, on the exact surface",
+    )
 
 
 def _disk_rows(
@@ -237,23 +248,55 @@ def _disk_rows(
         yield 1, [angle, u, x, y, u, nx, ny, np.zeros(u.size), pressure, curvature]
 
 
+# -- the path of a cutter ---------------------------------------------------------------------------------------
+
+
+def _nc(study: Study, request: SurfaceRequest) -> SurfaceJob:
+    """Path of a cutter as large as the roller, for both flanks of the groove of a barrel cam."""
+    if request.solid or request.of:
+        raise KindynaError(
+            "G-code has the path of a cutter, no solid; leave the solid out, or write a STEP or STL file"
+        )
+    if "cam" in study.stages and not study.has_surface:
+        raise KindynaError("surface: G-code of a disk cam is written by the command profile")
+    flanks = _flanks(study, request)
+    if len(flanks) == 1:
+        raise KindynaError(f"flank {request.flank!r}: the path cuts both flanks of a groove; leave the flank out")
+    path = barrel_path(study, request.tolerance_mm, request.machining)
+    about = f"{path.points} points of the cutter's path, flanks at most {rounded_up(path.deviation, 4):g} mm from the exact ones"
+    return SurfaceJob(study, request, gcode_bytes(path), None, path.deviation, len(flanks), about)
+
+
 # -- formats ----------------------------------------------------------------------------------------------------
 
 
 @frozen
 class SurfaceFormat:
-    """One row of ``SURFACE_FORMATS``: its name, whether it holds solids, and the function that builds its content."""
+    """One row of ``SURFACE_FORMATS``.
+
+    Attributes
+    ----------
+    label : name of the format
+    job : function that builds its content
+    fields : fields of the request that only some formats have
+    has_solids : whether it holds solids
+    has_disks : whether it holds surfaces of disk cams
+    """
 
     label: str
-    has_solids: bool
     job: Callable[[Study, SurfaceRequest], SurfaceJob]
+    fields: tuple[str, ...] = ("tolerance_mm",)
+    has_solids: bool = False
+    has_disks: bool = True
 
 
+MACHINING = tuple(part.name for part in request_fields(Machining))
 SURFACE_FORMATS: Mapping[str, SurfaceFormat] = MappingProxyType(
     {
-        ".step": SurfaceFormat("STEP AP214", True, _step),
-        ".stl": SurfaceFormat("STL, binary", True, _stl),
-        ".csv": SurfaceFormat("CSV table of points and normals", False, _csv),
+        ".step": SurfaceFormat("STEP AP214", _step, has_solids=True),
+        ".stl": SurfaceFormat("STL, binary", _stl, has_solids=True),
+        ".csv": SurfaceFormat("CSV table of points and normals", _csv, ("samples", "along")),
+        ".nc": SurfaceFormat("G-code with a rotary axis", _nc, ("tolerance_mm", *MACHINING), has_disks=False),
     }
 )
 """Ending of the file's name -> its format."""
@@ -291,7 +334,7 @@ def facts_text(job: SurfaceJob) -> str:
 def summary(job: SurfaceJob) -> str:
     """Facts about the file in a sentence."""
     if job.surfaces is None:
-        return f"{job.rows} points with their normals, on the exact surface"
+        return job.about_points
     volume = "" if job.volume is None else f", {result_text(job.volume, 6)} mm³"
     return f"{job.faces} faces{volume}, at most {rounded_up(job.deviation, 4):g} mm from the exact surface"
 

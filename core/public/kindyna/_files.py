@@ -44,6 +44,7 @@ def export_study(
     writers = {
         **dict.fromkeys(SURFACE_FORMATS, _surface),
         **dict.fromkeys(FORMATS, _profile),
+        ".nc": _gcode,
         **dict.fromkeys(ENDINGS, _report),
     }
     ending = target.suffix.lower()
@@ -70,6 +71,11 @@ def _surface(study: Study, target: Path, options: Mapping[str, Any]) -> list[Pat
         surfaces = replace(surfaces, of=f"{request.drive}.{surfaces.of}")
     subject = study if surfaces.of else one_studied(study.design, request.drive)
     return write_surface(surface_job(subject, target, surfaces), target)
+
+
+def _gcode(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:
+    drive = one_studied(study.design, options.get("drive", ""))
+    return (_surface if drive.has_surface else _profile)(study, target, options)
 
 
 def _report(study: Study, target: Path, options: Mapping[str, Any]) -> list[Path]:

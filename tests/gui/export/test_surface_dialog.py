@@ -127,3 +127,24 @@ def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
     with answering(SurfaceDialog, act):
         user.choose(*PATH)
     assert (tmp_path / "barrel.step").read_bytes().startswith(b"ISO-10303-21;")
+
+
+def test_the_path_of_a_cutter_for_a_barrel(user: User, tmp_path: Path) -> None:
+    user.session.start(load(example("barrel_feeder")))
+
+    def act(dialog: SurfaceDialog) -> None:
+        boxes = dialog.form.boxes
+        assert not boxes["feed_mm_min"].isVisible()
+        pick(dialog.format, "G-code")
+        assert boxes["feed_mm_min"].isVisible()
+        assert not boxes["flank"].isEnabled(), "it cuts both"
+        dialog.form.show_value("feed_mm_min", 300.0)
+        assert "points of the cutter's path" in computed(dialog)
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    user.picks("surfaces_to_save", tmp_path / "cam.nc")
+    with answering(SurfaceDialog, act):
+        user.choose(*PATH)
+    words = ["surface", example("barrel_feeder"), "--out", tmp_path / "again.nc", "--feed", "300"]
+    assert main([str(word) for word in words]) == 0
+    assert (tmp_path / "cam.nc").read_bytes() == (tmp_path / "again.nc").read_bytes()
