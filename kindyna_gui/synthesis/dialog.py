@@ -68,6 +68,8 @@ PAUSE_MS, FRAME_MS, STEPS = 150, 40, 120
 TASK_FILES, CURVES = "Tasks (*.toml)", "Curves (*.csv *.dxf)"
 FIRST_POSES = (BodyPose(0.0, 0.0, 0.0), BodyPose(60.0, 20.0, 30.0), BodyPose(110.0, 10.0, 60.0))
 FIRST_PAIRS = (AnglePair(45.0, 30.0), AnglePair(75.0, 55.0), AnglePair(105.0, 75.0))
+BOUNDED = ("transmission_deg_min", "length_ratio_max")
+"""Limits of the answers."""
 HINTS: Mapping[str, str] = {
     POSES: "Press and drag: puts a frame of the body and turns it, two to five of them; with Shift: a fixed pivot",
     PATH: "Draw the path in one stroke; near its start it closes",
@@ -91,7 +93,7 @@ class FindLinkageDialog(PutDialog):
         self.swing = _boxes(Swing, "swing_deg", "time_ratio", "frame_mm")
         self.pivots = [_boxes(Pivot, "x_mm", "y_mm", suffix=f" of fixed pivot {k}") for k in (1, 2)]
         self.frame_mm = _boxes(AnglePairs, "frame_mm")[0]
-        self.limits = _boxes(AnswerLimits, "transmission_deg_min", "length_ratio_max")
+        self.limits = _boxes(AnswerLimits, *BOUNDED)
         self.closed, self.free, self.order = (
             QCheckBox("&Closed"),
             QCheckBox("Only &differences count"),
@@ -418,11 +420,15 @@ class FindLinkageDialog(PutDialog):
             self._show_none(str(result).splitlines()[0])
             return
         self.show_message("")
-        self._answers = result.answers[: result.shown]
-        hidden = f"; {result.hidden} with defects or beyond limits are hidden" if result.hidden else ""
+        self._answers = result.answers[: result.shown] or result.answers
         extent = "all that there are" if result.complete else "the best of a sweep"
         count = len(self._answers)
-        self.found.setText(f"{count} {'linkage' if count == 1 else 'linkages'}, {extent}{hidden}")
+        text = f"{count} {'linkage' if count == 1 else 'linkages'}, {extent}"
+        if not result.shown:
+            text = f"No linkage without defects and within the limits; with them {text}"
+        elif result.hidden:
+            text = f"{text}; {result.hidden} with defects or beyond limits are hidden"
+        self.found.setText(text)
         self._show_cards()
         if not self._is_fitted:
             self._is_fitted = True
@@ -550,10 +556,18 @@ def _values(answer: Answer) -> dict[str, tuple[float, str]]:
     exact = answer.error_mm <= 1e-9 * answer.size_mm and answer.error_deg <= 1e-9
     texts = [brief(answer.error_mm, "mm", 3)] if answer.error_mm > 0.0 else []
     texts += [f"{short(answer.error_deg, 3)}°"] if answer.error_deg > 1e-9 else []
+    transmission, ratio = (", beyond its limit" if name in answer.violated else "" for name in BOUNDED)
+    kind = ", ".join([answer.candidate.kind.capitalize(), *(f"{defect} defect" for defect in answer.defects)])
     return {
-        answer.candidate.kind: (0.0, answer.candidate.kind.capitalize()),
+        answer.candidate.kind: (0.0, kind),
         "error": (error, "exact" if exact else f"error {', '.join(texts)}"),
-        "transmission angle": (answer.transmission_deg, f"transmission angle {short(answer.transmission_deg, 4)}°"),
-        "longest to shortest": (answer.length_ratio, f"longest to shortest link {short(answer.length_ratio, 3)}"),
+        "transmission angle": (
+            answer.transmission_deg,
+            f"transmission angle {short(answer.transmission_deg, 4)}°{transmission}",
+        ),
+        "longest to shortest": (
+            answer.length_ratio,
+            f"longest to shortest link {short(answer.length_ratio, 3)}{ratio}",
+        ),
         "size": (answer.size_mm, f"size {readable_text(answer.size_mm, 'mm', 4)}"),
     }

@@ -190,3 +190,17 @@ def test_a_task_is_saved_and_opened_again(user: User, tmp_path: Path, monkeypatc
     assert len(dialog.poses) == 3
     dialog.reject()
     settle()
+
+
+def test_linkages_with_defects_or_beyond_limits_are_shown_where_there_is_no_other(user: User) -> None:
+    dialog = opened(user)
+    answered(dialog)
+    for _ in range(2):
+        QTest.mouseClick(button(dialog, "&Add a pose"), LEFT)
+    wait_for(lambda: dialog.found.text().startswith("No linkage without defects and within the limits"))
+    answered(dialog)
+    assert dialog.answer is not None
+    assert dialog.answer.defects
+    assert f"{dialog.answer.defects[0]} defect" in dialog.board.list.currentItem().text()
+    dialog.reject()
+    settle()
