@@ -116,7 +116,7 @@ def _is_simple(outline: Outline, path: str) -> Iterator[Fault]:
         )
     elif count > 2 and (crossing := _crossing(z)) is not None:
         i, j = crossing
-        problem = f"crosses itself: the side from points[{i}] meets the side from points[{j}]"
+        problem = f"crosses itself: the side from corner {i + 1} meets the side from corner {j + 1}"
         yield Fault(f"{path}.points", f"{count} points", problem, "corners in their order around the body")
 
 

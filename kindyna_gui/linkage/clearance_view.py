@@ -39,6 +39,7 @@ from core.number_text import shortest
 from core.study import Study
 from core.study.clearances import Clearances, LeastClearance
 from kindyna_gui.dialogs import file_to_open
+from kindyna_gui.documents.edits import fault_reasons
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import UnitLabel
 from kindyna_gui.forms.load_rows import list_button, row_of_buttons, taken_by_list
@@ -325,6 +326,7 @@ class ClearanceView(View):
     def _choose(self, row: int) -> None:
         if 0 <= row < len(self._design.outlines):
             self._row = row
+            self.message.show_refusal("")
             self._show_form(self._design.outlines[row])
 
     def _choose_pair(self, row: int) -> None:
@@ -380,7 +382,8 @@ class ClearanceView(View):
 
     def _put(self, design: Design, label: str, path: str = "") -> None:
         if wrong := faults(design):
-            self.message.show_refusal("; ".join(str(fault) for fault in wrong[:2]))
+            texts = (f"{name}: {text}" for _, name, text in fault_reasons(design, wrong[:2]))
+            self.message.show_refusal(". ".join(texts))
             return
         self.session.put_full_design(design, label, path)
 

@@ -108,10 +108,14 @@ def test_corners_are_typed_and_refused_where_they_cross(same_window: Open, desig
     settled(view)
     assert cells(view.pairs)[0][1] == "15 mm"
     typed(user, view.corners, "0, 50; 30, 80; 30, 50; 0, 80")
-    assert "crosses itself" in view.message.text()
+    assert view.message.text().startswith(
+        "Outline 2, points: crosses itself: the side from corner 1 meets the side from corner 3;"
+    )
     assert len(user.session.full_design.outlines[1].points) == 3
     typed(user, view.corners, "here")
     assert "pairs of numbers" in view.message.text()
+    view.outlines.selectRow(0)
+    assert view.message.text() == "", "it belongs to the other outline"
 
 
 def test_an_outline_is_taken_from_a_drawing_and_saved_with_the_design(same_window: Open, design: Path) -> None:
