@@ -15,6 +15,7 @@ from kindyna_gui.look import answer_label
 from kindyna_gui.pictures.units import brief, number, short, with_unit
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import NO_VALVE, Unavailable
+from kindyna_gui.settings import size_of, symbol_of
 from kindyna_gui.view import View
 
 HEADINGS = (
@@ -149,7 +150,8 @@ def pair_rows(pair: Mapping[str, Any]) -> list[TableRow]:
             if (row["of"], row["at_mm"]) == (of, at_mm)
         ]
     if "overlap_area_mm_deg" in pair:
-        rows.append(("Overlap area", f"{short(pair['overlap_area_mm_deg'])} mm·°"))
+        area = pair["overlap_area_mm_deg"] / size_of("mm")
+        rows.append(("Overlap area", f"{short(area)} {symbol_of('mm')}·°"))
     return [TableRow((label, text, "")) for label, text in rows]
 
 

@@ -32,7 +32,7 @@ from kindyna_gui.pictures.paper.timing_chart import (
 )
 from kindyna_gui.pictures.style import DASHED, DOTTED, OUTLINE, SMALL, THIN, Theme, brush, font
 from kindyna_gui.pictures.units import brief, short
-from kindyna_gui.settings import sized, symbol_of
+from kindyna_gui.settings import size_of, sized, symbol_of
 
 DEAD_CENTRES = ((-360, "TDC"), (-180, "BDC"), (0, "TDC"), (180, "BDC"), (360, "TDC"))
 LIFTS = 30.0  # space for the numbers of the lift axis, pixels
@@ -292,23 +292,22 @@ class CrankChart(TimingChart):
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
     def _paint_lifts(self, painter: QPainter, panel: QRectF) -> None:
-        """Axis of the lift at the left of a panel [mm]."""
+        """Axis of the lift at the left of a panel, with round values in the preferred unit."""
         low, high = panel.bottom() - 4.0, panel.top() + self._room
-        values, _ = ticks(0.0, self.most, min(max(int((low - high) / (2.0 * sized(TEXT_HEIGHT))), 1), LIFT_TICKS))
+        most = self.most / size_of("mm")
+        values, _ = ticks(0.0, most, min(max(int((low - high) / (2.0 * sized(TEXT_HEIGHT))), 1), LIFT_TICKS))
         painter.setPen(self._pen(self.theme.quiet))
         painter.drawLine(QPointF(self.left, low), QPointF(self.right, low))
         painter.drawLine(QPointF(self.left, panel.top()), QPointF(self.left, low))
         unit = QRectF(self.left - sized(LIFTS), panel.top(), sized(LIFTS) - 5.0, sized(TEXT_HEIGHT))
         painter.drawText(unit, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, symbol_of("mm"))
         for value in values:
-            y = low - value / self.most * (low - high)
+            y = low - value / most * (low - high)
             painter.setPen(self._pen(self.theme.quiet))
             painter.drawLine(QPointF(self.left - 3.0, y), QPointF(self.left, y))
             painter.setPen(QColor(self.theme.ink))
             box = QRectF(self.left - sized(LIFTS), y - 7.0, sized(LIFTS) - 5.0, 14.0)
-            painter.drawText(
-                box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, brief(value, "mm").split()[0]
-            )
+            painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, short(value))
 
     def _paint_overlaps(self, painter: QPainter) -> None:
         """Shade the smaller of the lifts of inlet and exhaust valve, with separation and overlap above it."""

@@ -6,6 +6,7 @@ import pytest
 from window_user import Open, User, wait_for
 
 from core.valves import LIFTS, valve_data, valve_timings
+from kindyna_gui.settings import choose
 from kindyna_gui.valves.figures import ValveFiguresView
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "valve_train.toml"
@@ -72,3 +73,14 @@ def test_a_valve_that_hits_the_piston_is_the_first_word(user: User) -> None:
 def test_a_design_without_valves_says_what_to_do(same_window: Open) -> None:
     view = opened(same_window())
     assert view.no_picture.startswith("No drive of this design moves a valve.")
+
+
+def test_the_overlap_area_is_in_the_preferred_unit(user: User) -> None:
+    millimetres = float(table(opened(user))["Overlap area"][0].split()[0])
+    choose({"length": "in"}, comma=False)
+    try:
+        inches, unit = table(opened(user))["Overlap area"][0].split()
+    finally:
+        choose({}, comma=False)
+    assert unit == "in·°"
+    assert float(inches) == pytest.approx(millimetres / 25.4, rel=1e-3)
