@@ -47,7 +47,7 @@ from core.synthesis.dyads import PIN, Dyad
 from core.synthesis.judge import position_errors
 from core.synthesis.task import Task, point_faults, task_size
 
-SIMILAR, REFINED = 60, 12
+SIMILAR, REFINED = 60, 16
 """Curves that are placed over the path, and those of them that are refined."""
 MOST_FITTED = 48
 """Points of a path that are fitted; of more, evenly chosen ones."""
@@ -56,6 +56,8 @@ WINDOWS = (0.12, 0.2, 0.32, 0.5, 0.75)
 """Lengths of the parts of closed curves that are compared with an open path."""
 STEP = 1e-7  # of the size, of numerical slopes
 PENALTY = 1e3  # of the size: residual where the links do not meet
+WIDEST_RATIO = 8.0
+"""Ratio of the longest to the shortest link within which four-bars are refined, where the task has no limit of it."""
 NEAREST = 720  # positions of the crank from which the nearest point of a curve is refined
 
 
@@ -128,7 +130,8 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     for start in starts[: 2 * REFINED if timing is not None else REFINED]:
         checkpoint()
         part = None if timing is None else timing[fitted]
-        placed = _refined(_for_points(start, fitted), points[fitted], weights[fitted], part)
+        ratio = task.longest_to_shortest or WIDEST_RATIO
+        placed = _refined(_for_points(start, fitted), points[fitted], weights[fitted], part, ratio)
         if placed is not None:
             whole = _at_all(placed, points, timing)
             rows.append((float(np.abs(whole.at(whole.angles)[0] - points).max()), whole))
@@ -237,10 +240,16 @@ def _for_points(start: Placed, chosen: np.ndarray) -> Placed:
 
 
 FIXED_UNKNOWNS = 9
+TINY, INSIDE = 1e-12, 0.98  # a length that is 0; the part of the ratio that costs nothing
 
 
-def _refined(start: Placed, points: np.ndarray, weights: np.ndarray, timing: np.ndarray | None) -> Placed | None:
-    """Four-bar of least squares of the distances at the points; None where the links do not meet."""
+def _refined(
+    start: Placed, points: np.ndarray, weights: np.ndarray, timing: np.ndarray | None, ratio: float
+) -> Placed | None:
+    """Four-bar of least squares of the distances at the points; None where the links do not meet.
+
+    Lengths farther from their mean than the ratio allows cost as much as a distance: without it, some four-bars grow without end.
+    """
     from scipy.optimize import least_squares  # imported here to save start-up time
 
     unit = float(np.abs(points - points.mean()).max())
@@ -266,19 +275,26 @@ def _refined(start: Placed, points: np.ndarray, weights: np.ndarray, timing: np.
         error = np.where(is_valid, z - points, PENALTY * unit) * weights / unit
         return error, np.where(is_valid, slope, 0.0) * weights / unit
 
+    def excess(x: np.ndarray) -> np.ndarray:
+        logs = np.log(np.abs(x[:4]) + TINY)
+        over = np.abs(logs - logs.mean()) - 0.5 * np.log(ratio) * INSIDE
+        return np.where(over > 0.0, over, 0.0)
+
     def residual(x: np.ndarray) -> np.ndarray:
         error, _ = values(x)
-        return np.concatenate((error.real, error.imag))
+        return np.concatenate((error.real, error.imag, excess(x)))
 
     def jacobian(x: np.ndarray) -> np.ndarray:
         error, slope = values(x)
-        columns = []
+        now = excess(x)
+        columns, limits = [], np.zeros((now.size, x.size))
         for i in range(FIXED_UNKNOWNS):
             moved = x.copy()
             moved[i] += STEP
             columns.append((values(moved)[0] - error) / STEP)
+            limits[:, i] = (excess(moved) - now) / STEP
         rows = np.column_stack((*columns, np.diag(slope) if timing is None else slope))
-        return np.concatenate((rows.real, rows.imag))
+        return np.concatenate((rows.real, rows.imag, limits))
 
     result = least_squares(residual, np.array(x0), jacobian, xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=150)
     answer = placed(result.x)

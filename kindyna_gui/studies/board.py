@@ -126,7 +126,7 @@ class Board(QWidget):
 
     Signals: ``keep_requested``, save the current design; ``changed``, cards were added or removed; ``compared``, the
     table is on display and needs the current values (``show_current``); ``reopened`` and ``pinned`` (Design), apply
-    the design of a card, or pin it.
+    the design of a card, or pin it. ``unsorted`` names the order in which the cards were added.
     """
 
     keep_requested = Signal()
@@ -135,8 +135,9 @@ class Board(QWidget):
     reopened = Signal(object)
     pinned = Signal(object)
 
-    def __init__(self) -> None:
+    def __init__(self, unsorted: str = "in the order of saving") -> None:
         super().__init__()
+        self._unsorted = unsorted
         self.cards: list[Card] = []
         self.keep, self.sort = QPushButton("Keep this design"), WordBox()
         self.keep.setToolTip("Put the current design on the board, with its values")
@@ -218,7 +219,7 @@ class Board(QWidget):
 
     def _show(self, *_: object) -> None:
         names = dict.fromkeys(name for card in self.cards for name in card.values)
-        fill_choices(self.sort, {UNSORTED: "in the order of saving", **{name: f"by {name}" for name in names}})
+        fill_choices(self.sort, {UNSORTED: self._unsorted, **{name: f"by {name}" for name in names}})
         self.list.clear()
         lines = 0
         for card in self.order:

@@ -85,7 +85,7 @@ class FindLinkageDialog(PutDialog):
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Find a linkage", parent)
         self.put_button.setText("&Take over")
-        self.kind, self.output, self.sheet, self.board = WordBox(), WordBox(), TaskSheet(), Board()
+        self.kind, self.output, self.sheet, self.board = WordBox(), WordBox(), TaskSheet(), Board("the best first")
         self.pages: dict[str, QWidget] = {}
         self.stack = QStackedWidget()
         self.poses: list[Boxes] = []
@@ -165,6 +165,7 @@ class FindLinkageDialog(PutDialog):
             QVBoxLayout(), self.kind, (self.stack, 1), QLabel("Limits of the answers"), limits, self.order, files
         )
         self.board.keep.hide()
+        self.board.sort.setSizeAdjustPolicy(WordBox.SizeAdjustPolicy.AdjustToContents)
         self.board.list.setToolTip("Click a card to see it move over the task; double-click to take it over")
         right = fill(QVBoxLayout(), (self.sheet, 1), self.found, self.board, margins=0)
         self.frame(left, LEFT_WIDTH, right, DEFAULT_SIZE, LEAST_SIZE)
