@@ -25,6 +25,7 @@ from core.output.solids.surface import (
     SurfaceJob,
     SurfaceRequest,
     drawn_surfaces,
+    has_solid_file,
     summary,
     surface_job,
 )
@@ -204,9 +205,9 @@ class SurfaceDialog(ComputedDialog):
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), SolidPicture()
         self._solid = design.drive.has_disk  # as chosen last for a format that has solids
-        self._has_solid = design.drive.has_disk
-        offered = flanks(design) if self._has_solid else {"flank": SIDES}
-        form = RequestForm(SurfaceRequest, offered, {"solid": self._has_solid}, [("Format", self.format)])
+        self._has_solid = has_solid_file(design)
+        offered = flanks(design) if design.drive.has_disk else {"flank": SIDES}
+        form = RequestForm(SurfaceRequest, offered, {"solid": self._solid}, [("Format", self.format)])
         super().__init__(parent, "surfaces", form, self.picture)
         fill_choices(self.format, self._formats())
         self.form.boxes["solid"].toggled.connect(self._show_rows)
@@ -214,7 +215,9 @@ class SurfaceDialog(ComputedDialog):
         self._show_format()
 
     def _formats(self) -> dict[str, str]:
-        rows = {ending: row for ending, row in SURFACE_FORMATS.items() if row.has_disks or not self._has_solid}
+        rows = {
+            ending: row for ending, row in SURFACE_FORMATS.items() if row.has_disks or not self._design.drive.has_disk
+        }
         return {ending: f"{row.label} ({ending})" for ending, row in rows.items()}
 
     @property

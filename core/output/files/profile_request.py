@@ -130,9 +130,7 @@ class Machining:
     feed_mm_min: float = _machining_field("Feed", 0.1, 1e5, 200.0, "along the path")
     plunge_mm_min: float = _machining_field("Plunge", 0.1, 1e5, 50.0, "feed on the way down")
     safe_mm: float = _machining_field("Safe height", 0.1, 1e4, 10.0, "of rapid moves above the face of the blank")
-    depth_mm: float = _machining_field(
-        "Depth", 0.0, 1e4, 0.0, "below the face of the blank", "the cam's thickness, a barrel's groove, or 10 mm"
-    )
+    depth_mm: float = _machining_field("Depth", 0.0, 1e4, 0.0, "below the face of the blank", "full, or 10 mm")
     step_mm: float = _machining_field("Depth of a pass", 0.0, 1e4, 0.0, "at most", "all in one pass")
     conventional: bool = option(
         flag("Conventional instead of climb milling"), help="G-code: conventional instead of climb milling"

@@ -100,7 +100,7 @@ def disk_solids(study: Study, tolerance: float) -> Prisms:
     cam = study.design.drive.cam
     flanks = form_row(cam.form).flanks
     heights = {flank: thickness(study, flank) for flank in flanks}
-    hole, hub = _hole(cam), _hub_radius(cam)
+    hole, hub = hole_outline(cam), _hub_radius(cam)
     if OUTER in flanks:
         depth = _groove_depth(cam)
         _require_walls(study)
@@ -192,7 +192,7 @@ def _groove_depth(cam: Any) -> float:
     return _required(cam.form, "groove_depth_mm", "the depth of the groove from the upper face")
 
 
-def _hole(cam: Any) -> Outline:
+def hole_outline(cam: Any) -> Outline:
     """Outline of the bore with its keyway, with the material on its left; empty without a bore."""
     if unknown := keyway_unknown(cam):
         others = "".join(f", and cam.{name}" for name in unknown[1:])

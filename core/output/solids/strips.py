@@ -106,14 +106,15 @@ def spatial_strips(study: Study, sides: tuple[str, ...], tolerance: float) -> St
         The tolerance requires too many spans.
     """
     study.surface  # noqa: B018 - raises where no roller is in the blank, or one has no line of contact
-    _require_smooth(study)
+    require_smooth(study)
     strips = [strip for strip in flank_strips(study) if strip.side in sides]
     fits = [_fit_strip(study, strip, tolerance) for strip in strips]
     patches = tuple(fit[0] for fit in fits)
     return Strips(tuple(strips), patches, max(deviation for _, deviation in fits))
 
 
-def _require_smooth(study: Study) -> None:
+def require_smooth(study: Study) -> None:
+    """Raises NoCam where the velocity of the motion jumps."""
     for i, join in enumerate(study.program.joins):
         if join.jumps[1]:
             angle = float(np.rad2deg(join.theta))
@@ -232,15 +233,28 @@ def strip_flank(study: Study, strip: Strip, theta: np.ndarray, piece: np.ndarray
 # -- fit --------------------------------------------------------------------------------------------------------
 
 
-class _Exact:
+class ExactFlank:
     """A strip as functions of the cam angle and of the distance along the roller, in mm."""
 
     def __init__(self, study: Study, strip: Strip) -> None:
-        self._study, self._strip = study, strip
+        self.study, self.strip = study, strip
         self.ends = MM * study.machine.inner, MM * study.machine.outer
 
     def flank(self, theta: np.ndarray, piece: np.ndarray, u: np.ndarray) -> SpatialFlank:
-        return strip_flank(self._study, self._strip, theta, piece, u)
+        """Exact flank at n cam angles and m distances.
+
+        Parameters
+        ----------
+        theta : ndarray (n,) [rad]
+        piece : ndarray (n,), dimensionless
+        u : ndarray (m,) [mm]
+            Distances along the roller.
+
+        Returns
+        -------
+        SpatialFlank
+        """
+        return strip_flank(self.study, self.strip, theta, piece, u)
 
     def require_no_edge(self, runs: list[list[tuple[float, float, int]]]) -> None:
         """Raise NoCam where the flank is undercut at one of many samples."""
@@ -252,9 +266,9 @@ class _Exact:
         margin = self.flank(theta, piece, np.linspace(*self.ends, 9)).margin.min(axis=0)
         if margin.min() <= 0.0:
             angle = float(np.rad2deg(theta[margin.argmin()]))
-            gentler = KINDS[self._study.machine.kind].gentler
+            gentler = KINDS[self.study.machine.kind].gentler
             raise NoCam(
-                f"the flank {self._strip.side} is undercut: it has an edge",
+                f"the flank {self.strip.side} is undercut: it has an edge",
                 "cam.roller_radius_mm",
                 f"use a smaller roller, or {gentler}",
                 [(angle, angle)],
@@ -262,36 +276,60 @@ class _Exact:
 
     def has_kink(self, before: int, after: int) -> bool:
         """Whether the third derivative of the motion jumps between two pieces."""
-        return _jumps(self._study, before, after, 3)
+        return _jumps(self.study, before, after, 3)
 
     def points(self, theta: np.ndarray, piece: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Points (n, m, 3) [mm]."""
+        """Points of the flank.
+
+        Parameters
+        ----------
+        theta : ndarray (n,) [rad]
+        piece : ndarray (n,), dimensionless
+        u : ndarray (m,) [mm]
+            Distances of the second parameter.
+
+        Returns
+        -------
+        ndarray (n, m, 3) [mm]
+        """
         return MM * self.flank(theta, piece, u).cam_point.transpose(2, 1, 0)
 
     def by_theta(self, theta: float, piece: int, u: np.ndarray) -> np.ndarray:
-        """Derivative by cam angle (m, 3) [mm/rad]."""
+        """Derivative of the point by cam angle.
+
+        Parameters
+        ----------
+        theta : float [rad]
+        piece : int
+        u : ndarray (m,) [mm]
+            Distances of the second parameter.
+
+        Returns
+        -------
+        ndarray (m, 3) [mm/rad]
+        """
         flank = self.flank(np.array([theta]), np.array([piece]), u)
         return MM * flank.in_cam(flank.by_theta)[:, :, 0].T
 
 
 def _fit_strip(study: Study, strip: Strip, tolerance: float) -> tuple[tuple[Patch, ...], float]:
     """Patches of a strip, and its deviation [mm]."""
-    exact, program = _Exact(study, strip), study.program
+    exact, program = ExactFlank(study, strip), study.program
     low, high = np.maximum(program.starts, strip.low), np.minimum(program.ends, strip.high)
     pieces = np.flatnonzero(high - low > SHORTEST)
-    runs = np.split(pieces, 1 + np.flatnonzero([_is_cut(study, a, b) for a, b in pairwise(pieces.tolist())]))
+    runs = np.split(pieces, 1 + np.flatnonzero([is_cut(study, a, b) for a, b in pairwise(pieces.tolist())]))
     spans = [[(low[i], high[i], int(i)) for i in run] for run in runs]
     if strip.is_closed and len(spans) == 1:  # a surface does not end where it begins
         *before, (first, last, piece) = spans[0]
         middle = 0.5 * (first + last)
         spans = [[*before, (first, middle, piece)], [(middle, last, piece)]]
     exact.require_no_edge(spans)
-    along = _along_basis(exact, spans, tolerance)
-    fits = [_fit_patch(exact, run, along, tolerance) for run in spans]
+    along = along_basis(exact, spans, tolerance)
+    fits = [fit_patch(exact, run, along, tolerance) for run in spans]
     return tuple(patch for patch, _ in fits), max(deviation for _, deviation in fits)
 
 
-def _is_cut(study: Study, before: int, after: int) -> bool:
+def is_cut(study: Study, before: int, after: int) -> bool:
     """Whether segments of the motion join between two pieces, or its acceleration jumps there."""
     theta = study.program.starts[after]
     is_join = any(abs(join.theta - theta) <= SAME for join in study.program.joins)
@@ -306,7 +344,7 @@ def _jumps(study: Study, before: int, after: int, order: int) -> bool:
     return bool(abs(np.diff(rows[-1])[0]) > SAME * sum(np.abs(row).sum() for row in rows))
 
 
-def _along_basis(exact: _Exact, runs: list[list[tuple[float, float, int]]], tolerance: float) -> KnotVector:
+def along_basis(exact: ExactFlank, runs: list[list[tuple[float, float, int]]], tolerance: float) -> KnotVector:
     """Equal spans along the roller, so many that the cubic keeps its part of the tolerance."""
     parts = np.linspace(0.02, 0.98, 9)
     theta = np.concatenate([low + (high - low) * parts for run in runs for low, high, _ in run])
@@ -315,7 +353,7 @@ def _along_basis(exact: _Exact, runs: list[list[tuple[float, float, int]]], tole
         basis = KnotVector(ALONG, np.linspace(*exact.ends, count + 1), (ALONG + 1, *(1,) * (count - 1), ALONG + 1))
         sites = _greville(basis)
         u = np.linspace(*exact.ends, 4 * ACROSS * count + 1)
-        fitted = _value(basis, _solve(basis, sites, exact.points(theta, piece, sites).transpose(1, 0, 2)), u)
+        fitted = spline_value(basis, _solve(basis, sites, exact.points(theta, piece, sites).transpose(1, 0, 2)), u)
         if np.abs(fitted.transpose(1, 0, 2) - exact.points(theta, piece, u)).max() <= ALONG_PART * tolerance:
             return basis
     raise KindynaError(_too_fine(tolerance))
@@ -325,8 +363,8 @@ def _too_fine(tolerance: float) -> str:
     return f"tolerance {tolerance:g} mm: it requires too many spans of the surface; choose a larger tolerance"
 
 
-def _fit_patch(
-    exact: _Exact, pieces: list[tuple[float, float, int]], along: KnotVector, tolerance: float
+def fit_patch(
+    exact: ExactFlank, pieces: list[tuple[float, float, int]], along: KnotVector, tolerance: float
 ) -> tuple[Patch, float]:
     """Surface over consecutive pieces of the motion; spans are halved where it misses the tolerance."""
     edges = [np.linspace(a, b, int(np.ceil((b - a) / WIDEST)) + 1) for a, b, _ in pieces]
@@ -351,7 +389,7 @@ def _fit_patch(
 
 
 def _interpolate(
-    exact: _Exact, nodes: np.ndarray, owner: np.ndarray, along: KnotVector
+    exact: ExactFlank, nodes: np.ndarray, owner: np.ndarray, along: KnotVector
 ) -> tuple[np.ndarray, KnotVector]:
     """Control points of the surface with the flank's points at the Greville abscissae, and its tangents at both ends."""
     inner = [SMOOTH if a != b and exact.has_kink(a, b) else 1 for a, b in pairwise(owner.tolist())]
@@ -380,7 +418,23 @@ def _solve(basis: KnotVector, sites: np.ndarray, values: np.ndarray, slopes: tup
     return np.asarray(make_interp_spline(sites, values, basis.degree, knots, bc_type=ends).c)
 
 
-def _value(basis: KnotVector, points: np.ndarray, at: np.ndarray, order: int = 0) -> np.ndarray:
+def spline_value(basis: KnotVector, points: np.ndarray, at: np.ndarray, order: int = 0) -> np.ndarray:
+    """Points of a B-spline, or their derivative by its parameter.
+
+    Parameters
+    ----------
+    basis : KnotVector
+    points : ndarray (m, ...) [mm]
+        Control points.
+    at : ndarray (n,) [rad or mm]
+        Parameters.
+    order : int
+        Order of the derivative.
+
+    Returns
+    -------
+    ndarray (n, ...) [mm per parameter to that order]
+    """
     from scipy.interpolate import BSpline  # as above
 
     spline = BSpline(np.repeat(basis.knots, basis.multiplicities), points, basis.degree)
@@ -400,14 +454,16 @@ def patch_points(patch: Patch, theta: np.ndarray, u: np.ndarray) -> np.ndarray:
     -------
     ndarray (n, m, 3) [mm]
     """
-    rows = _value(patch.by_angle, patch.points, theta)
-    return _value(patch.along, rows.transpose(1, 0, 2), u).transpose(1, 0, 2)
+    rows = spline_value(patch.by_angle, patch.points, theta)
+    return spline_value(patch.along, rows.transpose(1, 0, 2), u).transpose(1, 0, 2)
 
 
 # -- deviation --------------------------------------------------------------------------------------------------
 
 
-def _normal_distance(exact: _Exact, patch: Patch, theta: np.ndarray, piece: np.ndarray, u: np.ndarray) -> np.ndarray:
+def _normal_distance(
+    exact: ExactFlank, patch: Patch, theta: np.ndarray, piece: np.ndarray, u: np.ndarray
+) -> np.ndarray:
     """Upper bound (n, m) [mm] of the distance of the exact points from the patch: |n · d| + κ d²/2 for the difference d.
 
     The curvature κ of the roller exceeds those of the flank but near an edge, where the flank's own is taken.
@@ -420,7 +476,7 @@ def _normal_distance(exact: _Exact, patch: Patch, theta: np.ndarray, piece: np.n
 
 
 def _span_errors(
-    exact: _Exact, patch: Patch, nodes: np.ndarray, owner: np.ndarray
+    exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray
 ) -> tuple[np.ndarray, list[tuple[float, int, float]]]:
     """Largest sampled distance (m,) [mm] of every span, and the angle, piece and u of the largest samples."""
     parts = (np.arange(GRID) + 0.5) / GRID
@@ -435,7 +491,7 @@ def _span_errors(
 
 
 def _refined(
-    exact: _Exact, patch: Patch, nodes: np.ndarray, owner: np.ndarray, peaks: list[tuple[float, int, float]]
+    exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray, peaks: list[tuple[float, int, float]]
 ) -> float:
     """Largest distance [mm] near the largest samples, on grids that get finer."""
     result = 0.0
@@ -456,7 +512,7 @@ def _refined(
     return result
 
 
-def _is_outward(exact: _Exact, patch: Patch, nodes: np.ndarray, owner: np.ndarray) -> bool:
+def _is_outward(exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray) -> bool:
     """Whether ∂θ × ∂u points out of the cam."""
     middle, theta = owner.size // 2, 0.5 * (nodes[owner.size // 2] + nodes[owner.size // 2 + 1])
     flank = exact.flank(np.array([theta]), owner[middle : middle + 1], np.array([0.5 * sum(exact.ends)]))
@@ -497,8 +553,8 @@ def _triangles(patch: Patch, tolerance: float) -> np.ndarray:
     theta, u = (np.linspace(basis.knots[0], basis.knots[-1], 65) for basis in (patch.by_angle, patch.along))
 
     def derivative(by_theta: int, by_u: int) -> np.ndarray:
-        rows = _value(patch.by_angle, patch.points, theta, by_theta)
-        return _value(patch.along, rows.transpose(1, 0, 2), u, by_u)
+        rows = spline_value(patch.by_angle, patch.points, theta, by_theta)
+        return spline_value(patch.along, rows.transpose(1, 0, 2), u, by_u)
 
     normal = np.cross(derivative(1, 0), derivative(0, 1))
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from core.cam import OUTER, form_row
+from core.design import Design
 from core.design.fields import choice, flag, length, whole
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -21,6 +22,7 @@ from core.output.files.fitted_curve import CERTAIN
 from core.output.files.profile_curve import MM
 from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ALL_FLANKS, AT_ONCE, Machining
+from core.output.solids.barrel import BarrelSolid, barrel_solid, is_slide_groove
 from core.output.solids.barrel_path import barrel_path, gcode_bytes
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
 from core.output.solids.mesh import stl_bytes, stl_rounding
@@ -78,6 +80,9 @@ class SurfaceRequest:
     machining: Machining = Machining()
 
 
+Surfaces: TypeAlias = Prisms | Strips | BarrelSolid
+
+
 # -- a job ------------------------------------------------------------------------------------------------------
 
 
@@ -99,7 +104,7 @@ class SurfaceJob:
     study: Study
     request: SurfaceRequest
     content: bytes
-    surfaces: Prisms | Strips | None
+    surfaces: Surfaces | None
     deviation: float
     faces: int
     about_points: str = ""
@@ -125,7 +130,7 @@ def _flanks(study: Study, request: SurfaceRequest) -> tuple[str, ...]:
     return (request.flank,) if request.flank in flanks else flanks
 
 
-def _surfaces(study: Study, request: SurfaceRequest, tolerance: float) -> Prisms | Strips:
+def _surfaces(study: Study, request: SurfaceRequest, tolerance: float) -> Surfaces:
     if request.of:
         if request.flank:
             raise KindynaError(f"flank {request.flank!r} cannot be combined with a plate; leave one out")
@@ -133,20 +138,23 @@ def _surfaces(study: Study, request: SurfaceRequest, tolerance: float) -> Prisms
     flanks = _flanks(study, request)
     if study.has_surface:
         if request.solid:
-            kind = study.design.drive.cam.kind
-            raise KindynaError(f"cam.kind = {kind!r}: a cam in space is written as its flanks; leave the solid out")
+            return barrel_solid(study, tolerance)
         return spatial_strips(study, flanks, tolerance)
     return disk_solids(study, tolerance) if request.solid else disk_sheets(study, flanks, tolerance)
 
 
 def drawn_surfaces(job: SurfaceJob) -> Prisms | Strips:
-    """Bodies for a drawing of the file: those in it, of a table the flanks. Raises as `surface_job`."""
-    return job.surfaces or _surfaces(job.study, job.request, TOLERANCE)
+    """Bodies for a drawing of the file: those in it, of a table, a path or a barrel the flanks. Raises as `surface_job`."""
+    drawn = job.surfaces or _surfaces(job.study, job.request, TOLERANCE)
+    return spatial_strips(job.study, SIDES, TOLERANCE) if isinstance(drawn, BarrelSolid) else drawn
 
 
-def _job(
-    study: Study, request: SurfaceRequest, surfaces: Prisms | Strips, content: bytes, deviation: float
-) -> SurfaceJob:
+def has_solid_file(design: Design) -> bool:
+    """Whether the cam of a design can leave as a solid: a disk cam, or a barrel cam with the groove of a slide."""
+    return design.drive.has_disk or (design.drive.has_surface and is_slide_groove(design.drive.cam))
+
+
+def _job(study: Study, request: SurfaceRequest, surfaces: Surfaces, content: bytes, deviation: float) -> SurfaceJob:
     faces = sum(len(body.faces) for body in surfaces.bodies)
     return SurfaceJob(study, request, content, surfaces, deviation, faces)
 

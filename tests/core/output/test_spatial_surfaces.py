@@ -251,7 +251,7 @@ def test_the_same_design_gives_the_same_bytes(tmp_path: Path, ending: str) -> No
 
 @pytest.mark.parametrize(
     ("words", "said"),
-    [(["--flank", "inner"], "allowed: ahead, behind, both"), (["--solid"], "is written as its flanks")],
+    [(["--flank", "inner"], "allowed: ahead, behind, both"), (["--solid"], "cam.outer_radius_mm: missing")],
 )
 def test_faults_are_named_in_one_line(tmp_path: Path, words: list[str], said: str) -> None:
     code, _, faults = run(barrel(tmp_path), "--out", tmp_path / "cam.step", *words)

@@ -114,8 +114,10 @@ def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
     user.session.start(load(example("barrel_feeder")))
 
     def act(dialog: SurfaceDialog) -> None:
-        assert not dialog.form.boxes["solid"].isEnabled(), "it has flanks only"
         assert computed(dialog).startswith("8 faces, at most ")
+        dialog.form.boxes["solid"].click()
+        assert computed(dialog).startswith("21 faces, "), "the solid of a slide's groove"
+        dialog.form.boxes["solid"].click()
         pick(dialog.form.boxes["flank"], "Ahead")
         assert computed(dialog).startswith("4 faces, at most ")
         seen = dialog.picture.grab().toImage()
