@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import kindyna as kd
 from core.__main__ import main
 
 EXAMPLE = Path(__file__).parents[3] / "resources/examples/barrel_feeder.toml"
@@ -204,3 +205,10 @@ def test_a_disk_cam_is_sent_to_the_command_profile(tmp_path: Path) -> None:
     code, _, faults = run(EXAMPLE.with_name("groove.toml"), "--out", tmp_path / "cam.nc")
     assert (code, faults.count("\n")) == (2, 1)
     assert "written by the command profile" in faults
+
+
+def test_python_writes_the_path_of_the_command(tmp_path: Path) -> None:
+    files = [tmp_path / f"{number}.nc" for number in range(2)]
+    assert run(EXAMPLE, "--out", files[0], "--feed", 300)[0] == 0
+    kd.open(EXAMPLE).study().export(files[1], feed=300.0)
+    assert files[0].read_bytes() == files[1].read_bytes()
