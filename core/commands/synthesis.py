@@ -41,6 +41,8 @@ def run_synthesise(arguments: SynthesiseArguments, painter: Painter | None) -> i
     """Print the answers, the best first; write them as designs."""
     if arguments.into is not None and arguments.into.resolve() == arguments.task.resolve():
         raise KindynaError(f"--into {arguments.into}: is the task that is read; choose another file")
+    if arguments.rank > 1 and arguments.into is None:
+        raise KindynaError(f"--rank {arguments.rank}: only together with --into FILE")
     synthesis = synthesise(load_task(arguments.task))
     answers = listed(synthesis, arguments.all)
     if arguments.into is not None:

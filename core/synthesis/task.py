@@ -238,7 +238,7 @@ def _rule_faults(task: Task) -> Iterator[Fault]:
 def _pose_faults(task: Task) -> Iterator[Fault]:
     poses, n = task.poses, len(task.poses)
     if not 2 <= n <= MOST_POSES:
-        yield Fault("poses", MISSING, f"{n} poses", f"2 ... {MOST_POSES}")
+        yield Fault("poses", MISSING, _count(n, "pose"), f"2 ... {MOST_POSES}")
         return
     size = task_size([pose.z for pose in poses])
     for i, pose in enumerate(poses):
@@ -310,7 +310,7 @@ def point_faults(task: Task, points: Sequence[complex]) -> Iterator[Fault]:
     n, path = len(points), task.path
     assert path is not None
     if not FEWEST_POINTS <= n <= MOST_POINTS:
-        yield Fault("path.points", MISSING, f"{n} points", f"{FEWEST_POINTS} ... {MOST_POINTS}")
+        yield Fault("path.points", MISSING, _count(n, "point"), f"{FEWEST_POINTS} ... {MOST_POINTS}")
     elif task_size(points) == 0.0:
         yield Fault("path.points", MISSING, "are all equal", "different points")
     for name in ("driver_deg", "weights"):
@@ -324,9 +324,8 @@ def point_faults(task: Task, points: Sequence[complex]) -> Iterator[Fault]:
 def _angle_faults(task: Task) -> Iterator[Fault]:
     angles = task.angles
     assert angles is not None
-    fewest = FEWEST_PAIRS
-    if not fewest <= len(angles.pairs) <= MOST_POINTS:
-        yield Fault("angles.pairs", MISSING, f"{len(angles.pairs)} pairs", f"{fewest} ... {MOST_POINTS}")
+    if not FEWEST_PAIRS <= len(angles.pairs) <= MOST_POINTS:
+        yield Fault("angles.pairs", MISSING, _count(len(angles.pairs), "pair"), f"{FEWEST_PAIRS} ... {MOST_POINTS}")
     seen: list[float] = []
     for i, pair in enumerate(angles.pairs):
         if any(abs((pair.driver_deg - other + 180.0) % 360.0 - 180.0) < 1e-9 for other in seen):
@@ -345,6 +344,10 @@ def _swing_faults(task: Task) -> Iterator[Fault]:
         yield Fault("rocker.swing_deg", swing.swing_deg, "outside its range", "above 0, below 180 deg")
     if swing.time_ratio >= 3.0:
         yield Fault("rocker.time_ratio", swing.time_ratio, "outside its range", "1 ... 3, 3 excluded")
+
+
+def _count(n: int, noun: str) -> str:
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def task_size(points: Sequence[complex]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
@@ -48,7 +49,7 @@ from core.synthesis import (
     task_of,
 )
 from core.synthesis.judge import joint_positions
-from core.synthesis.task import ANGLES, FIXED, PATH, POSES, ROCKER, ROCKER_OUTPUT, SLIDER_OUTPUT, task_table
+from core.synthesis.task import ANGLES, FIXED, MOST_POSES, PATH, POSES, ROCKER, ROCKER_OUTPUT, SLIDER_OUTPUT, task_table
 from core.synthesis.tasks import TASKS
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
@@ -74,6 +75,17 @@ HINTS: Mapping[str, str] = {
     POSES: "Press and drag: puts a frame of the body and turns it, two to five of them; with Shift: a fixed pivot",
     PATH: "Draw the path in one stroke; near its start it closes",
 }
+FIELD_NAMES: Mapping[str, str] = {
+    "poses": "pose",
+    "pivots": "pivot",
+    "path.points": "points of the path",
+    "angles.pairs": "pair",
+    "angles.frame_mm": "frame",
+    "rocker.swing_deg": "swing",
+    "rocker.time_ratio": "time ratio",
+    "rocker.frame_mm": "frame",
+}
+"""Key of a task's file -> its name in a sentence."""
 Boxes = list[LiveBox]
 
 
@@ -139,7 +151,7 @@ class FindLinkageDialog(PutDialog):
         fill_choices(self.kind, {name: row.title for name, row in TASKS.items()})
         fill_choices(self.output, {ROCKER_OUTPUT: "Rocker, degrees", SLIDER_OUTPUT: "Slider, mm"})
         self.output.setAccessibleName("Output")
-        add_pose = self._button("&Add a pose", lambda: self._add_pose())
+        self.add_pose = add_pose = self._button("&Add a pose", lambda: self._add_pose())
         add_pair = self._button("&Add a pair", lambda: self._add_pair())
         curve = self._button("Points from a &file...", self._open_curve)
         pages = {
@@ -290,9 +302,8 @@ class FindLinkageDialog(PutDialog):
 
     def _add_pose(self) -> None:
         poses = self._typed_poses()
-        if len(poses) < 5:
-            last = poses[-1] if poses else BodyPose(0.0, 0.0)
-            self._set_poses([*poses, BodyPose(last.x_mm + 40.0, last.y_mm, last.angle_deg + 15.0)])
+        last = poses[-1] if poses else BodyPose(0.0, 0.0)
+        self._set_poses([*poses, BodyPose(last.x_mm + 40.0, last.y_mm, last.angle_deg + 15.0)])
 
     def _remove_pose(self, row: int) -> None:
         self._set_poses([pose for i, pose in enumerate(self._typed_poses()) if i != row])
@@ -372,6 +383,7 @@ class FindLinkageDialog(PutDialog):
         kind = self.kind.currentData()
         self.frame_mm.setEnabled(self.output.currentData() == ROCKER_OUTPUT)
         points = list(self._path.points) if kind == PATH else []
+        self.add_pose.setEnabled(len(self.poses) < MOST_POSES)
         self.sheet.pivots = self._typed_pivots()
         self.sheet.show_task(self._typed_poses() if kind == POSES else [], points, self.closed.isChecked())
         count = len(self._path.points)
@@ -401,7 +413,7 @@ class FindLinkageDialog(PutDialog):
         try:
             task = replace(task_of(task_table(self.task)), folder=self._folder)
         except KindynaError as error:
-            self._show_none(str(error).splitlines()[0])
+            self._show_none(_reason(error))
             return
         self.show_message("")
         self.found.setText("Searching ...")
@@ -418,7 +430,7 @@ class FindLinkageDialog(PutDialog):
         if isinstance(result, Cancelled):
             return
         if isinstance(result, KindynaError):
-            self._show_none(str(result).splitlines()[0])
+            self._show_none(_reason(result))
             return
         self.show_message("")
         self._answers = result.answers[: result.shown] or result.answers
@@ -426,7 +438,7 @@ class FindLinkageDialog(PutDialog):
         count = len(self._answers)
         text = f"{count} {'linkage' if count == 1 else 'linkages'}, {extent}"
         if not result.shown:
-            text = f"No linkage without defects and within the limits; with them {text}"
+            text = f"Only with defects or beyond limits: {text}"
         elif result.hidden:
             text = f"{text}; {result.hidden} with defects or beyond limits are hidden"
         self.found.setText(text)
@@ -516,7 +528,20 @@ class FindLinkageDialog(PutDialog):
         try:
             action()
         except KindynaError as error:
-            self.show_message(sentence(str(error).splitlines()[0]), wrong=True)
+            self.show_message(sentence(_reason(error)), wrong=True)
+
+
+def _reason(error: KindynaError) -> str:
+    """The first fault of a task, with the names of the dialog for its fields."""
+    text = str(error).splitlines()[0]
+    for key, name in FIELD_NAMES.items():
+        text = re.sub(rf"\b{re.escape(key)}(\[(\d+)\])?", partial(_numbered, name), text)
+    return text
+
+
+def _numbered(name: str, match: re.Match[str]) -> str:
+    """Name of a field, with the number of its row, which counts from 1."""
+    return f"{name} {int(match[2]) + 1}" if match[2] else name
 
 
 def _is_placed(pivot: Pivot, dyad: int) -> bool:

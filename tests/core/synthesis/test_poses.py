@@ -300,7 +300,7 @@ ROWS = [{"x_mm": p.x_mm, "y_mm": p.y_mm, "angle_deg": p.angle_deg} for p in THRE
     ("table", "field"),
     [
         ({"poses": EQUAL}, r"poses\[1\]: is equal to poses\[0\]"),
-        ({"poses": ROWS[:1]}, "poses: 1 poses; allowed: 2 ... 5"),
+        ({"poses": ROWS[:1]}, "poses: 1 pose; allowed: 2 ... 5"),
         ({"poses": [dict(row, x_mm=k * 9.0) for k, row in enumerate(ROWS * 2)]}, "poses: 6 poses; allowed: 2 ... 5"),
         (
             {"poses": [{"x_mm": x, "y_mm": 2.0 * x} for x in (0.0, 10.0, 30.0)]},

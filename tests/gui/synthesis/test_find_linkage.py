@@ -197,7 +197,7 @@ def test_linkages_with_defects_or_beyond_limits_are_shown_where_there_is_no_othe
     answered(dialog)
     for _ in range(2):
         QTest.mouseClick(button(dialog, "&Add a pose"), LEFT)
-    wait_for(lambda: dialog.found.text().startswith("No linkage without defects and within the limits"))
+    wait_for(lambda: dialog.found.text().startswith("Only with defects or beyond limits"))
     answered(dialog)
     assert dialog.answer is not None
     assert dialog.answer.defects
