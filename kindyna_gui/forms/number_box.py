@@ -62,6 +62,9 @@ _CTRL = Qt.KeyboardModifier.ControlModifier
 _VIEW = Qt.ShortcutContext.WidgetWithChildrenShortcut
 
 
+_READ_EVENTS = (QHelpEvent, QKeyEvent)
+
+
 class TextKeys:
     """Mixin of text fields, before their Qt class: decides between shortcuts and typed text."""
 
@@ -606,6 +609,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
 
         The line edit would claim the undo keys always. The tip begins with all digits of a number that is shown rounded.
         """
+        if not isinstance(event, _READ_EVENTS):  # a form that changes sends hundreds to each box
+            return QAbstractSpinBox.event(self, event)
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and (full := self._exact_text()):
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
             return True
