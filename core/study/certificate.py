@@ -24,7 +24,6 @@ from core.motion.extremes import find_extremes
 from core.numerics.roots import gauss
 from core.study.camshaft import Camshaft
 from core.study.extremes import undercut_on
-from core.study.machine_laws import law_in_machine
 from core.study.study import Study
 
 OPTIMUM_GAP = 1e-3  # bound of the gap between a law and the best one
@@ -80,6 +79,8 @@ def _drive_certificate(study: Study, stages: Sequence[str]) -> dict[str, Residua
 
 def _local_gap(segment: Segment, whole_turn: bool) -> Residual:
     """Effect of a law in its machine over the least one of the linearised effect near it, less 1."""
+    from core.study.machine_laws import law_in_machine  # imported here to save start-up time
+
     law = law_in_machine(segment, whole_turn)
     gap = law.value / law.least - 1.0 if 0.0 < law.value < inf else 0.0
     assert isinstance(segment.curve, OptimalCurve)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core.design import ComputedCurve, Design, Motion, OptimalCurve, Segment, faults
-from core.design.curves import optimal_task, solve_machines_by, with_joined_ends
+from core.design.curves import optimal_task, with_joined_ends
 from core.design.motions import needs_machine
 from core.design.rules import missing_for_effect
 from core.errors import DesignError, Fault, NoSolution
@@ -123,9 +123,6 @@ def law_in_machine(segment: Segment, whole_turn: bool) -> LocalLaw:
 
     effect = _MachineEffect(design, index, curve.minimise)
     return local_law(optimal_task(curve, segment, whole_turn), effect)
-
-
-solve_machines_by(law_in_machine)
 
 
 def with_fixed_laws(design: Design) -> Design:

@@ -521,7 +521,8 @@ def test_a_flat_face_where_there_is_none_is_refused_in_one_line() -> None:
 
 def test_what_belongs_to_another_face_is_a_fault() -> None:
     assert told("card_picker", follower={"face": "knife"}) == [
-        'cam.roller_radius_mm = 10.0: only with face = "roller"; allowed: base_radius_mm | form | thickness_mm | bore_mm | hub_mm | '
+        'cam.roller_radius_mm = 10.0: only with face = "roller"; allowed: base_radius_mm | form | thickness_mm | bore_mm | '
+        "hub_mm | hub_length_mm | "
         "keyway_width_mm | keyway_depth_mm | keyway_angle_deg | cutter_radius_mm | material | roller_material | youngs_modulus_gpa | "
         "poisson_ratio | roller_youngs_modulus_gpa | roller_poisson_ratio | roller_load_rating_n"
     ]

@@ -545,7 +545,7 @@ def told(design: Design, **tables: dict[str, object]) -> list[str]:
 def test_what_a_form_needs_and_what_belongs_to_another_is_named() -> None:
     assert told(GROOVE, cam={"form": "open"}) == [
         'cam.play_mm = 0.05: only with form = "groove" or "conjugate"; allowed: base_radius_mm | roller_radius_mm | form | '
-        "thickness_mm | bore_mm | hub_mm | keyway_width_mm | keyway_depth_mm | keyway_angle_deg | cutter_radius_mm | "
+        "thickness_mm | bore_mm | hub_mm | hub_length_mm | keyway_width_mm | keyway_depth_mm | keyway_angle_deg | cutter_radius_mm | "
         "material | roller_material | youngs_modulus_gpa | poisson_ratio | roller_youngs_modulus_gpa | roller_poisson_ratio | "
         "roller_load_rating_n"
     ]
