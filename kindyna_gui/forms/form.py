@@ -315,6 +315,7 @@ class Form(QScrollArea):
             part, before = self._groups[group], ""
             grid = part.layout()
             assert isinstance(grid, QGridLayout)
+            grid.setEnabled(False)  # else it is laid out again for each widget that is shown
             header = self._header_of(group)
             if header is not None:
                 grid.addWidget(header, 0, 0, 1, COLUMNS)
@@ -325,6 +326,11 @@ class Form(QScrollArea):
                 field.setParent(part)  # deleted together
                 field.add_to(grid, 3 * row + 2)
         self._show_rows()
+        for part in self._groups.values():
+            grid = part.layout()
+            assert grid is not None
+            grid.setEnabled(True)
+            grid.invalidate()
         # else the fields are squeezed under the scroll bar
         paper = self._content.content
         assert paper is not None
