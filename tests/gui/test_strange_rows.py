@@ -13,6 +13,7 @@ PATIENCE = 120  # seconds
 
 
 @pytest.mark.parametrize("chosen", ["not stress", stressed("stress")])
+@pytest.mark.stress
 def test_one_row_is_all_that_a_law_a_unit_a_quantity_or_a_limit_needs(chosen: str) -> None:
     words = [
         "-q",

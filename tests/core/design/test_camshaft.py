@@ -534,6 +534,7 @@ def test_a_broken_distance_and_rows_that_contradict_each_other_are_found() -> No
 # -- commands -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.stress
 def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, out = str(EXAMPLES / "transfer_unit.toml"), tmp_path / "clamp.csv"
     assert main(["profile", file, "--out", str(out)]) == 2

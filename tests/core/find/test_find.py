@@ -551,6 +551,7 @@ def test_contact_force_and_pressure_are_limits_of_a_search() -> None:
         find(design, "base-radius", {"contact_pressure_mpa": -1.0})
 
 
+@pytest.mark.stress
 def test_a_search_keeps_optimal_laws_of_the_machine() -> None:
     """The result is that of the laws which its own machine has, and they are still typed."""
     design = load(EXAMPLES / "rocker_cam.toml")

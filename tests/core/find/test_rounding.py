@@ -171,6 +171,7 @@ def test_a_step_above_a_size_does_not_round_it_to_nothing(capsys: pytest.Capture
         assert found["answer"]["shaft.speed_rpm"] > 0.0
 
 
+@pytest.mark.stress
 def test_a_position_may_be_rounded_to_0_where_its_field_allows_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["find", str(LIFT), "pivot", "--round", "500"]) == 0
     assert "follower.pivot_y_mm = 0\n" in capsys.readouterr().out

@@ -83,6 +83,7 @@ def test_the_solid_is_closed_and_has_its_volume(tmp_path: Path, rotation: str) -
     assert facts["volume_mm3"] == pytest.approx(blank - groove_volume(), rel=2e-7)
 
 
+@pytest.mark.stress
 def test_the_example_leaves_with_its_keyway(tmp_path: Path) -> None:
     out = tmp_path / "cam.step"
     assert run(EXAMPLE, "--out", out, "--solid")[0] == 0
@@ -114,6 +115,7 @@ def test_faults_are_named_in_one_line(
     assert faults.count("\n") == 1
 
 
+@pytest.mark.stress
 def test_triangles_of_the_solid_are_refused(tmp_path: Path) -> None:
     code, _, faults = run(barrel(tmp_path), "--out", tmp_path / "cam.stl", "--solid")
     assert (code, faults.count("\n")) == (2, 1)

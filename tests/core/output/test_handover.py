@@ -77,6 +77,7 @@ def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(made: Han
     ("name", "solids", "sheets"),
     [("conjugate", 2, 0), ("groove", 0, 0), ("barrel_feeder", 0, 2), ("card_picker", 0, 0)],
 )
+@pytest.mark.stress
 def test_a_cam_with_its_dimensions_leaves_as_a_solid_too(name: str, solids: int, sheets: int) -> None:
     """A groove without the dimensions of its blank has none, and nothing of it is left out."""
     made = handover(Study(load(EXAMPLES / f"{name}.toml")), HandoverRequest())

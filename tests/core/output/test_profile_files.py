@@ -152,6 +152,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize("flank", spread(list(FORMS), 1))
+@pytest.mark.stress
 def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
     """The outer flank of a groove, and the path of a cutter that fills it, halfway between the flanks; the second cam of a pair. A
     drawing holds both, whichever is chosen, and says how far each is off."""

@@ -135,6 +135,7 @@ def test_a_knifes_cam_is_within_the_stated_deviation(tmp_path: Path, rotation: s
 
 
 @pytest.mark.parametrize("form", ["open", "groove"])
+@pytest.mark.stress
 def test_a_rollers_flank_is_its_radius_away_from_its_centres(tmp_path: Path, form: str) -> None:
     """No point of a flank is nearer to the roller over the turn than its radius, on the outer flank with its play."""
     play = 0.05

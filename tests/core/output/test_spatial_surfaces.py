@@ -146,6 +146,7 @@ def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str) -> Non
         assert np.sign(away[:, 2]).tolist() == [1.0 if name.startswith("ahead") else -1.0] * len(away)
 
 
+@pytest.mark.stress
 def test_an_indexers_flanks_touch_its_rollers(tmp_path: Path) -> None:
     """The six-stop globoidal indexer, 2 µm true: no point is nearer to any roller than its radius, and each is that near to one."""
     out = tmp_path / "cam.step"

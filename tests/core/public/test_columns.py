@@ -157,6 +157,7 @@ def test_a_drive_computes_no_forces_and_its_torque_no_flywheel() -> None:
     assert "flywheel" not in evaluations
 
 
+@pytest.mark.stress
 def test_channels_of_a_balanced_shaft_are_those_of_the_tables(tmp_path: Path) -> None:
     design = kd.example("transfer_unit").find("balancer").design
     assert_same(design, tmp_path)

@@ -50,6 +50,7 @@ def leaves(table: Any, path: str = "") -> Iterator[str]:
 
 
 @pytest.mark.parametrize("slug", kd.examples())
+@pytest.mark.stress
 def test_fields_are_all_values_of_the_file_and_can_be_edited(slug: str) -> None:
     design = kd.example(slug)
     fields = design.fields()
@@ -183,6 +184,7 @@ def test_rounded_dimensions_are_those_of_the_command(capsys: pytest.CaptureFixtu
         ({"columns": {"s": "lift_mm"}, "lift": [1, 2.5]}, ["--columns", "s=lift_mm", "--lift", "1", "--lift", "2.5"]),
     ],
 )
+@pytest.mark.stress
 def test_a_measured_motion_is_that_of_the_command(options: dict[str, Any], words: list[str]) -> None:
     command("measured", "lift.csv", "--into", "new.toml", "--as", "motion", *words)
     design = kd.measured("lift.csv", **options)
@@ -286,6 +288,7 @@ inertia_kg_m2 = 0.05
 
 
 @pytest.mark.parametrize("of", ["max", *(pytest.param(of, marks=pytest.mark.stress) for of in ("abs", "rms"))])
+@pytest.mark.stress
 def test_the_torque_of_a_servo_has_the_name_of_its_channel_in_all_figures(of: str) -> None:
     design, ratio = kd.design(SERVO), "servo.gear_ratio"
     figure, quantity = f"motor_torque_nm:{of}", f"servo_torque_nm:{of}"

@@ -184,6 +184,7 @@ def test_every_drive_of_a_shaft_has_its_error(tmp_path: Path) -> None:
     assert steady["shaft_torque_amplitude_nm"] == pytest.approx(np.ptp(rows["shaft_torque_nm"]) / 2.0, rel=1e-4)
 
 
+@pytest.mark.stress
 def test_the_command_prints_the_verdicts_of_a_point_and_of_a_speed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -120,6 +120,7 @@ def test_an_open_cam_still_presses_its_follower(aim: str) -> None:
         assert contact.min() >= -1e-4 * contact.max()
 
 
+@pytest.mark.stress
 def test_no_neighbour_with_the_same_limits_is_better() -> None:
     design = optimal(load(EXAMPLES / "tappet_flat.toml"), "torque", limits__velocity=1.7)
     segment, least = require_motion(design).segments[1], peak(design, "torque")

@@ -43,6 +43,7 @@ def test_the_links_of_three_pairs_are_those_of_a_hand_solution() -> None:
         assert x * x + y * y == pytest.approx(b * b, rel=1e-12)
 
 
+@pytest.mark.stress
 def test_more_pairs_are_met_in_the_least_squares_of_the_output() -> None:
     x = np.linspace(1.0, 2.0, 9)
     pairs = np.column_stack((60.0 * (x - 1.0), 60.0 * np.log10(x) / log10(2.0))).tolist()

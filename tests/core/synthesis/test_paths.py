@@ -85,6 +85,7 @@ def test_cognates_trace_the_same_curve() -> None:
 
 
 @pytest.mark.parametrize("count", [2, pytest.param(30, marks=pytest.mark.stress)])
+@pytest.mark.stress
 def test_random_closed_curves_are_met_within_a_percent(count: int) -> None:
     rng, met = np.random.default_rng(77), 0
     done = 0
@@ -125,6 +126,7 @@ def test_the_driver_is_at_its_angles_at_the_points() -> None:
     assert np.allclose(steps, np.radians(15.0), atol=1e-12)
 
 
+@pytest.mark.stress
 def test_limits_hide_answers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     task = tmp_path / "task.toml"
     task.write_text(
@@ -137,6 +139,7 @@ def test_limits_hide_answers(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert "beyond transmission_deg_min" in captured.err
 
 
+@pytest.mark.stress
 def test_points_come_from_a_table_next_to_the_task(tmp_path: Path) -> None:
     lines = ["x_mm;y_mm", *(f"{z.real};{z.imag}" for z in HOEKEN)]
     (tmp_path / "curve.csv").write_text("\n".join(lines), "utf-8")
@@ -145,6 +148,7 @@ def test_points_come_from_a_table_next_to_the_task(tmp_path: Path) -> None:
     assert load(tmp_path / "best.toml").drive.linkage.by_number[3].places["P"] == 0j
 
 
+@pytest.mark.stress
 def test_the_curve_of_a_drawing_is_a_path(tmp_path: Path) -> None:
     ring = drawn(("circle", (30.0, 20.0), 25.0))
     (tmp_path / "ring.dxf").write_bytes(ring)
@@ -187,6 +191,7 @@ def test_a_missing_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[s
         ),
     ],
 )
+@pytest.mark.stress
 def test_ready_tasks_have_an_answer_within_a_percent(task: str) -> None:
     answer, *_ = synthesise(load_task(resources() / "tasks" / f"{task}.toml")).answers
     assert answer.is_good

@@ -194,6 +194,7 @@ def test_the_least_contact_force_of_a_study_is_that_of_the_open_valve() -> None:
         assert force <= 300.0 + 1e-9, "the preload is the force where the valve opens"
 
 
+@pytest.mark.stress
 def test_waves_count_the_contact_force_of_the_open_valve(tmp_path: Path) -> None:
     """Below the lash nothing presses the follower, and nothing leaves the cam."""
     save(direct(), tmp_path / "train.toml")

@@ -229,6 +229,7 @@ ORDERED = (
 )
 
 
+@pytest.mark.stress
 def test_several_drives_keep_their_sequence_and_their_own_limits(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

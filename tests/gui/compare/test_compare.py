@@ -215,6 +215,7 @@ def exported(user: User, name: str, to: Path) -> str:
     return to.read_text("utf-8")
 
 
+@pytest.mark.stress
 def test_both_variants_are_in_pictures_that_are_exported(open_user: Open, tmp_path: Path) -> None:
     """Until another design is opened; also from the menu of the timing chart while its view is closed."""
     user, _ = pinned_unit(open_user)
@@ -235,6 +236,7 @@ def test_both_variants_are_in_pictures_that_are_exported(open_user: Open, tmp_pa
         assert "variant" not in exported(user, name, tmp_path / f"{name}.svg"), name
 
 
+@pytest.mark.stress
 def test_the_timing_chart_has_both_variants_at_one_scale(open_user: Open) -> None:
     user, _ = pinned_unit(open_user)
     view = user.see("timing")

@@ -110,6 +110,7 @@ def test_a_table_and_one_flank_of_a_groove(user: User, tmp_path: Path) -> None:
     assert len((tmp_path / "flank.csv").read_text("utf-8").splitlines()) == 1 + 36 * 21
 
 
+@pytest.mark.stress
 def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
     user.session.start(load(example("barrel_feeder")))
 

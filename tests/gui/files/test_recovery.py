@@ -212,6 +212,7 @@ def test_damaged_work_is_kept_until_it_is_discarded(open_user: Open, left_behind
     assert left.exists()
 
 
+@pytest.mark.stress
 def test_where_nothing_can_be_written(open_user: Open, mine: Path) -> None:
     recovery_folder().parent.mkdir(parents=True, exist_ok=True)
     recovery_folder().write_text("a file where the folder should be", "utf-8")

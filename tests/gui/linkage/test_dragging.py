@@ -230,6 +230,7 @@ def hand(six_bar: User) -> Callable[[int], None]:
     return draw
 
 
+@pytest.mark.stress
 def test_the_table_of_centres_and_the_count_of_findings_follow_once_the_mouse_lets_go(
     six_bar: User, hand: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -146,6 +146,7 @@ def test_the_path_of_a_point_is_found_by_its_words(open_user: Open, words: str) 
     assert name in pen.user.drawing().drawing.paths.drawn()
 
 
+@pytest.mark.stress
 def test_links_have_one_colour_in_both_modes(open_user: Open) -> None:
     """Also after another link has been deleted."""
     pen = start(open_user)

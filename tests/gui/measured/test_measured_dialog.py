@@ -798,6 +798,7 @@ def copy_button(dialog: MeasuredDialog) -> QPushButton:
     return next(each for each in dialog.findChildren(QPushButton) if each.text() == "Copy as command")
 
 
+@pytest.mark.stress
 def test_copy_as_command_gives_the_command_that_does_the_same(lift: User, imports: Import, tmp_path: Path) -> None:
     dialog = imports(table().replace("\n20,", "\n2O,"))
     click(dialog.leave)

@@ -730,6 +730,7 @@ def test_two_goals_give_a_front_of_which_a_click_takes_one_over(user: User) -> N
     assert user.steps == ["Take over a design of the front"]
 
 
+@pytest.mark.stress
 def test_the_ready_study_of_the_top_speed_has_a_number_as_its_goal(user: User, tmp_path: Path) -> None:
     """With the way up of the lift alone, and a limit of the contact force typed next to its own."""
     design = user.design

@@ -291,6 +291,7 @@ def test_a_view_called_or_closed_leaves_the_width_that_the_user_has_drawn(open_u
     assert user.window.docks["stack"].width() == pytest.approx(0.28 * 1920, abs=2)
 
 
+@pytest.mark.stress
 def test_docks_dropped_elsewhere_stay_there_and_can_be_read_in_every_size(open_user: Open) -> None:
     """The parameters at the left, as a drop with the mouse leaves them."""
     user = open_user(size=SIZES[1], whole=True)
