@@ -155,6 +155,7 @@ PAIR = load(EXAMPLES / "conjugate.toml")
     spread([(GROOVE, 0.05, 1e-4), (GROOVE, 0.5, 1e-3), (SPRUNG, 0.5, 1e-3), (PAIR, 0.05, 1e-4)], 1),
     ids=["groove", "much play", "sprung groove", "conjugate pair"],
 )
+@pytest.mark.stress
 def test_the_impact_is_that_of_the_integrated_flight(design: Design, play: float, rel: float) -> None:
     """Both ways, of a pair whose arms and levers differ too; three digits are printed."""
     made = edited(design, "cam.play_mm", play)

@@ -71,6 +71,7 @@ def test_the_smallest_cam_is_rounded_to_the_side_on_which_its_limit_holds(
 @pytest.mark.parametrize(
     ("room", "step"), [(0.2, 0.1), (0.08, 0.1), (0.07, 0.01), (0.0008, 0.001), (0.00068, 0.001), (0.00009, 0.0001)]
 )
+@pytest.mark.stress
 def test_a_tenth_of_the_step_serves_where_none_of_its_multiples_is_within_the_limits(
     room: float, step: float, capsys: pytest.CaptureFixture[str]
 ) -> None:

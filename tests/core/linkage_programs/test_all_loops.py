@@ -170,6 +170,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.stress
 def test_a_file_of_linkage_is_at_every_time_where_all_its_loops_close(name: str) -> None:
     model, text, seconds = CASES[name]
     number = {joint: f"C{i}" for i, joint in enumerate(model.at)}

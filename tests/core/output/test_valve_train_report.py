@@ -95,6 +95,7 @@ def test_the_events_are_those_of_a_card(head: Path) -> None:
     assert [row[1] for row in rows if row[0] == "Exhaust"] == ["lobe, valve"] * 3
 
 
+@pytest.mark.stress
 def test_text_page_and_handover_have_the_chapter(head: Path, tmp_path: Path) -> None:
     study = Study(load(head))
     text = report(study)

@@ -112,6 +112,7 @@ def test_channels_are_the_columns_of_the_tables(slug: str, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("slug", ["transfer_lift", "lecture_six_bar", "transfer_unit"])
+@pytest.mark.stress
 def test_extremes_are_those_of_the_summary(slug: str, tmp_path: Path) -> None:
     design = kd.example(slug)
     figures, study = json.loads(exported(tmp_path, design)["summary.json"]), design.study(36)
@@ -175,6 +176,7 @@ def test_export_writes_what_the_command_writes(tmp_path: Path) -> None:
     assert {path.name: path.read_text("utf-8") for path in paths} == texts
 
 
+@pytest.mark.stress
 def test_a_drive_exports_its_channels(tmp_path: Path) -> None:
     study = UNIT.study(36).drives["Lift"]
     study.export(tmp_path)

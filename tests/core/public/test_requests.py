@@ -123,6 +123,7 @@ def test_a_design_without_a_solution_has_its_reason() -> None:
 
 
 @pytest.mark.parametrize("step", [None, 0.5])
+@pytest.mark.stress
 def test_the_best_design_is_that_of_the_command(step: float | None, capsys: pytest.CaptureFixture[str]) -> None:
     options = {} if step is None else {"round": step}
     limits = {PRESSURE: {"max": 35}, "radius_mm:min": {"min": 41.0}}
@@ -205,6 +206,7 @@ def test_a_measured_motion_is_that_of_the_command(options: dict[str, Any], words
         ),
     ],
 )
+@pytest.mark.stress
 def test_a_profile_is_that_of_the_command(name: str, options: dict[str, Any], words: list[str]) -> None:
     ROCKER.save("rocker.toml")
     Path("command").mkdir()

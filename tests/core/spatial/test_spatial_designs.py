@@ -206,6 +206,7 @@ def test_the_smallest_inner_distance_keeps_the_pressure_angle() -> None:
     assert get(solution.design, "cam.roller_inner_mm") == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.stress
 def test_the_most_rollers_divide_the_turret_by_the_advance() -> None:
     slender = changed(
         INDEXER, ("roller_radius_mm = 16.0", "roller_radius_mm = 7.0"), ("start_deg = 30.0", "start_deg = 15.0")

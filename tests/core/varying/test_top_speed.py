@@ -84,6 +84,7 @@ def test_the_top_speed_of_a_flat_follower_by_contact_force_is_that_of_the_closed
     assert found.binding[0].per_percent == pytest.approx(per_percent, rel=1e-4)
 
 
+@pytest.mark.stress
 def test_a_goal_that_is_a_field_is_minimised_too_and_traded_for_a_quantity() -> None:
     """The lowest speed is its bound; of speed and contact force each point of the front is faster or presses less."""
     design = flat_follower()

@@ -207,6 +207,7 @@ def start_again(place):
     (place / "table.csv").unlink()
 
 
+@pytest.mark.stress
 def test_killed_with_a_block_kept_and_resumed_the_table_has_the_same_bytes(place):
     whole = whole_table(place)
     process = started(place)

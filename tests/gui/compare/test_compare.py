@@ -84,6 +84,7 @@ def pinned_unit(open_user: Open) -> tuple[User, CompareView]:
     return user, view
 
 
+@pytest.mark.stress
 def test_what_changed_shows_the_input_at_once_and_never_that_nothing_changed(open_user: Open) -> None:
     """Results of four drives take seconds; the inputs do not wait for them."""
     user = open_user(example("transfer_unit"), (1440, 900), whole=True)

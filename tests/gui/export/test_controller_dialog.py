@@ -59,6 +59,7 @@ def test_the_card_picker_leaves_as_eleven_rows(open_user: Open, tmp_path: Path) 
     assert (tmp_path / "cam.st").read_bytes() == (tmp_path / "again.st").read_bytes()
 
 
+@pytest.mark.stress
 def test_the_error_over_the_number_of_rows_is_read_off_and_a_click_takes_one(open_user: Open) -> None:
     user = open_user(example("transfer_lift"))
 

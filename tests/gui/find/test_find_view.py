@@ -330,6 +330,7 @@ def test_many_values_are_taken_over_under_the_name_of_what_was_sought(open_user:
     assert user.steps == ["Take over shortest span of a rise"]
 
 
+@pytest.mark.stress
 def test_the_closing_spring_of_a_valve_is_sought_by_its_wire_and_its_installed_length(open_user: Open) -> None:
     user = open_user()
     user.choose("File", "Examples", "Valve train")

@@ -90,6 +90,7 @@ x_n = -120.0
 """
 
 
+@pytest.mark.stress
 def test_a_four_bar_with_coupler_point_mass_and_load_in_25_actions(open_user: Open, tmp_path: Path) -> None:
     """From an empty window to torque, pin forces and the exported curve; no file is opened, no form is filled in."""
     pen = start(open_user, whole=True)

@@ -208,6 +208,7 @@ def test_a_point_dragged_or_typed_onto_a_pin_joins_it(open_user: Open) -> None:
     assert coincident(pen) == []
 
 
+@pytest.mark.stress
 def test_what_is_pasted_twice_is_not_on_itself(open_user: Open) -> None:
     pen = four_bar(open_user)
     pen.key(Key.Key_A, CTRL)

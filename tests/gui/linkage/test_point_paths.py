@@ -132,6 +132,7 @@ def test_show_path_is_in_the_menu_of_a_point(open_user: Open) -> None:
 
 
 @pytest.mark.parametrize("words", ["path", "trace", "coupler curve"])
+@pytest.mark.stress
 def test_the_path_of_a_point_is_found_by_its_words(open_user: Open, words: str) -> None:
     pen = four_bar(open_user)
     name = trace(pen)

@@ -442,6 +442,7 @@ def test_a_study_is_saved_for_the_commands(open_user: Open, tmp_path: Path) -> N
     assert [(row.key, row.max) for row in study.file.limits] == [(PRESSURE, 30.0)]
 
 
+@pytest.mark.stress
 def test_right_clicks_and_a_drag_lead_to_the_share_of_machines_in_twelve_actions(user: User) -> None:
     actions = 0
 
