@@ -47,7 +47,7 @@ from core.synthesis.dyads import PIN, Dyad
 from core.synthesis.judge import position_errors
 from core.synthesis.task import Task, point_faults, task_size
 
-SIMILAR, REFINED = 60, 16
+SIMILAR, REFINED = 60, 12
 """Curves that are placed over the path, and those of them that are refined."""
 MOST_FITTED = 48
 """Points of a path that are fitted; of more, evenly chosen ones."""

@@ -57,7 +57,7 @@ from kindyna_gui.window.main_window import MainWindow
 ROOT = Path(__file__).parents[2]
 SIZE = (1440, 900)
 ROWS = 4  # plots one below the other, at most
-COLUMN = 260  # pixels wide
+COLUMN, HEIGHT = 260, 220  # of a plot, pixels
 MORE = ("guide_force", "slider_position", "phi", "beta")  # to twelve
 FEW, SOME, MANY = 3, 6, 12
 LAYOUTS = (SOME, MANY)
@@ -431,14 +431,11 @@ def _place_of_a_joint(view: MechanismView) -> QPointF:
 
 
 def _open_tables(window: MainWindow) -> None:
-    """The tables that are tabbed behind each other beside each other."""
+    """The tables as windows of their own: next to so many plots they have no room, and would be behind each other."""
     docks = [window.docks[name] for name in PAUSING]
-    for dock in docks:
-        window.removeDockWidget(dock)
-    rest(window)
-    for dock in docks:
-        dock.setGeometry(0, 0, 300, 200)
-        window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, dock, Qt.Orientation.Horizontal)
+    for i, dock in enumerate(docks):
+        dock.setFloating(True)
+        dock.setGeometry(320 * i, 0, 300, 200)
         dock.show()
     for _ in range(2):
         rest(window)
@@ -446,7 +443,7 @@ def _open_tables(window: MainWindow) -> None:
 
 
 def _open_plots(window: MainWindow, plots: int, names: Sequence[str] = ()) -> list[Dock]:
-    """So many plots beside each other instead of behind each other, and no others; their docks. names: one of each of these."""
+    """So many plots next to each other, and no others; their docks. names: one of each of these."""
     usual = [window.docks[name] for name, row in VIEWS.items() if row.quantities]
     docks = [] if names else list(usual)
     for name in names or MORE[: max(0, plots - len(docks))]:
@@ -462,18 +459,11 @@ def _open_plots(window: MainWindow, plots: int, names: Sequence[str] = ()) -> li
         window.removeDockWidget(dock)
     rest(window)
     docks = docks[:plots]
-    columns = -(-len(docks) // ROWS)
-    for i, dock in enumerate(docks):
-        dock.setGeometry(0, 0, 300, 200)  # behind a tab it had none
-        if i < columns:
-            window.addDockWidget(RIGHT, dock, Qt.Orientation.Horizontal)
-        else:
-            window.splitDockWidget(docks[i - columns], dock, Qt.Orientation.Vertical)
+    for i, dock in enumerate(docks):  # windows of their own: in the window some would be tabs behind others
+        window.addDockWidget(RIGHT, dock)
+        dock.setFloating(True)
+        dock.setGeometry(COLUMN * (i // ROWS), HEIGHT * (i % ROWS), COLUMN, HEIGHT)
         dock.show()
-    for column in range(columns):
-        below = docks[column::columns]
-        window.resizeDocks(below, [100] * len(below), Qt.Orientation.Vertical)
-    window.resizeDocks(docks[:columns], [COLUMN] * columns, Qt.Orientation.Horizontal)
     for _ in range(2):
         rest(window)
     return docks
