@@ -223,7 +223,7 @@ def _value(module: str, name: str) -> Callable[[Study], np.ndarray]:
     """Value by a function of a module that few designs need, which is imported with the first value."""
 
     def value(study: Study) -> np.ndarray:
-        function: Callable[[Study], np.ndarray] = getattr(import_module(f"core.study.{module}"), name)
+        function: Callable[[Study], np.ndarray] = getattr(import_module(f"{__package__}.{module}"), name)
         return function(study)
 
     return value
