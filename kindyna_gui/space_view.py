@@ -4,28 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from core.numerics.derivatives import ISOMETRIC, seen_from
+from core.numerics.derivatives import seen_from
 from core.output.drawing.palette import BLUE
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.turning import TurnedByMouse
 from kindyna_gui.pictures.units import number, short
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import Unavailable
 from kindyna_gui.view import View
 
 MM = 1e3
-MARGIN, TURN_PER_PIXEL, STEEPEST = 46.0, 0.5, 90.0  # pixels; rotation per pixel of the mouse; largest tilt, degrees
+MARGIN = 46.0  # pixels
 NO_PART = (
     "No drive of this design carries a part. In the file, give each drive that carries it a direction in space, such as "
     "carries = [0.0, 0.0, 1.0]. This view then draws the path of the part."
 )
 
 
-class PathCanvas(QWidget):
+class PathCanvas(TurnedByMouse, QWidget):
     """Drawing of the path (n, 3) [mm], its shadow, axes through the lowest corner, and the part; a drag turns it."""
 
     def __init__(self) -> None:
@@ -33,8 +34,6 @@ class PathCanvas(QWidget):
         self.path = np.zeros((1, 3))
         self.part = np.zeros(3)
         self.text = ""
-        self.turn, self.tilt = ISOMETRIC
-        self._grip: QPointF | None = None
         self.setMinimumSize(1, 1)
         self.setCursor(Qt.CursorShape.OpenHandCursor)
         self.setToolTip("Drag to turn; double-click for the isometric view")
@@ -47,11 +46,6 @@ class PathCanvas(QWidget):
         room = min(self.width(), self.height()) / 2.0 - MARGIN
         seen = seen_from(np.atleast_2d(points) - middle, self.turn, self.tilt) * max(room, 1.0) / half
         return np.asarray(complex(self.width(), self.height()) / 2.0 + seen.conj())
-
-    def look(self, turn: float, tilt: float) -> None:
-        """Set rotation and tilt [deg]."""
-        self.turn, self.tilt = turn % 360.0, min(max(tilt, -STEEPEST), STEEPEST)
-        self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -84,20 +78,6 @@ class PathCanvas(QWidget):
         painter.drawText(QPointF(10.0, 20.0), self.text)
         painter.end()
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        self._grip = event.position()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._grip is not None:
-            drag, self._grip = event.position() - self._grip, event.position()
-            self.look(self.turn - TURN_PER_PIXEL * drag.x(), self.tilt + TURN_PER_PIXEL * drag.y())
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        self._grip = None
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        self.look(*ISOMETRIC)
-
 
 class SpaceView(View):
     """Path of the part that the drives carry, and the part at the current machine angle."""
@@ -125,7 +105,7 @@ class SpaceView(View):
             self.canvas.update()
 
     def fit(self) -> None:
-        self.canvas.look(*ISOMETRIC)
+        self.canvas.look(*self.canvas.first_view)
 
 
 def _point(z: complex) -> QPointF:

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QSize, Qt
-from PySide6.QtGui import QColor, QMouseEvent, QPainter
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from core.design import Design
 from core.frozen import frozen
-from core.numerics.derivatives import ISOMETRIC, seen_from
+from core.numerics.derivatives import seen_from
 from core.output.solids.disk import Prisms
 from core.output.solids.outline import area, polygon
 from core.output.solids.prism import Cap, Prism, in_space
@@ -35,11 +35,11 @@ from kindyna_gui.forms.request_form import ComputedDialog, RequestForm, accepted
 from kindyna_gui.look import Picture
 from kindyna_gui.pictures.shapes import fit_transform, joined, outline, segments
 from kindyna_gui.pictures.style import SCREEN, THIN, brush
+from kindyna_gui.pictures.turning import TurnedByMouse
 
 # -- shaded drawing --------------------------------------------------------------------------------------
 
 MARGIN, COARSE, COARSE_SURFACE = 20, 1e-3, 1e-3  # pixels; tolerances of what is drawn, relative to the size
-TURN_PER_PIXEL, FLATTEST, STEEPEST = 0.5, 10.0, 90.0  # degrees
 LIGHT = np.array([-0.45, -0.35, 0.82])
 DARKEST, CREASE = 0.62, 0.9  # brightness away from the light; cosine of the angle from which an edge is drawn
 
@@ -53,17 +53,17 @@ class SolidPreview:
     triangles: np.ndarray
 
 
-class SolidPicture(Picture):
+class SolidPicture(TurnedByMouse, Picture):
     """Shaded drawing of bodies between level planes, seen from above; a drag turns it, a double click returns.
 
     What is lower is drawn first, on a level its faces, then the walls of holes, then the others: seen from above this hides
     what is hidden. A wall that passes a level is drawn in parts.
     """
 
+    flattest = 10.0
+
     def __init__(self) -> None:
         super().__init__("Picture of the surfaces", QSize(300, 300), QSize(460, 420))
-        self.turn, self.tilt = ISOMETRIC
-        self._grip: QPointF | None = None
         self._polygons: list[tuple[Prism, list[np.ndarray]]] = []
         self.setCursor(Qt.CursorShape.OpenHandCursor)
         self.setToolTip("Drag to turn; double-click for the isometric view")
@@ -171,27 +171,6 @@ class SolidPicture(Picture):
         upper = [] if is_solid else [(complex(high[i]), complex(high[(i + 1) % points.size])) for i in order]
         painter.setPen(SCREEN.pen(SCREEN.ink, THIN))
         painter.drawPath(segments([*lines, *lower, *upper]))
-
-    # -- the mouse -------------------------------------------------------------------------------------------
-
-    def look(self, turn: float, tilt: float) -> None:
-        """Set rotation and tilt [deg]; the view stays above."""
-        self.turn, self.tilt = turn % 360.0, min(max(tilt, FLATTEST), STEEPEST)
-        self.update()
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        self._grip = event.position()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._grip is not None:
-            drag, self._grip = event.position() - self._grip, event.position()
-            self.look(self.turn - TURN_PER_PIXEL * drag.x(), self.tilt + TURN_PER_PIXEL * drag.y())
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        self._grip = None
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        self.look(*ISOMETRIC)
 
 
 # -- dialog ----------------------------------------------------------------------------------------------

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from core.numerics.derivatives import seen_from
 from core.spatial.picture import FLANK, ROLLER, Facets
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.turning import TurnedByMouse
 from kindyna_gui.spatial.colours import shaded_brushes
 
-MARGIN, TURN_PER_PIXEL, STEEPEST = 26.0, 0.5, 90.0  # pixels; rotation per pixel of the mouse; largest tilt, degrees
+MARGIN = 26.0  # pixels
 OBLIQUE = (35.0, 25.0)  # turn and tilt [deg] with which it opens
 SIDE, END = (0.0, 0.0), (0.0, 90.0)
 LIGHT = np.array([-0.35, 0.55, 0.76])  # towards the light: right, up, towards the viewer
 MM = 1e3
 
 
-class SolidCanvas(QWidget):
+class SolidCanvas(TurnedByMouse, QWidget):
     """One picture, or several from fixed directions next to each other; cam and rollers are those of a cam angle.
 
     Attributes
@@ -30,14 +31,16 @@ class SolidCanvas(QWidget):
         Whether a drag turns the picture.
     """
 
+    first_view = OBLIQUE
+
     def __init__(self, name: str, views: list[tuple[str, tuple[float, float]]], turns: bool) -> None:
         super().__init__(accessibleName=name)
         self.views, self.turns = views, turns
+        self.turn, self.tilt = views[0][1]
         self.cam: Facets | None = None
         self.rollers: Facets | None = None
         self.angle = 0.0  # of the cam about z [rad]
         self.limit = np.pi / 4.0  # pressure angle whose colour is the last one [rad]
-        self._grip: QPointF | None = None
         self.setMinimumSize(1, 1)
         if turns:
             self.setCursor(Qt.CursorShape.OpenHandCursor)
@@ -45,8 +48,8 @@ class SolidCanvas(QWidget):
 
     def look(self, turn: float, tilt: float) -> None:
         """Set rotation and tilt [deg] of the picture."""
-        self.views = [(self.views[0][0], (turn % 360.0, min(max(tilt, -STEEPEST), STEEPEST)))]
-        self.update()
+        super().look(turn, tilt)
+        self.views = [(self.views[0][0], (self.turn, self.tilt))]
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -100,19 +103,3 @@ class SolidCanvas(QWidget):
         scale = max(min(room.width(), room.height()) / 2.0 - MARGIN, 1.0) / half
         seen = seen_from(points - np.array([0.0, 0.0, 0.5 * (low + high)]), *view)
         return np.asarray(complex(room.center().x(), room.center().y()) + scale * seen.conj())
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        self._grip = event.position() if self.turns else None
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._grip is not None:
-            drag, self._grip = event.position() - self._grip, event.position()
-            turn, tilt = self.views[0][1]
-            self.look(turn - TURN_PER_PIXEL * drag.x(), tilt + TURN_PER_PIXEL * drag.y())
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        self._grip = None
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        if self.turns:
-            self.look(*OBLIQUE)
