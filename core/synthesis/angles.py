@@ -35,6 +35,7 @@ from core.synthesis.candidates import (
     SPEED,
     Candidate,
     Errors,
+    link_with,
 )
 from core.synthesis.task import ROCKER_OUTPUT, AnglePairs, Task
 
@@ -193,10 +194,10 @@ def _four_bar(angles: AnglePairs, solution: FunctionSolution, driver: np.ndarray
     pin = crank * cmath.exp(1j * float(driver[0]))
     other = frame + rocker * cmath.exp(1j * float(output[0]))
     links = (
-        _link(FRAME, {CRANK_PIVOT: 0j, SIDE_PIVOT: complex(frame)}),
-        _link(CRANK_LINK, {CRANK_PIVOT: 0j, CRANK_PIN: crank}),
-        _link(COUPLER, {CRANK_PIN: 0j, SIDE_PIN: complex(abs(b))}),
-        _link(SIDE_LINK, {SIDE_PIVOT: 0j, SIDE_PIN: rocker}),
+        link_with(FRAME, {CRANK_PIVOT: 0j, SIDE_PIVOT: complex(frame)}),
+        link_with(CRANK_LINK, {CRANK_PIVOT: 0j, CRANK_PIN: crank}),
+        link_with(COUPLER, {CRANK_PIN: 0j, SIDE_PIN: complex(abs(b))}),
+        link_with(SIDE_LINK, {SIDE_PIVOT: 0j, SIDE_PIN: rocker}),
     )
     return _drawn(links, (), float(driver[0]), pin, other)
 
@@ -208,10 +209,10 @@ def _slider_crank(angles: AnglePairs, solution: FunctionSolution, driver: np.nda
     pin = crank * cmath.exp(1j * float(driver[0]))
     other = complex(float(output[0]) + second, offset)
     links = (
-        _link(FRAME, {CRANK_PIVOT: 0j}),
-        _link(CRANK_LINK, {CRANK_PIVOT: 0j, CRANK_PIN: crank}),
-        _link(COUPLER, {CRANK_PIN: 0j, SIDE_PIN: complex(abs(b))}),
-        _link(SIDE_LINK, {SIDE_PIN: 0j}),
+        link_with(FRAME, {CRANK_PIVOT: 0j}),
+        link_with(CRANK_LINK, {CRANK_PIVOT: 0j, CRANK_PIN: crank}),
+        link_with(COUPLER, {CRANK_PIN: 0j, SIDE_PIN: complex(abs(b))}),
+        link_with(SIDE_LINK, {SIDE_PIN: 0j}),
     )
     sliders = (Slider(link=SIDE_LINK, on=FRAME, through_x_mm=0.0, through_y_mm=offset, angle_deg=0.0),)
     return _drawn(links, sliders, float(driver[0]), pin, other)
@@ -220,10 +221,6 @@ def _slider_crank(angles: AnglePairs, solution: FunctionSolution, driver: np.nda
 def _drawn(links: tuple[Link, ...], sliders: tuple[Slider, ...], angle: float, pin: complex, other: complex) -> Linkage:
     points = (LinkPoint(CRANK_PIN, pin.real, pin.imag), LinkPoint(SIDE_PIN, other.real, other.imag))
     return Linkage(links, sliders, Driver(CRANK_LINK, CRANK, SPEED), drawn=Drawn(degrees(angle), None, points))
-
-
-def _link(number: int, places: dict[str, complex]) -> Link:
-    return Link(number, tuple(LinkPoint(name, z.real, z.imag) for name, z in places.items()))
 
 
 def size(task: Task) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable
-from math import degrees
+from math import degrees, pi
 from types import MappingProxyType
 
 import numpy as np
@@ -41,7 +41,7 @@ class Candidate:
     errors : callable
         Deviations from the task at these angles.
     expected : float
-        Largest error with which it was proposed [mm or deg].
+        Largest error with which it was proposed [mm].
     """
 
     linkage: Linkage
@@ -96,10 +96,10 @@ def linkage_of(first: Dyad, second: Dyad, z: complex, angle: float, *, tracer: b
     if tracer:
         coupler[TRACER], drawn[TRACER] = 0j, z
     links = (
-        _link(FRAME, frame),
-        _link(CRANK_LINK, {CRANK_PIVOT: 0j, CRANK_PIN: complex(abs(crank))}),
-        _link(COUPLER, coupler),
-        _link(SIDE_LINK, side),
+        link_with(FRAME, frame),
+        link_with(CRANK_LINK, {CRANK_PIVOT: 0j, CRANK_PIN: complex(abs(crank))}),
+        link_with(COUPLER, coupler),
+        link_with(SIDE_LINK, side),
     )
     pose = Drawn(degrees(cmath.phase(crank)), None, _points(drawn))
     return Linkage(links, sliders, Driver(CRANK_LINK, CRANK, SPEED), drawn=pose)
@@ -111,7 +111,8 @@ def _slider(on: int, through: complex, direction: float) -> Slider:
     )
 
 
-def _link(number: int, places: dict[str, complex]) -> Link:
+def link_with(number: int, places: dict[str, complex]) -> Link:
+    """Link with named points in its frame [mm]."""
     return Link(number, _points(places))
 
 
@@ -136,6 +137,17 @@ def driver_angles(first: Dyad, z: np.ndarray, turn: np.ndarray) -> np.ndarray:
     ndarray (n,) [rad]
     """
     return np.angle(z + first.moving * turn - first.fixed)
+
+
+def is_in_order(angles: np.ndarray) -> bool:
+    """Whether angles are in their order around the circle, in either direction.
+
+    Parameters
+    ----------
+    angles : ndarray (n,) [rad]
+    """
+    steps = np.diff(np.append(angles, angles[0]))
+    return any(round(float(np.mod(sign * steps, 2.0 * pi).sum() / (2.0 * pi))) == 1 for sign in (1.0, -1.0))
 
 
 def is_degenerate(first: Dyad, second: Dyad, size: float) -> bool:

@@ -31,6 +31,7 @@ from core.synthesis.candidates import (
     TRACER,
     Candidate,
     Errors,
+    is_in_order,
 )
 from core.synthesis.task import Task
 
@@ -153,7 +154,7 @@ def judge(candidate: Candidate, task: Task) -> Answer | None:
     error_mm, error_deg = _errors(candidate, linkage, ranges, positions)
     error = error_mm / size + np.deg2rad(error_deg)
     other_mm, other_deg = np.full(error.size, np.nan), np.full(error.size, np.nan)
-    allowed = EXACT + max(candidate.expected / size, radians(candidate.expected))
+    allowed = EXACT + candidate.expected / size
     if not (inside & (error <= allowed)).all():
         other_mm, other_deg = _other_errors(candidate)
     defects = []
@@ -208,8 +209,7 @@ def _in_range(positions: np.ndarray, driver_range: DriverRange, turns_fully: boo
 def _in_order(positions: np.ndarray, turns_fully: bool) -> bool:
     """Whether positions (n,) [rad] are passed in their order, in either direction."""
     if turns_fully:
-        steps = np.diff(np.append(positions, positions[0]))
-        return any(round(float(np.mod(sign * steps, TURN).sum() / TURN)) == 1 for sign in (1.0, -1.0))
+        return is_in_order(positions)
     steps = np.diff(positions)
     return bool((steps > 0.0).all() or (steps < 0.0).all())
 

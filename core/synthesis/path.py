@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -45,7 +46,7 @@ from core.synthesis.curves import (
 )
 from core.synthesis.dyads import PIN, Dyad
 from core.synthesis.judge import position_errors
-from core.synthesis.task import Task, point_faults, task_size
+from core.synthesis.task import PathPoint, Task, point_faults, task_size
 
 SIMILAR, REFINED = 60, 12
 """Curves that are placed over the path, and those of them that are refined."""
@@ -87,41 +88,41 @@ class Placed:
         return self.pivot + turn * point, turn * slope, turn * coupler
 
 
-def path_points(task: Task) -> np.ndarray:
-    """Points of a task's path.
-
-    Returns
-    -------
-    ndarray (n,) complex [mm]
+def with_points(task: Task) -> Task:
+    """The task with the points of its file in place of the file.
 
     Raises
     ------
     FileError
-        Its file cannot be read.
+        The file cannot be read.
     DesignError
-        The points of its file are no path.
+        The points of the file are no path.
     """
-    assert task.path is not None
-    if not task.path.file:
-        return np.array([vector(p.x_mm, p.y_mm) for p in task.path.points])
+    if task.path is None or not task.path.file:
+        return task
     from core.synthesis.path_file import read_path  # imported here to save start-up time
 
-    points = read_path(task.folder / task.path.file)
-    if faults := list(point_faults(task, list(points))):
+    points = read_path(task.folder / task.path.file).tolist()
+    if faults := list(point_faults(task, points)):
         raise DesignError(faults)
-    return points
+    return replace(task, path=replace(task.path, file="", points=tuple(PathPoint(z.real, z.imag) for z in points)))
+
+
+def _points(task: Task) -> list[complex]:
+    assert task.path is not None
+    return [vector(p.x_mm, p.y_mm) for p in task.path.points]
 
 
 def size(task: Task) -> float:
     """Size of a task's path [mm]."""
-    return task_size([complex(z) for z in path_points(task)])
+    return task_size(_points(task))
 
 
 def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
-    """Four-bars for the path of a task, the best fit first, then the cognates of each."""
+    """Four-bars for the path of a task with points, the best fit first."""
     path = task.path
     assert path is not None
-    points = path_points(task)
+    points = np.array(_points(task))
     fitted = np.unique(np.linspace(0, points.size - 1, min(points.size, MOST_FITTED)).round().astype(int))
     timing = np.deg2rad(np.array(path.driver_deg)) if path.driver_deg else None
     weights = np.sqrt(np.array(path.weights)) if path.weights else np.ones(points.size)
@@ -248,7 +249,7 @@ def _refined(
 ) -> Placed | None:
     """Four-bar of least squares of the distances at the points; None where the links do not meet.
 
-    Lengths farther from their mean than the ratio allows cost as much as a distance: without it, some four-bars grow without end.
+    A larger ratio of the longest to the shortest link costs as much as a distance: without it, some four-bars grow without end.
     """
     from scipy.optimize import least_squares  # imported here to save start-up time
 
@@ -276,9 +277,8 @@ def _refined(
         return error, np.where(is_valid, slope, 0.0) * weights / unit
 
     def excess(x: np.ndarray) -> np.ndarray:
-        logs = np.log(np.abs(x[:4]) + TINY)
-        over = np.abs(logs - logs.mean()) - 0.5 * np.log(ratio) * INSIDE
-        return np.where(over > 0.0, over, 0.0)
+        over = np.log(np.abs(x[:4]).max() / (np.abs(x[:4]).min() + TINY)) - np.log(ratio * INSIDE)
+        return np.array([max(over, 0.0)])
 
     def residual(x: np.ndarray) -> np.ndarray:
         error, _ = values(x)

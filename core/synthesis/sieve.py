@@ -14,6 +14,7 @@ from math import pi
 import numpy as np
 
 from core.frozen import frozen
+from core.synthesis.candidates import is_in_order
 from core.synthesis.dyads import GUIDE, PIN, Dyad
 
 SAMPLES = 48  # driver angles in a turn
@@ -128,7 +129,7 @@ def _least_sines(first: Dyad, second: Second, z: np.ndarray, turn: np.ndarray, o
     with np.errstate(invalid="ignore"):
         signed = (u * turn).imag * factor
     one_assembly = (np.sign(signed) == np.sign(signed[:, :1])).all(axis=1)
-    if order and not _passes_in_order(angles):
+    if order and not is_in_order(angles):
         one_assembly[:] = False
     grid = 2.0 * pi / SAMPLES * np.arange(SAMPLES)
     u, v, factor = second.closure(first.fixed + crank * np.exp(1j * grid), first.moving)
@@ -152,9 +153,3 @@ def _hull(angles: np.ndarray) -> tuple[float, float]:
     widest = int(gaps.argmax())
     low = float(ordered[(widest + 1) % ordered.size])
     return low, low + 2.0 * pi - float(gaps[widest])
-
-
-def _passes_in_order(angles: np.ndarray) -> bool:
-    """Whether angles (n,) are in their order around the circle, in either direction."""
-    steps = np.diff(np.append(angles, angles[0]))
-    return any(round(float(np.mod(sign * steps, 2.0 * pi).sum() / (2.0 * pi))) == 1 for sign in (1.0, -1.0))

@@ -193,16 +193,19 @@ def task_of(table: Mapping[str, Any]) -> Task:
     """Task in the tables of a file. Raises DesignError with all faults."""
     reader = Reader("")
     task: Task = reader.part(Task, table, "")
-    read_faults = [replace(f, path=f.path.removeprefix(".")) for f in reader.with_rules(part_faults(task, ""), {})]
-    faults = read_faults or [*_rule_faults(task)]
+    return _without_faults(task, reader.with_rules(part_faults(task, ""), {}))
+
+
+def checked(task: Task) -> Task:
+    """The task. Raises DesignError with all faults."""
+    return _without_faults(task, part_faults(task, ""))
+
+
+def _without_faults(task: Task, range_faults: Sequence[Fault]) -> Task:
+    faults = [replace(fault, path=fault.path.removeprefix(".")) for fault in range_faults] or [*_rule_faults(task)]
     if faults:
         raise DesignError(faults)
     return task
-
-
-def task_table(task: Task) -> dict[str, Any]:
-    """Tables of a task's file."""
-    return parsed(dumps_table(task), "task")
 
 
 def save_task(task: Task, path: AnyPath) -> str:

@@ -112,8 +112,8 @@ def synthesise(task: Task) -> Synthesis:
     FileError
         The file of a path cannot be read.
     """
+    task = path.with_points(task)
     kind = TASKS[task.kind]
-    size = kind.size(task)
     answers: list[Answer] = []
     for driven in kind.candidates(task):
         checkpoint()
@@ -122,7 +122,7 @@ def synthesise(task: Task) -> Synthesis:
             answers.append(answer)
     if not answers:
         raise DesignError([Fault(task.kind, MISSING, "no linkage can be assembled for the task", kind.remedy)])
-    answers = ranked(answers, size)
+    answers = ranked(answers, kind.size(task))
     if task.kind == PATH:
         answers = _with_cognates(answers, task)
     dyads = poses.pose_dyads(task).all if task.kind == POSES else ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -27,10 +27,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Info, split_unit
-from core.design.fields import info_of
+from core.design import split_unit
 from core.errors import KindynaError
 from core.numerics.lazy import Cancelled
+from core.requests import field_info
 from core.synthesis import (
     AnglePair,
     AnglePairs,
@@ -46,10 +46,9 @@ from core.synthesis import (
     load_task,
     save_task,
     synthesise,
-    task_of,
 )
 from core.synthesis.judge import joint_positions
-from core.synthesis.task import ANGLES, FIXED, MOST_POSES, PATH, POSES, ROCKER, ROCKER_OUTPUT, SLIDER_OUTPUT, task_table
+from core.synthesis.task import ANGLES, FIXED, MOST_POSES, PATH, POSES, ROCKER, ROCKER_OUTPUT, SLIDER_OUTPUT, checked
 from core.synthesis.tasks import TASKS
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
@@ -286,7 +285,7 @@ class FindLinkageDialog(PutDialog):
                 widget.deleteLater()
         rows = []
         for k, name in enumerate(names, 1):
-            info, unit = _info(kind, name)
+            info, unit = field_info(kind, name), split_unit(name)[1]
             grid.addWidget(QLabel(f"{info.label}, {unit.symbol}" if unit.symbol else info.label), 0, k)
         for i in range(count):
             boxes = _boxes(kind, *names, suffix=f" {i + 1}")
@@ -411,7 +410,7 @@ class FindLinkageDialog(PutDialog):
             self._show_none("")
             return
         try:
-            task = replace(task_of(task_table(self.task)), folder=self._folder)
+            task = checked(self.task)
         except KindynaError as error:
             self._show_none(_reason(error))
             return
@@ -553,18 +552,10 @@ def _back_and_forth(z: np.ndarray) -> np.ndarray:
     return np.concatenate((z, z[-2:0:-1]))
 
 
-def _info(kind: Any, name: str) -> tuple[Info, Any]:
-    """Info and unit of a field of a part of a task."""
-    field = next(field for field in fields(kind) if field.name == name)
-    info = info_of(field)
-    assert info is not None
-    return info, split_unit(name)[1]
-
-
 def _boxes(kind: Any, *names: str, suffix: str = "") -> Boxes:
     """Boxes for fields of a part of a task; ``suffix`` follows their accessible names."""
-    rows = (_info(kind, name) for name in names)
-    return [LiveBox(info, unit, f"{info.label}{suffix}") for info, unit in rows]
+    infos = ((field_info(kind, name), split_unit(name)[1]) for name in names)
+    return [LiveBox(info, unit, f"{info.label}{suffix}") for info, unit in infos]
 
 
 def _form(boxes: Boxes) -> QFormLayout:
