@@ -1,7 +1,5 @@
 """G-code of a barrel's groove: a machine with a rotary axis follows the file, and its cutter is held against the exact flanks."""
 
-import contextlib
-import io
 import json
 import math
 import re
@@ -9,21 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from surface_command import run
 
 import kindyna as kd
-from core.__main__ import main
 
 EXAMPLE = Path(__file__).parents[3] / "resources/examples/barrel_feeder.toml"
 RADIUS, PLAY, INNER, LENGTH, BLANK = 8.0, 0.3, 40.0, 12.0, 54.0
 STROKE, ARM, SWING = 25.0, 60.0, math.radians(24.0)
-
-
-def run(*words: object) -> tuple[int, str, str]:
-    """The command in this process: exit code, what it printed, its faults."""
-    said, faults = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
-        code = main(["surface", *map(str, words)])
-    return code, said.getvalue(), faults.getvalue()
 
 
 def design(folder: Path, rotation: str = "ccw", unit: str = "mm", **keys: object) -> Path:

@@ -1,7 +1,5 @@
 """Solid of a barrel cam: a closed body, its volume by an integral of its own, and refusals."""
 
-import contextlib
-import io
 import json
 import math
 from pathlib import Path
@@ -9,19 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from step_reader import StepFile, check_topology
-
-from core.__main__ import main
+from surface_command import run
 
 EXAMPLE = Path(__file__).parents[3] / "resources/examples/barrel_feeder.toml"
 RADIUS, PLAY, INNER, BLANK, LENGTH, STROKE, BORE = 8.0, 0.3, 40.0, 54.0, 60.0, 25.0, 30.0
-
-
-def run(*words: object) -> tuple[int, str, str]:
-    """The command in this process: exit code, what it printed, its faults."""
-    said, faults = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
-        code = main(["surface", *map(str, words)])
-    return code, said.getvalue(), faults.getvalue()
 
 
 def barrel(folder: Path, rotation: str = "ccw", **keys: object) -> Path:

@@ -1,16 +1,13 @@
 """Plates of bodies with outlines: their area and height, their pins as points, and what they lack."""
 
-import contextlib
-import io
 import json
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
+import surface_command
 from step_reader import StepFile, check_topology, volume
-
-from core.__main__ import main
 
 FOUR_BAR = Path(__file__).parents[3] / "resources/examples/four_bar.toml"
 LAYER = "layer_from_mm = 2.0\nlayer_to_mm = 8.0\n"
@@ -25,10 +22,7 @@ def run(
     """The command in this process on a four-bar with an outline: exit code, what it printed, its faults."""
     design = folder / "design.toml"
     design.write_text(f'{FOUR_BAR.read_text("utf-8")}\n[[outlines]]\nof = "link 3"\n{outline}', "utf-8")
-    said, faults = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
-        code = main(["surface", str(design), "--out", str(folder / name), "--of", of, "--json", *map(str, words)])
-    return code, said.getvalue(), faults.getvalue()
+    return surface_command.run(design, "--out", folder / name, "--of", of, "--json", *words)
 
 
 @pytest.mark.parametrize(

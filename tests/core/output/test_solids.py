@@ -1,8 +1,5 @@
 """Surfaces and solids of disk cams, read by a reader of their own and measured against curves from outside the code."""
 
-import contextlib
-import io
-import json
 import math
 import struct
 from collections import Counter
@@ -12,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 from step_reader import Face, StepFile, check_topology, volume
+from surface_command import run, written
 
-from core.__main__ import main
 from core.output.solids.mesh import triangulate
 
 ROOT = Path(__file__).parents[3]
@@ -24,21 +21,6 @@ LIFT_KEYS = (
 HUB_KEYS = "hub_mm = 200.0\nhub_length_mm = 110.0\n"
 BLANK_KEYS = "outer_radius_mm = 160.0\ngroove_depth_mm = 18.0\nhub_length_mm = 50.0\n"
 KEYWAY = 32.0 * 7.4  # area beyond the bore's edge, less the segment of the bore's circle [mm²]
-
-
-def run(*words: object) -> tuple[int, str, str]:
-    """The command in this process: exit code, what it printed, its faults."""
-    said, faults = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
-        code = main(["surface", *map(str, words)])
-    return code, said.getvalue(), faults.getvalue()
-
-
-def written(design: Path, out: Path, *words: object) -> dict[str, float]:
-    """What the command says of the file that it wrote."""
-    code, said, faults = run(design, "--out", out, "--json", *words)
-    assert (code, faults) == (0, ""), faults
-    return json.loads(said)
 
 
 def example(folder: Path, name: str, keys: str = "") -> Path:

@@ -1,8 +1,5 @@
 """Flanks of cams in space as STEP, STL and CSV, measured against rollers that a test moves by its own equations."""
 
-import contextlib
-import io
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -10,29 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from step_reader import Face, StepFile, check_topology
-
-from core.__main__ import main
+from surface_command import run, written
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "resources/examples"
 RADIUS, PLAY, TURNS = 8.0, 0.1, 6  # mm; rollers on the turret
 INNER, LENGTH, STROKE = 40.0, 12.0, 25.0
 DISTANCE = 100.0  # between the axes of cam and turret
-
-
-def run(*words: object) -> tuple[int, str, str]:
-    """The command in this process: exit code, what it printed, its faults."""
-    said, faults = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
-        code = main(["surface", *map(str, words)])
-    return code, said.getvalue(), faults.getvalue()
-
-
-def written(design: Path, out: Path, *words: object) -> dict[str, float]:
-    """What the command says of the file that it wrote."""
-    code, said, faults = run(design, "--out", out, "--json", *words)
-    assert (code, faults) == (0, ""), faults
-    return json.loads(said)
 
 
 def cycloidal(x: np.ndarray) -> np.ndarray:
