@@ -22,9 +22,10 @@ from core.mechanism.drawing_edits import (
 from core.mechanism.drawing_references import part_of, with_part
 from core.mechanism.drawing_targets import DrawingTarget
 from core.project import dumps, loads
-from kindyna_gui.linkage.draw_tools import DrawingEdit, grid_step
+from kindyna_gui.linkage.draw_tools import DrawingEdit
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.point_paths import PointPaths
+from kindyna_gui.linkage.snapping import grid_step
 from kindyna_gui.linkage.typed_values import TypedValues
 
 SHIFT_CELLS = 4  # offset of a copy from its original, cells of the grid

@@ -13,12 +13,13 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QVBoxLayout, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool, Snap, snap_to
+from kindyna_gui.linkage.draw_tools import CHOOSE, MANY, TOOLS, DrawTool
 from kindyna_gui.linkage.drawing_actions import ACTIONS, DrawingAction, SelectionActions
 from kindyna_gui.linkage.drawing_mouse import SelectionInput, ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage
 from kindyna_gui.linkage.linkage_sketch import Highlights
 from kindyna_gui.linkage.point_paths import PointPaths
+from kindyna_gui.linkage.snapping import Snap, paint_grid, paint_snap, snap_to
 from kindyna_gui.linkage.typed_values import TypedValues
 from kindyna_gui.look import SteadyText, icon, tool_bar
 from kindyna_gui.pictures.style import SCREEN
@@ -207,7 +208,7 @@ class DrawingMode(DrawnLinkage):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         sketch = self.sketch
         if self.active:
-            sketch.paint_grid(painter, self.canvas.visible)
+            paint_grid(painter, sketch.to, sketch.scale, self.canvas.visible)
         sketch.paint(painter, self.highlights, dimensions=self.active, grey=self.static_links)
         for path in self.paths.drawn().values():
             sketch.paint_path(painter, path.positions, path.is_driven)
@@ -222,7 +223,7 @@ class DrawingMode(DrawnLinkage):
             painter.drawLine(sketch.to(first.at), sketch.to(second.at))
         snap = self.selection_input.snap if self.tool.name == CHOOSE else self.snap
         if snap is not None:
-            sketch.paint_snap(painter, snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
+            paint_snap(painter, sketch.to, snap, self.tool_input.snaps[-1].at if self.tool_input.snaps else None)
 
     def fit(self) -> None:
         """Show the whole drawing; an empty one with the width of a small machine."""

@@ -14,19 +14,9 @@ from core.errors import DesignError, Fault
 from core.mechanism.drawing_edits import with_moved
 from core.mechanism.drawing_targets import coincident_point, links_with
 from core.mechanism.drawn import PointPositions, link_pose, point_positions
-from kindyna_gui.linkage.draw_tools import (
-    CHOOSE,
-    DIRECTION,
-    TOOLS,
-    Drawing,
-    DrawingEdit,
-    DrawTool,
-    Snap,
-    grid_step,
-    row_index,
-    snap_to,
-)
+from kindyna_gui.linkage.draw_tools import CHOOSE, DIRECTION, TOOLS, Drawing, DrawingEdit, DrawTool, row_index
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, links_within
+from kindyna_gui.linkage.snapping import Snap, grid_step, snap_to
 
 DRAG = 4.0  # distance from which on a press is a drag, pixels
 UNLOCK = "use Lock to unlock it"

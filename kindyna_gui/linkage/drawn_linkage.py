@@ -16,8 +16,9 @@ from core.mechanism.unfinished import DrivenPart, Mobility, driven_part_of, mobi
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import DrawingEdit, point_at
+from kindyna_gui.linkage.draw_tools import DrawingEdit
 from kindyna_gui.linkage.linkage_sketch import LinkageSketch
+from kindyna_gui.linkage.snapping import point_at
 from kindyna_gui.player import Player
 
 

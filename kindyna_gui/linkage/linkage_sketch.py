@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import field
 from itertools import combinations
 
@@ -21,17 +21,14 @@ from core.mechanism.drawing_targets import edges, faces_at, outline
 from core.mechanism.drawn import PointPositions, edges_of, frame_link, input_pin, link_pose, slider_line
 from core.mechanism.drivers import wheel_pairs
 from core.output.drawing.palette import BLUE, VERMILION
-from kindyna_gui.linkage.draw_tools import ANGLE, FACE, GRID, LINE, PERPENDICULAR, POINT, Snap, grid_step, row_index
+from kindyna_gui.linkage.draw_tools import row_index
+from kindyna_gui.linkage.snapping import FACE, PixelFunction
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import number, short, typed
+from kindyna_gui.pictures.units import number, short
 
 BAR, PIN, BLOCK = 5.0, 4.0, (15.0, 10.0)  # half width of a bar, radius of a pin, half sides of a block, pixels
 FORCE = 46.0  # length of the arrow of a force, pixels
-MOST_LINES = 400  # a finer grid is not drawn
 PER = {(True, False): "mm/°", (False, True): "°/mm"}  # unit of a ratio by (link slides, driver slides); else ": 1"
-
-PixelFunction = Callable[[complex], QPointF]
-"""Pixel of a position [mm]."""
 
 
 @frozen
@@ -135,22 +132,6 @@ class LinkageSketch:
         return next((row for row, point in self.load_positions().items() if abs(point - at) * self.scale <= 9.0), "")
 
     # -- painting -----------------------------------------------------------------------------------------------
-
-    def paint_grid(self, painter: QPainter, visible: QRectF) -> None:
-        """Paint the grid, every fifth line stronger, and the axes."""
-        step = grid_step(self.scale)
-        if max(visible.width(), visible.height()) / step > MOST_LINES:
-            return
-        for i in range(math.floor(visible.left() / step), math.ceil(visible.right() / step) + 1):
-            self._grid_line(painter, i, complex(i * step, visible.top()), complex(i * step, visible.bottom()))
-        for i in range(math.floor(visible.top() / step), math.ceil(visible.bottom() / step) + 1):
-            self._grid_line(painter, i, complex(visible.left(), i * step), complex(visible.right(), i * step))
-
-    def _grid_line(self, painter: QPainter, number: int, first: complex, second: complex) -> None:
-        painter.setPen(
-            QPen(QColor(SCREEN.line if not number else SCREEN.dwell if number % 5 == 0 else SCREEN.hair), 1.0)
-        )
-        painter.drawLine(self.to(first), self.to(second))
 
     def paint(
         self, painter: QPainter, highlights: Highlights, dimensions: bool = True, grey: Collection[int] = frozenset()
@@ -384,39 +365,6 @@ class LinkageSketch:
         painter.setPen(QPen(QColor(SCREEN.seen(BLUE)), 1.4, style))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPolyline(QPolygonF([self.to(complex(at)) for at in np.append(path, path[:1]) if np.isfinite(at)]))
-
-    def paint_snap(self, painter: QPainter, snap: Snap, start: complex | None = None) -> None:
-        """Paint the mark of a snap, and the line from ``start`` to it."""
-        colour = QColor(SCREEN.chosen)
-        pixel = self.to(snap.at)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        if start is not None:
-            painter.setPen(QPen(colour, 1.4, Qt.PenStyle.DashLine))
-            painter.drawLine(self.to(start), pixel)
-        painter.setPen(QPen(colour, 2.0))
-        x, y = pixel.x(), pixel.y()
-        if snap.mark == POINT:
-            painter.drawEllipse(pixel, 8.0, 8.0)
-        elif snap.mark == LINE:
-            painter.drawLine(QPointF(x - 6, y - 6), QPointF(x + 6, y + 6))
-            painter.drawLine(QPointF(x - 6, y + 6), QPointF(x + 6, y - 6))
-        elif snap.mark == PERPENDICULAR:
-            painter.drawPolyline(QPolygonF([QPointF(x - 9, y - 9), QPointF(x - 9, y), QPointF(x, y)]))
-            painter.drawRect(QRectF(x - 9, y - 9, 9, 9))
-        elif snap.mark == ANGLE:
-            painter.drawEllipse(pixel, 3.0, 3.0)
-        elif snap.mark == GRID:
-            painter.drawLine(QPointF(x - 5, y), QPointF(x + 5, y))
-            painter.drawLine(QPointF(x, y - 5), QPointF(x, y + 5))
-        parts = [snap.label] if snap.label else []
-        if start is not None and snap.at != start:
-            direction = snap.at - start
-            parts.insert(0, f"{short(abs(direction))} mm, {short(math.degrees(cmath.phase(direction)))}°")
-        elif snap.mark == GRID:
-            parts.append(f"{typed(snap.at.real)}, {typed(snap.at.imag)}")
-        if parts:
-            above = 24.0 if snap.point else 10.0  # clear of the name of the pin
-            painter.drawText(QPointF(x + 12.0, y - above), "  ".join(parts))
 
 
 def _outline_pen(is_selected: bool, is_wrong: bool) -> QPen:

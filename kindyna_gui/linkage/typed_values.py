@@ -26,20 +26,10 @@ from core.number_text import shortest
 from kindyna_gui.forms.number_box import parsed
 from kindyna_gui.forms.refusal import RefusalLine
 from kindyna_gui.labels import no_number, sentence
-from kindyna_gui.linkage.draw_tools import (
-    DIRECTION,
-    LENGTH,
-    LINE,
-    LOCAL,
-    POSITION,
-    Drawing,
-    DrawingEdit,
-    Snap,
-    row_index,
-    snap_at,
-)
+from kindyna_gui.linkage.draw_tools import DIRECTION, LENGTH, LOCAL, POSITION, Drawing, DrawingEdit, row_index
 from kindyna_gui.linkage.drawing_mouse import ToolInput
 from kindyna_gui.linkage.drawn_linkage import DrawnLinkage, refusal_text
+from kindyna_gui.linkage.snapping import LINE, Snap, snap_at
 from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill

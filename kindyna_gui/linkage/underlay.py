@@ -33,7 +33,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.refusal import FloatingRefusal, accept_in_range
 from kindyna_gui.linkage.canvas import Canvas
-from kindyna_gui.linkage.draw_tools import nearest_mark
+from kindyna_gui.linkage.snapping import nearest_mark
 from kindyna_gui.linkage.typed_values import Box, Typed, TypedBoxes
 from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN

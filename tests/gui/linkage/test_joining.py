@@ -15,7 +15,7 @@ from PySide6.QtTest import QTest
 from sampled import stressed
 from window_user import Open, settle
 
-from kindyna_gui.linkage.draw_tools import Snap
+from kindyna_gui.linkage.snapping import Snap
 
 
 def snap(pen: Pen) -> Snap:
