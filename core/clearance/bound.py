@@ -300,9 +300,9 @@ class _Search:
         checkpoint()
         middle, width = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low)
         placement = self.encounter.placement(Angles(middle, self.piece_of))
-        found = distances(self.encounter.shapes, placement, 2.0 * self.speed * width)
-        fastest, floor = self._features(placement, found, width)
-        speed, value = np.minimum(self.speed, fastest), found.value - self._level
+        near = distances(self.encounter.shapes, placement, 2.0 * self.speed * width)
+        fastest, floor = self._features(placement, near, width)
+        speed, value = np.minimum(self.speed, fastest), near.value - self._level
         k = int(value.argmin())
         if value[k] < self.least:
             self.least, self.theta, self.piece = float(value[k]), float(middle[k]), int(self.piece_of[k])
@@ -311,10 +311,10 @@ class _Search:
         self.piece_of, self.base, self.speed = np.tile(self.piece_of, 2), np.tile(self.base, 2), np.tile(speed, 2)
         self._floor = np.tile(floor - self._level, 2)
 
-    def _features(self, placement: Placement, found: Distances, width: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _features(self, placement: Placement, near: Distances, width: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Largest speed of the features that can be nearest within a width (m,) of each pose, and the least distance (m,) there."""
-        pose, wide = found.pose, width[found.pose]
-        rows = list(self._pairs_of_features(placement, found, wide))
+        pose, wide = near.pose, width[near.pose]
+        rows = list(self._pairs_of_features(placement, near, wide))
         gap, speed = (np.array(parts) for parts in zip(*rows, strict=True))
         # the distance is at most that of the nearest feature, plus its change
         most = np.full(width.size, inf)
@@ -325,32 +325,32 @@ class _Search:
         fastest = np.zeros(width.size)
         for g, v in zip(gap, speed, strict=True):
             np.maximum.at(fastest, pose, np.where(g - v * wide <= most[pose], v, 0.0))
-        enclosed = found.value <= 0.0  # a shape inside another one has no nearest feature
+        enclosed = near.value <= 0.0  # a shape inside another one has no nearest feature
         return np.where(enclosed, inf, fastest), np.where(enclosed, -inf, least)
 
     def _pairs_of_features(
-        self, placement: Placement, found: Distances, width: np.ndarray
+        self, placement: Placement, near: Distances, width: np.ndarray
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Distance (t,) [m] and largest speed (t,) [m/rad] of pairs of features; an infinite distance where there is none.
 
         A feature is a corner, or the inside of a line or an arc.
         """
-        shapes, base = self.encounter.shapes, self.base[found.pose]
+        shapes, base = self.encounter.shapes, self.base[near.pose]
         sides = [
             _Side(shape, number, elements)
             for shape, number, elements in zip(
                 (shapes.first, shapes.second),
-                (found.first, found.second),
-                elements_of(shapes, placement, found),
+                (near.first, near.second),
+                elements_of(shapes, placement, near),
                 strict=True,
             )
         ]
         growth = sides[0].growth + sides[1].growth
-        for number, (one, other) in enumerate((sides, sides[::-1])):
+        for number, (side, other) in enumerate((sides, sides[::-1])):
             for end in _ENDS:
-                if one.is_corner[end].any():
-                    gap, speed = self._corner_and_inside(number, one, other, end, base, width)
-                    yield np.where(one.is_corner[end], gap - growth, inf), speed
+                if side.is_corner[end].any():
+                    gap, speed = self._corner_and_inside(number, side, other, end, base, width)
+                    yield np.where(side.is_corner[end], gap - growth, inf), speed
         for first, second in product(_ENDS, _ENDS):
             both = sides[0].is_corner[first] & sides[1].is_corner[second]
             if both.any():
@@ -358,14 +358,14 @@ class _Search:
                 points = getattr(sides[0].local, first), getattr(sides[1].local, second)
                 yield np.where(both, gap, inf), self._speeds.of_two(base, *points)
         if sides[0].is_arc.any() or sides[1].is_arc.any():
-            yield self._two_insides(sides, base, width, found.gap)
+            yield self._two_insides(sides, base, width, near.gap)
 
     def _corner_and_inside(
-        self, number: int, one: _Side, other: _Side, end: str, base: np.ndarray, width: np.ndarray
+        self, number: int, side: _Side, other: _Side, end: str, base: np.ndarray, width: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distance and speed (t,) of a corner of one body and the inside of a line or an arc of the other."""
-        z, local = getattr(one.elements, end), getattr(one.local, end)
-        gap, speed = self._beside_line(number, z, local, other, base, width)
+        z, local = getattr(side.elements, end), getattr(side.local, end)
+        gap, speed = self._point_and_line(number, z, local, other, base, width)
         if other.is_arc.any():
             on_arc = np.abs(z - other.elements.nearest(z))
             points = (local, other.local.centre) if number == 0 else (other.local.centre, local)
@@ -373,38 +373,40 @@ class _Search:
             speed = np.where(other.is_arc, self._speeds.of_two(base, *points), speed)
         return gap, speed
 
-    def _beside_line(
+    def _point_and_line(
         self, number: int, z: np.ndarray, local: np.ndarray, other: _Side, base: np.ndarray, width: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of points (t,) from lines, and its speed: that across the line; infinite where they do not come beside it."""
+        """Distance (t,) of points from lines, and its speed across the line; infinite where the foot is beyond the ends."""
         chord = other.elements.end - other.elements.start
         length = np.abs(chord)
         direction = chord / np.where(length > 0.0, length, 1.0)
-        place = direction.conj() * (z - other.elements.start)
-        beyond = np.maximum(-place.real, place.real - length)
+        position = direction.conj() * (z - other.elements.start)
+        beyond = np.maximum(-position.real, position.real - length)
         chord = other.local.end - other.local.start
         normal = 1j * chord / np.where(length > 0.0, length, 1.0)
-        comes_beside = (length > 0.0) & (beyond <= self._speeds.of_points(number, base, local) * width)
-        return np.where(comes_beside, np.abs(place.imag), inf), self._speeds.of_points(number, base, local, normal)
+        has_foot = (length > 0.0) & (beyond <= self._speeds.of_points(number, base, local) * width)
+        return np.where(has_foot, np.abs(position.imag), inf), self._speeds.of_points(number, base, local, normal)
 
     def _two_insides(
         self, sides: Sequence[_Side], base: np.ndarray, width: np.ndarray, gap: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distance and largest speed (t,) of the inside of an arc and that of a line or an arc."""
         speed = self._speeds.of_two(base, sides[0].local.centre, sides[1].local.centre)
-        comes_beside = sides[0].is_arc & sides[1].is_arc
-        for number, (one, other) in enumerate((sides, sides[::-1])):
-            rows = one.is_arc & ~other.is_arc
+        has_foot = sides[0].is_arc & sides[1].is_arc
+        for number, (side, other) in enumerate((sides, sides[::-1])):
+            rows = side.is_arc & ~other.is_arc
             if rows.any():
-                near, across = self._beside_line(number, one.elements.centre, one.local.centre, other, base, width)
+                distance, across = self._point_and_line(
+                    number, side.elements.centre, side.local.centre, other, base, width
+                )
                 speed = np.where(rows, across, speed)
-                comes_beside |= rows & np.isfinite(near)
-        anywhere = [
+                has_foot |= rows & np.isfinite(distance)
+        of_bodies = [
             self._speeds.of_points(number, base, side.disc_centre)
             + side.disc_radius * self._speeds.of_turn(number, base)
             for number, side in enumerate(sides)
         ]
-        return np.where(comes_beside, gap, inf), np.minimum(speed, np.minimum(*anywhere))
+        return np.where(has_foot, gap, inf), np.minimum(speed, np.minimum(*of_bodies))
 
 
 _ENDS = ("start", "end")
@@ -443,7 +445,7 @@ class _Speeds:
     def of_points(
         self, side: int, base: np.ndarray, point: np.ndarray | complex, along: np.ndarray | None = None
     ) -> np.ndarray:
-        """Points (t,) of one body relative to the other, in intervals (t,); `along` unit vectors (t,) of the other."""
+        """Speeds of points (t,) of one body relative to the other, in intervals (t,); `along` unit vectors (t,) of the other."""
         motion = (self.first, self.second)[side]
 
         def rate(k: int, at: np.ndarray) -> np.ndarray:
@@ -453,12 +455,12 @@ class _Speeds:
         return self._bounded(base, rate)
 
     def of_turn(self, side: int, base: np.ndarray) -> np.ndarray:
-        """Rotation of one body relative to the other, in intervals (t,) [rad/rad]."""
+        """Speed of rotation of one body relative to the other, in intervals (t,) [rad/rad]."""
         motion = (self.first, self.second)[side]
         return self._bounded(base, lambda k, at: motion.turn[k][at])
 
     def of_two(self, base: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Distance of points (t,) of the first and the second body, in intervals (t,)."""
+        """Speed at which points (t,) of the first and the second body approach or leave each other, in intervals (t,)."""
         (z, unit), (w, turn) = self._bodies
 
         def difference(k: int, at: np.ndarray) -> np.ndarray:
@@ -469,7 +471,7 @@ class _Speeds:
         return np.minimum(np.minimum(*relative_speeds), self._bounded(base, difference))
 
     def of_disc(self, shape: Shape, side: int) -> np.ndarray:
-        """All points of a shape relative to the other body, in every interval (m,)."""
+        """Largest speed of all points of a shape relative to the other body, in every interval (m,)."""
         middle, radius = shape.disc
         every = np.arange(self._width.size)
         return self.of_points(side, every, middle) + radius * self.of_turn(side, every)

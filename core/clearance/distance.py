@@ -14,6 +14,7 @@ import numpy as np
 
 from core.clearance.shapes import Shape, encloses_points
 from core.frozen import frozen
+from core.numerics.derivatives import cross, dot
 from core.numerics.lazy import checkpoint
 
 AT_ONCE = 2_000_000  # pairs of elements whose discs are compared at once, which limits memory
@@ -189,15 +190,15 @@ def nearest_points(pair: ShapePair, placement: Placement) -> tuple[np.ndarray, n
     distance, first, second : ndarray (n,) [m], (n,) complex [m], (n,) complex [m]
         Points in the frame of the first shape.
     """
-    found = distances(pair, placement)
-    least = np.full(found.value.size, np.inf)
+    result = distances(pair, placement)
+    least = np.full(result.value.size, np.inf)
     points = np.zeros((2, least.size), dtype=complex)
-    for rows, p, q in _candidates(pair, placement, found.pose, found.first, found.second):
-        growths = pair.first.growth[found.first[rows]], pair.second.growth[found.second[rows]]
+    for rows, p, q in _candidates(pair, placement, result.pose, result.first, result.second):
+        growths = pair.first.growth[result.first[rows]], pair.second.growth[result.second[rows]]
         size = np.abs(q - p)
         gap = np.where(np.isnan(size), np.inf, size - growths[0] - growths[1])
         order = np.argsort(-gap, kind="stable")  # the last one that is written to a pose is the nearest
-        pose = found.pose[rows][order]
+        pose = result.pose[rows][order]
         nearest = np.full(least.size, -1)
         nearest[pose] = order
         at = np.flatnonzero(nearest >= 0)
@@ -207,7 +208,7 @@ def nearest_points(pair: ShapePair, placement: Placement) -> tuple[np.ndarray, n
         along = (q[row] - p[row]) / np.where(size[row] > 0.0, size[row], 1.0)
         least[at] = gap[row]
         points[:, at] = p[row] + along * growths[0][row], q[row] - along * growths[1][row]
-    return found.value, points[0], points[1]
+    return result.value, points[0], points[1]
 
 
 # -- pairs of points of two elements --------------------------------------------------------------------------
@@ -262,9 +263,9 @@ class Elements(NamedTuple):
         return np.where(is_arc, _on_arc(self, z), _on_line(self, z))
 
 
-def elements_of(pair: ShapePair, placement: Placement, found: Distances) -> tuple[Elements, Elements]:
+def elements_of(pair: ShapePair, placement: Placement, near: Distances) -> tuple[Elements, Elements]:
     """Both elements of every pair in the frame of the first shape."""
-    return _elements(pair, placement, found.pose, found.first, found.second)
+    return _elements(pair, placement, near.pose, near.first, near.second)
 
 
 def _elements(
@@ -301,25 +302,17 @@ def _candidates(
                 yield (rows, q, p) if swaps else (rows, p, q)
 
 
-def _cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return (u.conj() * v).imag
-
-
-def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return (u.conj() * v).real
-
-
 def _on_line(line: Elements, z: np.ndarray) -> np.ndarray:
     """Nearest point of a line."""
     chord = line.end - line.start
-    square = _dot(chord, chord)
-    part = _dot(chord, z - line.start) / np.where(square > 0.0, square, 1.0)
+    square = dot(chord, chord)
+    part = dot(chord, z - line.start) / np.where(square > 0.0, square, 1.0)
     return np.asarray(line.start + np.clip(part, 0.0, 1.0) * chord)
 
 
 def _is_within(arc: Elements, direction: np.ndarray) -> np.ndarray:
     """Whether a direction from the centre of an arc meets it."""
-    return _dot(arc.middle, direction) >= np.abs(direction) * arc.cos_half
+    return dot(arc.middle, direction) >= np.abs(direction) * arc.cos_half
 
 
 def _on_arc(arc: Elements, z: np.ndarray) -> np.ndarray:
@@ -337,10 +330,10 @@ def _lines(a: Elements, b: Elements) -> _Points:
     for z in (b.start, b.end):
         yield _on_line(a, z), z
     u, v, w = a.end - a.start, b.end - b.start, b.start - a.start
-    cross = _cross(u, v)
-    safe = np.where(cross != 0.0, cross, 1.0)
-    s, t = _cross(w, v) / safe, _cross(w, u) / safe
-    meet = (cross != 0.0) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
+    slope = cross(u, v)
+    safe = np.where(slope != 0.0, slope, 1.0)
+    s, t = cross(w, v) / safe, cross(w, u) / safe
+    meet = (slope != 0.0) & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
     at = np.where(meet, a.start + s * u, np.nan)
     yield at, at
 
@@ -353,11 +346,11 @@ def _line_and_arc(line: Elements, arc: Elements) -> _Points:
     foot = _on_line(line, arc.centre)
     yield foot, _on_arc(arc, foot)
     chord = line.end - line.start
-    square = _dot(chord, chord)
+    square = dot(chord, chord)
     safe = np.where(square > 0.0, square, 1.0)
-    middle = _dot(chord, arc.centre - line.start) / safe
+    middle = dot(chord, arc.centre - line.start) / safe
     off = line.start + middle * chord - arc.centre
-    root = np.sqrt(np.maximum(arc.radius**2 - _dot(off, off), 0.0) / safe)
+    root = np.sqrt(np.maximum(arc.radius**2 - dot(off, off), 0.0) / safe)
     for part in (middle - root, middle + root):
         at = line.start + part * chord
         meet = (np.abs(off) <= arc.radius) & (part >= 0.0) & (part <= 1.0) & _is_within(arc, at - arc.centre)
