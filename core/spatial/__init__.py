@@ -16,6 +16,7 @@ from core.spatial.contact import (
 )
 from core.spatial.kinds import KINDS, Machine, RollerAxis, machine_of, roller_axis
 from core.spatial.picture import FlankPatch, RollerTrack, flank_patches, roller_tracks
+from core.spatial.rib import rib_thickness
 from core.spatial.shape import RollerAt, SpatialShape, handover_angles, rollers_at, spatial_shape, turret_limit
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "intrusion",
     "machine_of",
     "meshing",
+    "rib_thickness",
     "roller_axis",
     "roller_tracks",
     "rollers_at",

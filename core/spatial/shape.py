@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from itertools import pairwise
 from math import asin, pi
 
 import numpy as np
@@ -12,10 +11,11 @@ import numpy as np
 from core.errors import NoCam, angle_ranges
 from core.frozen import frozen
 from core.numerics.lazy import Lazy, lazy
-from core.spatial.contact import AHEAD, BEHIND, SIDES, MotionRows, SpatialFlank, dots, flank, sliding
+from core.spatial.contact import AHEAD, BEHIND, SIDES, MotionRows, SpatialFlank, flank, sliding
 from core.spatial.kinds import Machine
 
-NODES = 9  # distances along the roller at which a figure is first computed
+NODES = np.array([0.0, 1e-5, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0 - 1e-5, 1.0])
+"""Parts of the roller's length at which a figure is first computed; next to an end they show whether it has its extreme there."""
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 SEARCHES = 40  # steps of the golden section
 AT_PITCH = 1.0 + 1e-9  # a roller at one pitch is counted
@@ -119,8 +119,6 @@ class SpatialShape:
         Largest sliding speed, by cam angle.
     margin : ndarray (n,), dimensionless
         Least margin of the flanks of all rollers in the blank; not positive where a flank is undercut.
-    wall : ndarray (n,) [m]
-        Least thickness of a rib between two rollers in the blank, along its normal; NaN without one.
     gain_ahead, gain_behind : ndarray (n,) [1 or m]
         Work of one newton of contact on each flank, in the roller's middle, per unit of the motion.
     """
@@ -135,7 +133,6 @@ class SpatialShape:
     curvature: Lazy[np.ndarray] = Lazy(lambda shape: shape.worst(lambda flank: flank.curvature))
     sliding: Lazy[np.ndarray] = Lazy(lambda shape: _largest_sliding(shape))
     margin: Lazy[np.ndarray] = Lazy(lambda shape: _least_margin(shape))
-    wall: Lazy[np.ndarray] = Lazy(lambda shape: _least_wall(shape))
     gain_ahead: Lazy[np.ndarray] = Lazy(lambda shape: shape.in_middle(AHEAD).gain[0])
     gain_behind: Lazy[np.ndarray] = Lazy(lambda shape: shape.in_middle(BEHIND).gain[0])
 
@@ -273,11 +270,11 @@ def along_roller(
         Distance along the axis at which it occurs.
     """
     sign = 1.0 if largest else -1.0
-    nodes = np.linspace(machine.inner, machine.outer, NODES)
+    nodes = machine.inner + (machine.outer - machine.inner) * NODES
     value = sign * figure(flank(machine, motion, nodes[:, None], sense, side))
     best = np.argmax(value, axis=0)
     result, place = np.take_along_axis(value, best[None], axis=0)[0], nodes[best]
-    inside = np.flatnonzero((best > 0) & (best < NODES - 1) & (np.ptp(value, axis=0) > 1e-12 * np.abs(result)))
+    inside = np.flatnonzero((best > 0) & (best < NODES.size - 1) & (np.ptp(value, axis=0) > 1e-12 * np.abs(result)))
     if inside.size:
         part = MotionRows(*(row[inside] for row in motion))
 
@@ -328,16 +325,3 @@ def _least_margin(shape: SpatialShape) -> np.ndarray:
         for side, motion, touches in _flank_motions(shape)
     ]  # fmt: skip
     return np.asarray(np.min(rows, axis=0))
-
-
-def _least_wall(shape: SpatialShape) -> np.ndarray:
-    """Thickness (p_behind - p_ahead) · n of the rib ahead of each roller, n the normal of its flank ahead."""
-    rollers = rollers_at(shape.machine, shape.motion.y)
-    u = np.linspace(shape.machine.inner, shape.machine.outer, NODES)[:, None]
-    result = np.full(shape.motion.y.size, np.nan)
-    for lower, upper in pairwise(rollers):
-        near = flank(shape.machine, shape.motion.shifted(lower.offset), u, shape.sense, AHEAD)
-        far = flank(shape.machine, shape.motion.shifted(upper.offset), u, shape.sense, BEHIND)
-        thickness = dots(far.point - near.point, near.normal).min(axis=0)
-        result = np.fmin(result, np.where(lower.touches & upper.touches, thickness, np.nan))
-    return result

@@ -275,9 +275,12 @@ def _surface_rows(study: Study) -> Iterator[LimitRow]:
     for stretch, extremes in pressure_angles(study)[_PRESSURE_ANGLE].items():
         key = f"pressure_angle_{stretch}_deg"
         yield _row(study, key, f"Pressure angle, {stretch}", degrees(extremes.high.value), extremes.high)
-    sharpest = spatial_checks.surface_extremes(study)["surface_curvature"].high
-    if sharpest.value > 0.0:
+    surfaces = spatial_checks.surface_extremes(study)
+    if (sharpest := surfaces["surface_curvature"].high).value > 0.0:
         yield _row(study, "convex_radius_mm", "Smallest convex radius of a flank", 1e3 / sharpest.value, sharpest)
+    if "rib_wall" in surfaces:
+        thinnest = surfaces["rib_wall"].low
+        yield _row(study, "", "Least thickness of a rib", 1e3 * thinnest.value, thinnest, "rib_thickness_mm")
 
 
 def _row(study: Study, key: str, label: str, value: float, at: Extreme, name: str = "") -> LimitRow:

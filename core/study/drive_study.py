@@ -563,7 +563,7 @@ class DriveStudy:
         Parameters
         ----------
         theta : ndarray (n,) [rad]
-            Cam angles from 0 to a full turn; the end of the turn has the left-hand limit.
+            Cam angles. The end of the turn has the left-hand limit; beyond it the motion repeats, with its advance.
 
         Returns
         -------
@@ -571,9 +571,24 @@ class DriveStudy:
         """
         from core.spatial import MotionRows  # as above
 
-        inside, starts = np.clip(theta, 0.0, TURN), self.uncut.starts
+        turns = np.where((theta < 0.0) | (theta > TURN), np.floor(theta / TURN), 0.0)
+        inside, starts = np.clip(theta - turns * TURN, 0.0, TURN), self.uncut.starts
         state = self.uncut.state(Angles(inside, np.searchsorted(starts, inside, side="right") - 1))
-        return MotionRows(theta, *(spread(state.displacement[order], theta.size) for order in range(3)))
+        y, y_1, y_2 = (spread(state.displacement[order], theta.size) for order in range(3))
+        return MotionRows(theta, y + turns * self.advance, y_1, y_2)
+
+    @lazy
+    def advance(self) -> float:
+        """Motion at the end of the turn less that at its start [m or rad]."""
+        ends = self.uncut.state(Angles(np.array([0.0, TURN]), np.array([0, self.uncut.starts.size - 1])))
+        return float(np.diff(spread(ends.displacement[0], 2))[0])
+
+    @lazy
+    def rib_thickness(self) -> np.ndarray:
+        """Least thickness (n,) [m] of a cam's ribs between rollers at the cam angles of the flank ahead."""
+        from core.spatial import rib_thickness  # as above
+
+        return rib_thickness(self.machine, self.surface.motion, self.motion_rows, self.sense)
 
     @property
     def surface(self) -> SpatialShape:

@@ -402,7 +402,7 @@ _ROWS: tuple[Quantity, ...] = (
     *(_unseen(code, "linkage", partial(singular_value, code=code), kinds) for code, kinds in SINGULAR_OF.items()),
     _unseen("profile_radius", "cam", lambda s: s.cam.flank.profile_radius, DISK, needs="straight"),
     _unseen("flank_margin", "cam", lambda s: s.surface.margin, SURFACES, needs="cam"),
-    _unseen("rib_wall", "cam", lambda s: s.surface.wall, SURFACES, needs="rib"),
+    _unseen("rib_wall", "cam", lambda s: s.rib_thickness, SURFACES, needs="rib"),
     _unseen("second_roller_distance", "cam", second_roller_distance, DISK, needs=SECOND),
     _unseen("second_push", "cam", push_product, DISK, needs=SECOND),
 )  # fmt: skip
