@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 from core.design import HOLDS, Design, PairTarget, Target, get, holds_of, link_names, pairs_of
+from core.design.paths import entry_at
 from core.number_text import shortest
 
 ROW = re.compile(r"loads\.(\w+)\[(\d+)\]")
@@ -48,6 +49,15 @@ def row_title(design: Design, path: str) -> str:
     """Name of a row with its attachments, where the name does not contain them; empty where the path leads to no row."""
     name, attachments = row_name(design, path), row_attachments(design, path)
     return name if attachments in name else f"{name}: {attachments}"
+
+
+def part_names(design: Design, paths: Sequence[str]) -> list[str]:
+    """Names of parts of a design, given by their paths: loads, rows of loads, tables."""
+    names = []
+    for path in paths:
+        entry = None if ROW.match(path) else entry_at(design, path)
+        names.append(row_name(design, path) or (path if entry is None else entry.info.label))
+    return [name[:1].lower() + name[1:] for name in names]
 
 
 def link_text(design: Design, number: int) -> str:

@@ -4,12 +4,27 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import product
 from math import degrees, pi
 from types import MappingProxyType
 
 import numpy as np
 
-from core.design import CRANK, Design, Drawn, Drive, Driver, Link, Linkage, LinkageLoads, LinkPoint, Slider
+from core.design import (
+    CRANK,
+    Design,
+    Drawn,
+    Drive,
+    Driver,
+    Link,
+    Linkage,
+    LinkageLoads,
+    LinkMass,
+    LinkPoint,
+    Slider,
+    with_drive,
+)
 from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.synthesis.dyads import GUIDE, PIN, TURNING_GUIDE, Dyad
@@ -17,6 +32,8 @@ from core.synthesis.dyads import GUIDE, PIN, TURNING_GUIDE, Dyad
 FOUR_BAR, SLIDER_CRANK, INVERTED = "four-bar", "slider-crank", "inverted-slider-crank"
 KINDS = MappingProxyType({PIN: FOUR_BAR, GUIDE: SLIDER_CRANK, TURNING_GUIDE: INVERTED})
 """Kind of the dyad next to the driver -> kind of the linkage; the driver's dyad has two pins."""
+BAR = 1.57
+"""Mass per length of a link [kg/m], where none is known: steel, 20 mm × 10 mm."""
 SPEED = 60.0
 """Speed of the driver of a new linkage [rpm]."""
 FRAME, CRANK_LINK, COUPLER, SIDE_LINK = 1, 2, 3, 4
@@ -52,9 +69,9 @@ class Candidate:
 
     @property
     def design(self) -> Design:
-        """The linkage as a design."""
+        """The linkage as a design, with the masses of steel bars."""
         drive = Drive(None, self.linkage, None, LinkageLoads())
-        return Design(self.kind.capitalize(), None, (drive,))
+        return with_bar_masses(Design(self.kind.capitalize(), None, (drive,)))
 
 
 def linkage_of(first: Dyad, second: Dyad, z: complex, angle: float, *, tracer: bool = True) -> Linkage:
@@ -148,6 +165,55 @@ def is_in_order(angles: np.ndarray) -> bool:
     """
     steps = np.diff(np.append(angles, angles[0]))
     return any(round(float(np.mod(sign * steps, 2.0 * pi).sum() / (2.0 * pi))) == 1 for sign in (1.0, -1.0))
+
+
+def shortest_arc(angles: np.ndarray) -> tuple[float, float]:
+    """Ends [rad] of the shortest arc with all angles.
+
+    Parameters
+    ----------
+    angles : ndarray (n,) [rad]
+    """
+    ordered = np.sort(np.mod(angles, 2.0 * pi))
+    gaps = np.diff(np.append(ordered, ordered[0] + 2.0 * pi))
+    widest = int(gaps.argmax())
+    low = float(ordered[(widest + 1) % ordered.size])
+    return low, low + 2.0 * pi - float(gaps[widest])
+
+
+def with_bar_masses(design: Design) -> Design:
+    """Design of a linkage with the masses of its links as steel bars from one point to the farthest other one, marked as assumed.
+
+    A link with one point, such as the block of a slider, has the mass of the shortest bar.
+    """
+    linkage = design.drive.linkage
+    bars = [_bar(link) for link in linkage.links if link.number != FRAME]
+    shortest = min(bar.mass_kg for bar in bars if bar.mass_kg)
+    masses = tuple(bar if bar.mass_kg else replace(bar, mass_kg=shortest) for bar in bars)
+    loads = replace(design.drive.loads, masses=masses)
+    rows = [i for i, bar in enumerate(bars) if bar.inertia_kg_m2]
+    marks = [f"loads.masses[{i}].mass_kg" for i in range(len(masses))]
+    marks += [f"loads.masses[{i}].{key}" for i in rows for key in ("inertia_kg_m2", "centre")]
+    return replace(with_drive(design, loads=loads), assumed=(*design.assumed, *sorted(marks)))
+
+
+def _bar(link: Link) -> LinkMass:
+    """Mass of a link as a bar between its farthest points; without mass where it has only one."""
+    points = list(link.places.values())
+    first, second = max(product(points, points), key=lambda pair: abs(pair[0] - pair[1]))
+    length, middle = 1e-3 * abs(second - first), 0.5 * (first + second)
+    mass = BAR * length
+    return LinkMass(
+        link=link.number,
+        mass_kg=_rounded(mass),
+        inertia_kg_m2=_rounded(mass * length**2 / 12.0),
+        centre_x_mm=_rounded(middle.real),
+        centre_y_mm=_rounded(middle.imag),
+    )
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.3g}")
 
 
 def is_degenerate(first: Dyad, second: Dyad, size: float) -> bool:

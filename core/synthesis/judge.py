@@ -300,6 +300,22 @@ def _is_grashof(linkage: Linkage, turns_fully: bool) -> bool:
     return turns_fully if bar is None else bar.kind != "triple rocker"
 
 
+def task_positions(answer: Answer) -> np.ndarray:
+    """Angles of the driver at the positions of the task, within its range.
+
+    Parameters
+    ----------
+    answer : Answer
+
+    Returns
+    -------
+    ndarray (n,) [rad]
+        NaN for positions outside of the range.
+    """
+    candidate = answer.candidate
+    return _in_range(candidate.positions, driver_ranges_of(candidate.linkage).ranges[0], answer.turns_fully)
+
+
 def joint_positions(answer: Answer, count: int) -> Mapping[str, np.ndarray]:
     """Positions of all points of an answer while its driver passes its full turn, or its range.
 

@@ -46,6 +46,10 @@ class PoseDyads:
         """Both lists, each dyad once."""
         return tuple(dict.fromkeys((*self.first, *self.second)))
 
+    def are_pair(self, a: Dyad, b: Dyad) -> bool:
+        """Whether one of two dyads fits the conditions on the first dyad, and the other one those on the second."""
+        return (a in self.first and b in self.second) or (b in self.first and a in self.second)
+
 
 @lru_cache(maxsize=4)
 def pose_dyads(task: Task) -> PoseDyads:
@@ -105,26 +109,49 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     dyads = pose_dyads(task)
     if not _has_pair(dyads):
         raise DesignError([_no_dyads(task)])
-    z = np.array([pose.z for pose in task.poses])
-    angles = np.array([radians(pose.angle_deg) for pose in task.poses])
-    turn = np.exp(1j * angles)
-    for first, second in _pairs(dyads, z, turn, task):
+    z, angles = body_positions(task)
+    for first, second in _pairs(dyads, z, np.exp(1j * angles), task):
         checkpoint()
-        drivers = [(first, second)] if second.kind != PIN else [(first, second), (second, first)]
-        yield tuple(_candidate(driver, other, z, angles) for driver, other in drivers)
+        yield linkages_of(first, second, task)
+
+
+def body_positions(task: Task) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and angles of the body at the poses of a task.
+
+    Returns
+    -------
+    tuple of ndarray (n,) complex [mm] and ndarray (n,) [rad]
+    """
+    return np.array([pose.z for pose in task.poses]), np.array([radians(pose.angle_deg) for pose in task.poses])
+
+
+def linkages_of(first: Dyad, second: Dyad, task: Task) -> tuple[Candidate, ...]:
+    """Linkages of two dyads through the poses of a task, the first one with two pins: driven by it, and by the second one if it has two."""
+    z, angles = body_positions(task)
+    drivers = [(first, second)] if second.kind != PIN else [(first, second), (second, first)]
+    return tuple(_candidate(driver, other, z, angles) for driver, other in drivers)
+
+
+def is_degenerate_pair(first: Dyad, second: Dyad, task: Task) -> bool:
+    """Whether two dyads are one, or have a link without length, for the size of a task's poses."""
+    return is_degenerate(first, second, _pair_size(task, pose_dyads(task)))
+
+
+def _pair_size(task: Task, dyads: PoseDyads) -> float:
+    z, _ = body_positions(task)
+    return float(np.ptp(np.abs(z - z[0]))) or max(abs(dyad.moving) for dyad in dyads.all)
 
 
 def _pairs(dyads: PoseDyads, z: np.ndarray, turn: np.ndarray, task: Task) -> Iterator[tuple[Dyad, Dyad]]:
-    size = float(np.ptp(np.abs(z - z[0]))) or max(abs(dyad.moving) for dyad in dyads.all)
+    size = _pair_size(task, dyads)
     if dyads.complete:
         rows = combinations(dyads.first, 2) if dyads.first == dyads.second else _product(dyads)
         pairs = [(a, b) if a.kind == PIN else (b, a) for a, b in rows]
     else:
         everything = dyads.all
-        side = {dyad: (dyad in set(dyads.first), dyad in set(dyads.second)) for dyad in everything}
         ranked = best_pairs(everything, z, turn, 8 * MOST_CARDS, order=task.limits.order)
         pairs = [(everything[i], everything[k]) for i, k in ranked]
-        pairs = [(a, b) for a, b in pairs if (side[a][0] and side[b][1]) or (side[a][1] and side[b][0])][:MOST_CARDS]
+        pairs = [(a, b) for a, b in pairs if dyads.are_pair(a, b)][:MOST_CARDS]
     for first, second in pairs:
         if first.kind == PIN and not is_degenerate(first, second, size):
             yield first, second

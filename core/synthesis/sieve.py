@@ -14,7 +14,7 @@ from math import pi
 import numpy as np
 
 from core.frozen import frozen
-from core.synthesis.candidates import is_in_order
+from core.synthesis.candidates import is_in_order, shortest_arc
 from core.synthesis.dyads import GUIDE, PIN, Dyad
 
 SAMPLES = 48  # driver angles in a turn
@@ -137,19 +137,10 @@ def _least_sines(first: Dyad, second: Second, z: np.ndarray, turn: np.ndarray, o
         sines = np.sqrt(np.clip(np.abs(u) ** 2 - v**2, 0.0, None)) * factor
         assembled = np.abs(v) <= np.abs(u)
     turns_fully = assembled.all(axis=1)
-    low, high = _hull(angles)
+    low, high = shortest_arc(angles)
     inside = np.mod(grid - low, 2.0 * pi) <= high - low
     between = assembled[:, inside].all(axis=1) if inside.any() else np.ones(turns_fully.size, dtype=bool)
     part = sines[:, inside].min(axis=1, initial=np.inf)
     result = np.where(turns_fully, sines.min(axis=1), np.where(between, part, 0.0))
     result = np.minimum(result, np.abs(signed).min(axis=1))
     return np.where(one_assembly & np.isfinite(result), result, 0.0)
-
-
-def _hull(angles: np.ndarray) -> tuple[float, float]:
-    """Shortest arc [rad] with all angles."""
-    ordered = np.sort(np.mod(angles, 2.0 * pi))
-    gaps = np.diff(np.append(ordered, ordered[0] + 2.0 * pi))
-    widest = int(gaps.argmax())
-    low = float(ordered[(widest + 1) % ordered.size])
-    return low, low + 2.0 * pi - float(gaps[widest])

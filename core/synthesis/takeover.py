@@ -1,0 +1,273 @@
+"""Design of an answer in place of a present one: driven by a crank, or under the motion of the present design.
+
+Under the motion the driver covers its range over the task: at the lowest position of the motion the task begins, at the highest one it
+ends. A motion with an advance turns the driver fully, once per advance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from math import degrees
+
+import numpy as np
+
+from core.design import (
+    ELEMENT_LISTS,
+    MOTION,
+    Design,
+    Drive,
+    Linkage,
+    LinkageLoads,
+    Motion,
+    faults,
+    only,
+    with_drive,
+    with_only,
+)
+from core.design.camshaft import turning_together
+from core.design.edits import with_levels
+from core.design.limits import NO_LIMITS
+from core.design.motion_edits import require_motion
+from core.design.paths import followed, row_at
+from core.errors import MISSING, DesignError, Fault
+from core.frozen import frozen
+from core.laws import find_law
+from core.mechanism.drawing_references import pruned
+from core.mechanism.driver_ranges import TURN
+from core.motion import program
+from core.motion.extremes import find_extremes
+from core.motion.tables import lobe_to_segments, tabled
+from core.synthesis.candidates import is_in_order, shortest_arc, with_bar_masses
+from core.synthesis.judge import Answer, task_positions
+from core.synthesis.task import PATH, ROCKER, Task
+
+ROW_LISTS = ("masses", "forces", *ELEMENT_LISTS)
+"""Lists of the loads of a linkage."""
+GRAVITY = ("gravity_m_s2", "gravity_angle_deg")
+OF_MECHANISM = ("tolerances", "waviness", "engine", "outlines", "clearances")
+"""Parts of a design that belong to its mechanism."""
+
+
+@frozen(eq=False)
+class Takeover:
+    """Design of an answer.
+
+    Attributes
+    ----------
+    design : Design
+    left_out : tuple of str
+        Paths of the parts of the present design that do not fit the linkage: loads, cam, servo, outlines.
+    """
+
+    design: Design
+    left_out: tuple[str, ...] = ()
+
+
+def taken_over(answer: Answer, present: Design | None = None) -> Takeover:
+    """The linkage with its crank at constant speed, that of a present design of one drive, whose loads are kept where they fit.
+
+    Where these contain no masses, the links are steel bars, which are marked as assumed.
+    """
+    design = answer.candidate.design
+    if present is None:
+        return Takeover(design)
+    drive = Drive(None, design.drive.linkage, None, _linkage_loads(present))
+    return _fitted(drive, design.name, present)
+
+
+def under_motion(answer: Answer, task: Task, present: Design) -> Takeover:
+    """The linkage driven by the motion of a present design of one drive, whose loads are kept where they fit.
+
+    Spans and laws of the motion stay, its levels are scaled to the driver's range over the task. Laws that only rise, or only return, are
+    tables where the driver turns clockwise.
+
+    Raises
+    ------
+    DesignError
+        The present design has no motion, its motion does not move, or it cannot drive the linkage through the task.
+    """
+    motion = present.drive.motion
+    if motion is None:
+        raise DesignError([Fault("motion", MISSING, "the present design has no motion", "a design with a motion")])
+    if motion.lobe is not None:
+        motion = require_motion(lobe_to_segments(present))
+    drive = present.drive
+    linkage = answer.candidate.linkage
+    moved = replace(linkage, driver=replace(linkage.driver, kind=MOTION))
+    driven = replace(
+        drive,
+        motion=_of_driver(replace(motion.typed, follows=None), answer, task),
+        mechanism=moved,
+        cam=drive.cam if drive.links else None,
+        loads=_linkage_loads(present),
+        servo=drive.servo if motion.unit == "deg" else None,
+        valve=None,
+    )
+    return _fitted(driven, present.name, present)
+
+
+def put_in_list(machine: Design, number: int, single: Design) -> Design:
+    """Design with another mechanism of one drive; one of several drives keeps its name, and the shaft its speed.
+
+    Raises
+    ------
+    DesignError
+        The other drives, or the sequence conditions, do not fit it.
+    """
+    if not machine.listed:
+        return single
+    present = only(machine, number)
+    placed = replace(single, name=present.name, shaft=present.shaft, engine=present.engine)
+    rows = [replace(drive, carries=()) if i == number else drive for i, drive in enumerate(machine.drives)]
+    result = turning_together(with_only(replace(machine, drives=tuple(rows)), number, placed))
+    if wrong := faults(result):
+        raise DesignError(wrong)
+    return result
+
+
+# -- motion of the driver -------------------------------------------------------------------------------------
+
+
+def driver_path(answer: Answer) -> np.ndarray:
+    """Angles of the driver at the positions of the task, from the first one on, without jumps.
+
+    A driver that turns fully passes the positions in their order where there is one, else in the shortest arc.
+
+    Returns
+    -------
+    ndarray (n,) [rad]
+        NaN for positions outside of the driver's range.
+    """
+    at = task_positions(answer)
+    if not answer.turns_fully:
+        return at
+    first = at[0]
+    if at.size > 2 and is_in_order(at):
+        onwards = np.mod(at - first, TURN)
+        sign = 1.0 if (np.diff(onwards) >= 0.0).all() else -1.0
+        return first + sign * np.mod(sign * (at - first), TURN)
+    low, _ = shortest_arc(at)
+    at = low + np.mod(at - low, TURN)
+    return np.asarray(at + first - at[0])
+
+
+def _of_driver(motion: Motion, answer: Answer, task: Task) -> Motion:
+    """The motion in degrees of the driver."""
+    at = driver_path(answer)
+    if not np.isfinite(at).all():
+        problem = "the driver of this linkage cannot pass all positions of the task in one range"
+        raise DesignError([Fault("linkage", MISSING, problem, "a linkage without a defect")])
+    low, high = float(at.min()), float(at.max())
+    home, far = (low, high) if at[0] - low <= high - at[0] else (high, low)
+    if motion.gain:
+        if not answer.turns_fully:
+            problem = "the motion advances, and the driver of this linkage cannot turn fully"
+            raise DesignError(
+                [Fault("motion.advance", motion.gain, problem, "a motion that returns, or another linkage")]
+            )
+        level, extent = motion.first, abs(motion.gain)
+        far = home + float(np.copysign(TURN, far - home))
+    elif _needs_turn(task):
+        problem = "the motion returns, and this task needs full turns of the driver"
+        raise DesignError([Fault("motion", MISSING, problem, "a motion with an advance, or a crank at constant speed")])
+    else:
+        level, highest = _ends(motion)
+        extent = highest - level
+        if extent <= 0.0:
+            raise DesignError([Fault("motion", MISSING, "the motion does not move", "a segment with a rise")])
+    factor = degrees(far - home) / extent
+    if factor < 0.0:
+        motion = _with_reversible_laws(motion)
+    scaled = with_levels(motion, lambda value: value * factor + 0.0)  # no minus zero
+    start = _near_drawing(degrees(home), answer.candidate.linkage) + factor * (motion.start - level)
+    return replace(scaled, start=start, unit="deg")
+
+
+def _with_reversible_laws(motion: Motion) -> Motion:
+    """The motion with laws that only rise, or only return, as tables, which can do both."""
+    compiled = program(motion)
+    segments = list(motion.segments)
+    for i, segment in enumerate(segments):
+        law = find_law(segment.curve.law)
+        if law is not None and law.rises:
+            segments[i] = replace(segment, curve=tabled(compiled, i, segment).curve)
+    return replace(motion, segments=tuple(segments))
+
+
+def _needs_turn(task: Task) -> bool:
+    return task.kind == ROCKER or (task.kind == PATH and task.path is not None and task.path.closed)
+
+
+def _near_drawing(angle: float, linkage: Linkage) -> float:
+    """An angle of the driver [deg] with the turns that bring it next to that of the drawing."""
+    drawn = None if linkage.drawn is None else linkage.drawn.driver_deg
+    return angle if drawn is None else angle + 360.0 * round((drawn - angle) / 360.0)
+
+
+def _ends(motion: Motion) -> tuple[float, float]:
+    """Lowest and highest position of a motion, in its unit."""
+    compiled = program(motion)
+    y = find_extremes(lambda angles: {"y": compiled.state(angles).displacement[0]}, compiled)["y"]
+    return y.low.value / motion.scale, y.high.value / motion.scale
+
+
+# -- loads ------------------------------------------------------------------------------------------------------
+
+
+def _linkage_loads(present: Design) -> LinkageLoads:
+    """Loads of a present linkage; of a follower, whose bodies are others, its gravity."""
+    loads: LinkageLoads = present.drive.loads
+    if present.drive.links:
+        return loads
+    return LinkageLoads(**{name: getattr(loads, name) for name in GRAVITY if hasattr(loads, name)})
+
+
+def _fitted(drive: Drive, name: str, present: Design) -> Takeover:
+    """Design of a drive with the loads of a present design that fit it, and the parts that do not."""
+    linkage = replace(drive.linkage, driver=replace(drive.linkage.driver, speed_rpm=present.sense * present.speed_rpm))
+    marks = tuple(mark for mark in present.assumed if mark.startswith(("shaft.", "loads.")) or _is_of_spans(mark))
+    design = pruned(Design(name, present.shaft, (replace(drive, mechanism=linkage),), marks))
+    if design.drive.cam is None:
+        loads = replace(design.drive.loads, contact=None, follower_stiffness_n_per_mm=None, follower_damping_ratio=None)
+        design = with_drive(design, loads=loads, limits=NO_LIMITS)
+    while rows := {row[:2] for fault in faults(design) if (row := row_at(fault.path))[0].startswith("loads.")}:
+        design = _without_rows(design, rows)
+    if not design.drive.loads.masses:
+        design = with_bar_masses(design)
+    if wrong := faults(design):
+        raise DesignError(wrong)
+    return Takeover(design, tuple(_left_out(present, design)))
+
+
+def _is_of_spans(mark: str) -> bool:
+    """Whether a path belongs to the spans and laws of a motion, which stay as they are."""
+    return mark.startswith("motion.segments") and mark.endswith(("span_deg", "law"))
+
+
+def _without_rows(design: Design, rows: set[tuple[str, int]]) -> Design:
+    """Design without some rows of loads, given by path and number, and without their marks."""
+    for path in {path for path, _ in rows}:
+        name = path.removeprefix("loads.")
+        old = getattr(design.drive.loads, name)
+        order = [i for i in range(len(old)) if (path, i) not in rows]
+        loads = replace(design.drive.loads, **{name: tuple(old[i] for i in order)})
+        marks = followed(design.assumed, path, order)
+        design = replace(with_drive(design, loads=loads), assumed=marks)
+    return design
+
+
+def _left_out(present: Design, design: Design) -> Iterator[str]:
+    """Paths of the parts of a present design that another one does not have."""
+    before, after = present.drive.loads, design.drive.loads
+    for part in fields(before):
+        value = getattr(before, part.name)
+        if part.name in ROW_LISTS:
+            kept = getattr(after, part.name)
+            yield from (f"loads.{part.name}[{i}]" for i, row in enumerate(value) if row not in kept)
+        elif value != part.default and value and not (part.name in GRAVITY or getattr(after, part.name, None) == value):
+            yield f"loads.{part.name}"
+    for name in ("cam", "servo", "valve"):
+        if getattr(present.drive, name) is not None and getattr(design.drive, name) is None:
+            yield name
+    yield from (name for name in OF_MECHANISM if getattr(present, name))
