@@ -139,7 +139,7 @@ def _write_one(
     if arguments.other_driver:
         answer = driven_by_other_link(answer, task)
     if arguments.design is None:
-        save(taken_over(answer).design, arguments.into)
+        save(answer.candidate.design, arguments.into)
         return answer, []
     machine = load(arguments.design)
     number = number_of(machine, arguments.drive)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import cmath
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import pi
+from math import pi, radians
 
 import numpy as np
 
@@ -52,6 +52,18 @@ class Dyad:
     fixed: complex
     moving: complex
     line: float = 0.0
+
+    def moving_at(self, pose: BodyPose) -> complex:
+        """The moving pivot [mm] at a pose; of a turning guide the point of its line."""
+        return pose.z + self.moving * cmath.rect(1.0, radians(pose.angle_deg))
+
+    def line_at(self, pose: BodyPose) -> tuple[complex, float] | None:
+        """A point [mm] and the direction [rad] of the line of a guide or a turning guide at a pose; None for a pin."""
+        if self.kind == PIN:
+            return None
+        if self.kind == GUIDE:
+            return self.fixed, self.line
+        return self.moving_at(pose), self.line + radians(pose.angle_deg)
 
 
 @frozen(eq=False)

@@ -13,6 +13,7 @@ from math import degrees
 import numpy as np
 
 from core.design import (
+    CRANK,
     ELEMENT_LISTS,
     MOTION,
     Design,
@@ -20,6 +21,9 @@ from core.design import (
     Linkage,
     LinkageLoads,
     Motion,
+    NamedCurve,
+    Segment,
+    all_paths,
     faults,
     only,
     with_drive,
@@ -35,6 +39,7 @@ from core.frozen import frozen
 from core.laws import find_law
 from core.mechanism.drawing_references import pruned
 from core.mechanism.driver_ranges import TURN
+from core.mechanism.drivers import LAW, SPANS
 from core.motion import program
 from core.motion.extremes import find_extremes
 from core.motion.tables import lobe_to_segments, tabled
@@ -64,16 +69,20 @@ class Takeover:
     left_out: tuple[str, ...] = ()
 
 
-def taken_over(answer: Answer, present: Design | None = None) -> Takeover:
-    """The linkage with its crank at constant speed, that of a present design of one drive, whose loads are kept where they fit.
+def taken_over(answer: Answer, present: Design) -> Takeover:
+    """The linkage at the speed of a present design of one drive, with its shaft, and its loads where they fit.
 
-    Where these contain no masses, the links are steel bars, which are marked as assumed.
+    A driver that turns fully is a crank at constant speed; any other one follows a motion from the task's first position to its last one
+    and back, which is assumed. Where the loads contain no masses, the links are steel bars, assumed too.
     """
     design = answer.candidate.design
-    if present is None:
-        return Takeover(design)
-    drive = Drive(None, design.drive.linkage, None, _linkage_loads(present))
-    return _fitted(drive, design.name, present)
+    motion = None if answer.turns_fully else _assumed_motion(answer)
+    drive = _driven(Drive(None, design.drive.linkage, None, _linkage_loads(present)), motion)
+    takeover = _fitted(drive, design.name, present)
+    if motion is None:
+        return takeover
+    marks = [path for path in all_paths(takeover.design) if path.startswith("motion.") and "advance" not in path]
+    return replace(takeover, design=replace(takeover.design, assumed=(*marks, *takeover.design.assumed)))
 
 
 def under_motion(answer: Answer, task: Task, present: Design) -> Takeover:
@@ -93,17 +102,15 @@ def under_motion(answer: Answer, task: Task, present: Design) -> Takeover:
     if motion.lobe is not None:
         motion = require_motion(lobe_to_segments(present))
     drive = present.drive
-    linkage = answer.candidate.linkage
-    moved = replace(linkage, driver=replace(linkage.driver, kind=MOTION))
     driven = replace(
         drive,
-        motion=_of_driver(replace(motion.typed, follows=None), answer, task),
-        mechanism=moved,
+        mechanism=answer.candidate.linkage,
         cam=drive.cam if drive.links else None,
         loads=_linkage_loads(present),
         servo=drive.servo if motion.unit == "deg" else None,
         valve=None,
     )
+    driven = _driven(driven, _of_driver(replace(motion.typed, follows=None), answer, task))
     return _fitted(driven, present.name, present)
 
 
@@ -158,29 +165,56 @@ def _of_driver(motion: Motion, answer: Answer, task: Task) -> Motion:
     if not np.isfinite(at).all():
         problem = "the driver of this linkage cannot pass all positions of the task in one range"
         raise DesignError([Fault("linkage", MISSING, problem, "a linkage without a defect")])
-    low, high = float(at.min()), float(at.max())
-    home, far = (low, high) if at[0] - low <= high - at[0] else (high, low)
+    home, far = _ends_of_driver(at)
     if motion.gain:
         if not answer.turns_fully:
-            problem = "the motion advances, and the driver of this linkage cannot turn fully"
-            raise DesignError(
-                [Fault("motion.advance", motion.gain, problem, "a motion that returns, or another linkage")]
+            problem, allowed = (
+                "the driver of this linkage cannot turn fully",
+                "a motion that returns, or another linkage",
             )
-        level, extent = motion.first, abs(motion.gain)
+            raise DesignError([Fault("motion.advance", motion.gain, problem, allowed)])
         far = home + float(np.copysign(TURN, far - home))
-    elif _needs_turn(task):
+        return _scaled(motion, (motion.first, motion.first + abs(motion.gain)), (home, far), answer)
+    if _needs_turn(task):
         problem = "the motion returns, and this task needs full turns of the driver"
         raise DesignError([Fault("motion", MISSING, problem, "a motion with an advance, or a crank at constant speed")])
-    else:
-        level, highest = _ends(motion)
-        extent = highest - level
-        if extent <= 0.0:
-            raise DesignError([Fault("motion", MISSING, "the motion does not move", "a segment with a rise")])
-    factor = degrees(far - home) / extent
+    levels = _levels(motion)
+    if levels[0] == levels[1]:
+        raise DesignError([Fault("motion", MISSING, "the motion does not move", "a segment with a rise")])
+    return _scaled(motion, levels, (home, far), answer)
+
+
+def _assumed_motion(answer: Answer) -> Motion | None:
+    """Dwell, rise, dwell, return of the driver over the positions of the task that are in its range; None where this is one position."""
+    at = driver_path(answer)
+    home, far = _ends_of_driver(at[np.isfinite(at)])
+    if home == far:
+        return None
+    curves = (("dwell", 0.0), (LAW, 1.0), ("dwell", 0.0), (LAW, -1.0))
+    rows = zip(SPANS, curves, strict=True)
+    motion = Motion(0.0, tuple(Segment(span, rise, NamedCurve(law)) for span, (law, rise) in rows), "deg")
+    return _scaled(motion, (0.0, 1.0), (home, far), answer)
+
+
+def _driven(drive: Drive, motion: Motion | None) -> Drive:
+    """The drive with a motion of its driver; without one, with a crank."""
+    driver = replace(drive.linkage.driver, kind=CRANK if motion is None else MOTION)
+    return replace(drive, motion=motion, mechanism=replace(drive.linkage, driver=driver))
+
+
+def _ends_of_driver(at: np.ndarray) -> tuple[float, float]:
+    """Ends [rad] of the driver's range over positions (n,) [rad], first the one next to the first position."""
+    low, high = float(at.min()), float(at.max())
+    return (low, high) if at[0] - low <= high - at[0] else (high, low)
+
+
+def _scaled(motion: Motion, levels: tuple[float, float], ends: tuple[float, float], answer: Answer) -> Motion:
+    """The motion in degrees, with its levels [mm or deg] at the ends of the driver's range [rad]."""
+    factor = degrees(ends[1] - ends[0]) / (levels[1] - levels[0])
     if factor < 0.0:
         motion = _with_reversible_laws(motion)
     scaled = with_levels(motion, lambda value: value * factor + 0.0)  # no minus zero
-    start = _near_drawing(degrees(home), answer.candidate.linkage) + factor * (motion.start - level)
+    start = _near_drawing(degrees(ends[0]), answer.candidate.linkage) + factor * (motion.start - levels[0])
     return replace(scaled, start=start, unit="deg")
 
 
@@ -205,7 +239,7 @@ def _near_drawing(angle: float, linkage: Linkage) -> float:
     return angle if drawn is None else angle + 360.0 * round((drawn - angle) / 360.0)
 
 
-def _ends(motion: Motion) -> tuple[float, float]:
+def _levels(motion: Motion) -> tuple[float, float]:
     """Lowest and highest position of a motion, in its unit."""
     compiled = program(motion)
     y = find_extremes(lambda angles: {"y": compiled.state(angles).displacement[0]}, compiled)["y"]

@@ -124,13 +124,13 @@ def test_loads_speed_and_marks_of_the_present_design_stay_where_they_fit(answers
     assert loads.masses == present.drive.loads.masses
     assert loads.forces == present.drive.loads.forces[1:]
     assert loads.gravity_m_s2 == 1.62
-    assert design.assumed == ("loads.masses[0].mass_kg",)
+    assert [mark for mark in design.assumed if not mark.startswith("motion.")] == ["loads.masses[0].mass_kg"]
     assert design.drive.linkage.driver.speed_rpm == -90.0
     assert design.drive.linkage.links == answers[0].candidate.linkage.links
 
 
 def test_without_masses_the_links_are_steel_bars_and_assumed(answers: tuple[Answer, ...], tmp_path: Path) -> None:
-    design = taken_over(answers[0]).design
+    design = taken_over(answers[0], load(EXAMPLES / "transfer_lift.toml")).design
     crank = design.drive.linkage.by_number[2].places
     length = abs(crank["A"] - crank["O2"])
     row = next(row for row in design.drive.loads.masses if row.link == 2)
@@ -142,10 +142,31 @@ def test_without_masses_the_links_are_steel_bars_and_assumed(answers: tuple[Answ
     ]
     save(design, tmp_path / "design.toml")
     assert load(tmp_path / "design.toml") == design
-    assert main(["export", str(tmp_path / "design.toml"), "--out", str(tmp_path / "out"), "--samples", "36"]) == 0
+
+
+def test_a_driver_that_cannot_turn_fully_runs_loaded_between_the_first_pose_and_the_last(
+    answers: tuple[Answer, ...], tmp_path: Path
+) -> None:
+    assert not answers[0].turns_fully
+    save_task(TASK, tmp_path / "task.toml")
+    file, present = tmp_path / "design.toml", EXAMPLES / "four_bar.toml"
+    assert main(["synthesise", str(tmp_path / "task.toml"), "--into", str(file), "--design", str(present)]) == 0
+    design = load(file)
+    assert design == taken_over(answers[0], load(present)).design
+    assert "motion.segments[1].rise_deg" in design.assumed
+    rows = passed(file, tmp_path / "out")
+    assert distance(rows, POSES[0])[0] < 1e-8  # at rest during the first dwell
+    assert distance(rows, POSES[2])[2 * 190] < 1e-8  # and during the second
+    assert main(["export", str(file), "--out", str(tmp_path / "out"), "--samples", "360"]) == 0
     with (tmp_path / "out" / "dynamics.csv").open() as lines:
-        torque = [float(line["driver_torque_nm"]) for line in csv.DictReader(lines)]
-    assert max(map(abs, torque)) > 0.01
+        torque = np.array([float(line["driver_torque_nm"]) for line in csv.DictReader(lines)])
+    assert 0.01 < np.abs(torque).max() < 10.0
+
+
+def test_a_driver_that_turns_fully_is_a_crank() -> None:
+    design = taken_over(synthesise(SWING).answers[0], load(EXAMPLES / "transfer_lift.toml")).design
+    assert design.drive.motion is None
+    assert design.drive.by_crank
 
 
 def test_a_drive_of_a_shaft_is_replaced_and_the_others_stay(answers: tuple[Answer, ...]) -> None:
