@@ -290,7 +290,7 @@ def _direction(z: complex) -> float:
 # -- sweeps of missing conditions -------------------------------------------------------------------------------
 
 
-LINES, GRID, COARSE_GRID, COARSE_LINES = 48, 16, 10, 7
+LINES, AREA_LINES, GRID, COARSE_GRID, COARSE_LINES = 48, 30, 16, 10, 7
 
 
 def sweeps(poses: int, pivots: Sequence[Pivot], area: Area, reach: float) -> tuple[tuple[Pivot, ...], ...]:
@@ -320,7 +320,7 @@ def sweeps(poses: int, pivots: Sequence[Pivot], area: Area, reach: float) -> tup
         return (pivots,)
     if missing == 1:
         if fixed is None:
-            return tuple((*pivots, row) for row in _area_lines(area, LINES))
+            return tuple((*pivots, row) for row in _area_lines(area, AREA_LINES))
         if moving is None:
             return tuple((*pivots, row) for row in _moving_lines(reach, LINES))
         if fixed.line:  # both pivots have a line: the fixed one is swept along its own
@@ -341,7 +341,10 @@ def _spread(low: float, high: float, n: int) -> np.ndarray:
 
 
 def _area_lines(area: Area, n: int) -> list[Pivot]:
-    return [Pivot(of=FIXED, line=(float(x), 0.0, 90.0)) for x in _spread(area.low_x_mm, area.high_x_mm, n)]
+    """Lines upright and across: a curve that is steep for the ones is flat for the others."""
+    upright = [(float(x), 0.0, 90.0) for x in _spread(area.low_x_mm, area.high_x_mm, n)]
+    across = [(0.0, float(y), 0.0) for y in _spread(area.low_y_mm, area.high_y_mm, n)]
+    return [Pivot(of=FIXED, line=line) for line in (*upright, *across)]
 
 
 def _area_points(area: Area, n: int) -> list[Pivot]:

@@ -13,7 +13,7 @@ from core.__main__ import main
 from core.errors import DesignError
 from core.project import load
 from core.study import Study
-from core.synthesis import BodyPose, Dyad, Pivot, Task, synthesise, task_of
+from core.synthesis import Area, BodyPose, Dyad, Pivot, Task, synthesise, task_of
 from core.synthesis.poses import pose_dyads
 
 PIN, GUIDE, TURNING = "pin", "guide", "turning-guide"
@@ -346,3 +346,15 @@ def test_poses_without_dyads_name_the_change_that_gives_some(
     message = capsys.readouterr().err
     assert "poses: have no two dyads; allowed: poses[" in message
     assert len(message.splitlines()) == 1
+
+
+def test_the_curve_of_dyads_through_four_poses_is_swept_in_both_directions() -> None:
+    """Exchanging x and y of all poses and turning the other way round mirrors the dyads; a sweep along x alone would not."""
+    poses = ((0.0, 0.0, 0.0), (60.0, 20.0, 30.0), (110.0, 10.0, 60.0), (140.0, -20.0, 80.0))
+    area = Area(-300.0, -300.0, 300.0, 300.0)
+    there = Task(kind="poses", poses=tuple(BodyPose(*pose) for pose in poses), area=area)
+    mirrored = Task(kind="poses", poses=tuple(BodyPose(y, x, 90.0 - a) for x, y, a in poses), area=area)
+    fixed, swapped = (sorted((d.fixed for d in pose_dyads(task).all), key=abs) for task in (there, mirrored))
+    assert len(fixed) == len(swapped) > 60
+    for z in fixed:
+        assert min(abs(complex(z.imag, z.real) - other) for other in swapped) < 1e-5
