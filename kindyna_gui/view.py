@@ -6,13 +6,13 @@ view itself fails it shows the fault.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
 from PySide6.QtCore import QElapsedTimer, QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction, QHideEvent, QShowEvent
+from PySide6.QtGui import QAction, QHideEvent, QPainter, QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
     QLabel,
@@ -150,6 +150,41 @@ class ReasonPage(QScrollArea):
             self._add(suggestion.text, partial(host.do, suggestion.entry))
 
 
+# -- a sheet over the drawing ----------------------------------------------------------------------------
+
+
+class DrawingSheet(Protocol):
+    """What is drawn with the mouse over the drawing of the mechanism, which is faint below it and leaves the mouse to it."""
+
+    def start(self, canvas: Any) -> None:
+        """Take the mouse and the keys of the canvas of the drawing."""
+
+    def stop(self) -> None:
+        """Give them back."""
+
+    def leave(self) -> None:
+        """Ask to be removed: the drawing is needed for something else."""
+
+    def fit(self) -> None:
+        """Zoom to all that is drawn."""
+
+    def paint(self, painter: QPainter) -> None:
+        """Paint over the drawing, in pixels."""
+
+
+class Drawing(Protocol):
+    """The drawing of the mechanism, which a sheet can cover."""
+
+    def cover(self, sheet: DrawingSheet, above: QWidget, below: QWidget) -> None:
+        """Lay a sheet over the drawing, with a bar above it and a strip below, until it is uncovered."""
+
+    def uncover(self, sheet: DrawingSheet) -> None:
+        """Remove this sheet from the drawing."""
+
+    def joints(self) -> Mapping[str, complex]:
+        """Names of the joints, and their present positions [mm]."""
+
+
 # -- what a view requires of its window ------------------------------------------------------------------
 
 
@@ -179,6 +214,12 @@ class ViewHost(Protocol):
 
     def focus_field(self, path: str) -> None:
         """Show the field of a path, or of a section, and give it the focus."""
+
+    def drawing(self, in_front: bool = False) -> Drawing:
+        """Return the drawing of the mechanism, and bring it to the front."""
+
+    def close_view(self, name: str) -> None:
+        """Close the dock of a view."""
 
     def show_fields(self, section: str) -> None:
         """Show the page of a section if the parameters are in sight; the focus does not change."""

@@ -268,6 +268,7 @@ class MechanismMouseView(View):
     ) -> None:
         """Let the user pick attachments on the current drive, with the cam at rest; see ``Picker.start``."""
         self.player.play(False)
+        self.leave_sheet()
         self.show_drive_alone()
         self.pull()
         self.picker.start(what, ends, accept, is_optional, other_ends)
@@ -275,6 +276,9 @@ class MechanismMouseView(View):
 
     def show_drive_alone(self) -> None:
         """Draw only the current drive."""
+
+    def leave_sheet(self) -> None:
+        """Let the sheet over the drawing be removed."""
 
     def _click(self, at: complex) -> None:
         """Pick an attachment, else open the row of the loads or the field at a position."""

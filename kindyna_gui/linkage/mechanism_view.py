@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Signal
 from PySide6.QtGui import QAction, QActionGroup, QColor, QPainter
-from PySide6.QtWidgets import QStackedWidget, QVBoxLayout
+from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
 
 from core.design import turns_on
 from core.design.fields import in_sentence
@@ -42,7 +42,7 @@ from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.requirements import ONLY_LINKAGES, why_no_forces, why_no_pressure
-from kindyna_gui.view import ViewHost
+from kindyna_gui.view import DrawingSheet, ViewHost
 
 if TYPE_CHECKING:  # imported when first used
     from kindyna_gui.linkage.drawing_mode import DrawingMode
@@ -70,6 +70,8 @@ class MechanismView(MechanismMouseView):
         self._drawing: DrawingMode | None = None
         self._paths: PointPaths | None = None
         self._underlay: UnderlayDesk | None = None
+        self._sheet: DrawingSheet | None = None
+        self._is_blank = False  # below the sheet: the mechanism has no position
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
         self._arrangement = ONE
@@ -187,10 +189,71 @@ class MechanismView(MechanismMouseView):
             self.status_message.emit(ONLY_LINKAGES)
             return False
         else:
+            self.leave_sheet()
             self.show_drive_alone()
             self.picker.end("drawing has started")
             self.drawing.start(tool)
         return True
+
+    # -- a sheet over the drawing -------------------------------------------------------------------------
+
+    def cover(self, sheet: DrawingSheet, above: QWidget, below: QWidget) -> None:
+        """Lay a sheet over the drawing, which is faint and at rest below it; with a bar above it and a strip below."""
+        self.leave_sheet()
+        self.draw(False)
+        self.picker.end("a sheet has been laid over the drawing")
+        self.player.play(False)
+        self.show_drive_alone()
+        column = self.content.layout()
+        assert isinstance(column, QVBoxLayout)
+        if column.indexOf(above) < 0:
+            column.insertWidget(0, above)
+            column.addWidget(below)
+        self._sheet, self._sheet_parts = sheet, (above, below)
+        for part in self._sheet_parts:
+            part.show()
+        sheet.start(self.canvas)
+        self.invalidate()
+        self.pull()
+
+    def uncover(self, sheet: DrawingSheet) -> None:
+        """Remove a sheet; the running machine is shown again."""
+        if sheet is not self._sheet:
+            return
+        sheet.stop()
+        for part in self._sheet_parts:
+            part.hide()
+        self._sheet, self._needs_fit = None, True
+        self.invalidate()
+        self.pull()
+
+    def leave_sheet(self) -> None:
+        """Let the sheet over the drawing be removed: the drawing is needed for something else."""
+        if self._sheet is not None:
+            self._sheet.leave()
+
+    def _draw_behind(self, study: Study) -> None:
+        """Draw the mechanism below the sheet; where it has no position there is nothing."""
+        self._is_blank = False
+        try:
+            self._draw(study)
+        except KindynaError:
+            self._is_blank = True
+        self.canvas.viewport().update()
+
+    def joints(self) -> dict[str, complex]:
+        """Names of the joints of the mechanism as drawn, and their present positions [mm]."""
+        geometry = self.scene.geometry
+        if geometry is None or self._is_blank:
+            return {}
+        return {joint.name: complex(joint.track[self.scene.index]) for joint in geometry.joints}
+
+    def _paint_sheet(self, painter: QPainter, sheet: DrawingSheet) -> None:
+        veil = QColor(SCREEN.paper)
+        veil.setAlpha(255 if self._is_blank else VEIL)
+        painter.fillRect(self.canvas.viewport().rect(), veil)
+        self.canvas.paint_under(painter)
+        sheet.paint(painter)
 
     def _switch_drawing(self, on: bool) -> None:
         self._needs_fit = self._needs_fit or not on
@@ -200,7 +263,7 @@ class MechanismView(MechanismMouseView):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Stages that are drawn; forces and the twist of the shaft are computed only if their layers are shown."""
-        if self.shows_layout:
+        if self.shows_layout or self._sheet is not None:
             return ()
         forces = ("dynamics",) if any(self._layer_states[name] for name in FORCE_LAYERS) else ()
         return ("linkage", "cam", *forces, *(("stability",) if self._layer_states[TWIST] else ()))
@@ -275,7 +338,9 @@ class MechanismView(MechanismMouseView):
             self._show_all()
             return
         self._pages.setCurrentWidget(self.canvas)
-        if self.shows_layout:
+        if self._sheet is not None:
+            self._draw_behind(study)
+        elif self.shows_layout:
             self._show_layout()
         else:
             self._draw(study)
@@ -372,6 +437,8 @@ class MechanismView(MechanismMouseView):
                 self._show_all()
             self.assembly.set_machine(self.player.machine)
             return
+        if self._sheet is not None and self._is_blank:
+            return
         if self.shows_layout:
             self.drawing.refresh()
             return
@@ -384,6 +451,9 @@ class MechanismView(MechanismMouseView):
         QCoreApplication.sendPostedEvents(self.scene, QEvent.Type.MetaCall)
 
     def fit(self) -> None:
+        if self._sheet is not None and not self.draws_all:
+            self._sheet.fit()
+            return
         if self.shows_layout and not self.draws_all:
             self.drawing.fit()
             return
@@ -419,6 +489,9 @@ class MechanismView(MechanismMouseView):
             painter.fillRect(self.rect(), veil)
 
     def _paint_over(self, painter: QPainter) -> None:
+        if self._sheet is not None:
+            self._paint_sheet(painter, self._sheet)
+            return
         if self.shows_layout:
             self.drawing.paint(painter)
             return

@@ -8,11 +8,12 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
-from PySide6.QtCore import QObject, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QFont, QIcon, QKeyEvent, QPixmap
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QFont, QIcon, QImage, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
+    QLayout,
     QListView,
     QListWidget,
     QListWidgetItem,
@@ -44,6 +45,7 @@ IMAGE = QSize(112, 72)  # pixels
 CARD_WIDTH, CARD_LINES = 304, 6
 UNSORTED = ""
 FOLDER = "boards"
+STEP_MS = 40  # between two images of a card that moves
 Values = Mapping[str, tuple[float, str]]
 """Name -> (value, text, which begins with the name)."""
 
@@ -103,16 +105,29 @@ def _cell_text(name: str, row: Values, current: Values) -> str:
 
 @frozen(eq=False)
 class Card:
-    """A design with name -> (value, text) of its varied numbers and its figures."""
+    """A design with name -> (value, text) of its varied numbers and its figures.
+
+    Attributes
+    ----------
+    picture : callable or None
+        Image of its mechanism by size in pixels, pixels of the device per pixel, and step of its motion; the mouse on the card
+        lets it move. None: an image at rest.
+    """
 
     design: Design
     values: Values
+    picture: Callable[[QSize, float, int], QImage] | None = None
 
 
 class _List(QListWidget):
     """Cards in a row; Delete removes the selected one."""
 
     delete_requested = Signal(QListWidgetItem)
+    mouse_left = Signal()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        self.mouse_left.emit()
+        super().leaveEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Delete and self.currentRow() >= 0:
@@ -170,8 +185,12 @@ class Board(QWidget):
         self._height = self.fontMetrics().lineSpacing()
         self.list.hide()
         self.sort.hide()
-        row = fill(QHBoxLayout(), self.keep, STRETCH, self.compare, self.sort, margins=0)
-        fill(QVBoxLayout(self), row, self.list, self.table, margins=0, spacing=2)
+        self._moving: tuple[QListWidgetItem, Card] | None = None  # card under the mouse
+        self._step = 0
+        self._clock = QTimer(self, interval=STEP_MS)
+        self.list.setMouseTracking(True)
+        self._row = fill(QHBoxLayout(), self.keep, STRETCH, self.compare, self.sort, margins=0)
+        fill(QVBoxLayout(self), self._row, self.list, self.table, margins=0, spacing=2)
         connect_all(
             (self.compare.toggled, self._switch),
             (self.table.cellDoubleClicked, self._open_row),
@@ -179,7 +198,16 @@ class Board(QWidget):
             (self.sort.activated, self._show),
             (self.list.itemActivated, self._open),
             (self.list.delete_requested, self._remove),
+            (self.list.itemEntered, self._move_card),
+            (self.list.viewportEntered, self._rest),
+            (self.list.mouse_left, self._rest),
+            (self._clock.timeout, self._turn),
         )
+
+    def set_header(self, first: QLayout, last: QWidget) -> None:
+        """Put more into the row above the cards, in front of the choices and behind them."""
+        self._row.insertLayout(0, first, 1)
+        self._row.addWidget(last)
 
     def add(self, card: Card) -> None:
         """Add a card."""
@@ -220,13 +248,13 @@ class Board(QWidget):
     def _show(self, *_: object) -> None:
         names = dict.fromkeys(name for card in self.cards for name in card.values)
         fill_choices(self.sort, {UNSORTED: self._unsorted, **{name: f"by {name}" for name in names}})
+        self._rest()
         self.list.clear()
         lines = 0
         for card in self.order:
-            image = thumbnail(card.design, IMAGE.width(), IMAGE.height(), self.devicePixelRatioF())
             texts = [text for _, text in card.values.values()]
             lines = max(lines, min(len(texts), CARD_LINES))
-            item = QListWidgetItem(QIcon(QPixmap.fromImage(image)), "\n".join(texts[:CARD_LINES]))
+            item = QListWidgetItem(self._icon(card), "\n".join(texts[:CARD_LINES]))
             item.setToolTip("\n".join(f"{name}: {text}" for name, (_, text) in card.values.items()))
             item.setData(Qt.ItemDataRole.UserRole, self.cards.index(card))
             self.list.addItem(item)
@@ -240,6 +268,30 @@ class Board(QWidget):
         self.compare.setVisible(bool(self.cards))
         self.sort.setVisible(len(self.cards) > 1)
         self.show_current(self._current)
+
+    def _icon(self, card: Card, step: int = 0) -> QIcon:
+        """Image of a card, at a step of its motion."""
+        ratio, paint = self.devicePixelRatioF(), card.picture
+        image = paint(IMAGE, ratio, step) if paint else thumbnail(card.design, IMAGE.width(), IMAGE.height(), ratio)
+        return QIcon(QPixmap.fromImage(image))
+
+    def _move_card(self, item: QListWidgetItem) -> None:
+        """Let the image of the card under the mouse move."""
+        self._rest()
+        card = self.cards[item.data(Qt.ItemDataRole.UserRole)]
+        if card.picture is not None:
+            self._moving, self._step = (item, card), 0
+            self._clock.start()
+
+    def _turn(self) -> None:
+        if self._moving is not None:
+            item, card = self._moving
+            self._step += 1
+            item.setIcon(self._icon(card, self._step))
+
+    def _rest(self) -> None:
+        self._moving = None
+        self._clock.stop()
 
     def _open(self, item: QListWidgetItem) -> None:
         self.reopened.emit(self.cards[item.data(Qt.ItemDataRole.UserRole)].design)

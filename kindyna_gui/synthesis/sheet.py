@@ -1,320 +1,582 @@
-"""Sheet on which a task is drawn: frames of a body that are pressed and turned, a path, and an answer that moves over it."""
+"""The sheet over the drawing on which a task is drawn: poses pressed and turned, pivots, lines, an area, a path; typed values."""
 
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping, Sequence
-from math import degrees, floor, log10, pi, radians
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from math import degrees
+from types import MappingProxyType
 
 import numpy as np
-from PySide6.QtCore import QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QMouseEvent, QPainter
+from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QMenu, QToolButton, QWidget
 
-from core.synthesis import BodyPose, PathPoint
+from core.frozen import frozen
+from core.synthesis import PathPoint, Task, TracedPath
+from core.synthesis.task import PATH, POSES
+from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.linkage.snapping import POINT, Snap, paint_grid, paint_snap, snap_to_points, snapped_angle
+from kindyna_gui.linkage.typed_values import Typed, TypedBoxes
+from kindyna_gui.look import described, text_button
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.pictures.units import typed
+from kindyna_gui.rebuilt import add_entry, fill
+from kindyna_gui.synthesis import task_parts
+from kindyna_gui.synthesis.sheet_painting import ARM, Positions, SheetPainter, paint_answer, paint_stroke
+from kindyna_gui.synthesis.task_parts import (
+    AREA,
+    LINE,
+    MOVE,
+    PARTS,
+    PIVOT,
+    POSE,
+    TURN,
+    Grip,
+    Part,
+    dragged,
+    grips,
+    new_part,
+    parts_of,
+    position,
+)
 
-ARM, REACH, TURNS = (
-    42.0,
-    11.0,
-    8.0,
-)  # pixels: length of a frame's arm, reach of the mouse, drag from which a frame turns
-FIRST_SCALE, LEAST_SCALE, MOST_SCALE = 2.5, 1e-3, 1e4  # pixels per mm
-GRID_PIXELS = 45.0  # least distance of two lines
-ZOOM = 1.2
+REACH = 10.0  # distance within which a grip is hit, pixels
+DRAG = 4.0  # distance from which on a press is a drag, pixels
 PATH_POINTS = 36
 """Points of a path drawn by hand, evenly spaced by length."""
 CLOSES = 0.12  # of the size: a path whose end is nearer to its start is closed
-MOST_POSES = 5
-LINKS = (("O2", "A"), ("A", "B"), ("B", "O4"))
+LEAST_MM = 20.0  # size of a region that is shown
+ROOM = 0.72  # of the canvas, for the task
+FIRST_KEYS = "0123456789.-+("  # characters that open the boxes of values
+STROKE, POINTS = "stroke", "points"
+
+# -- tools -------------------------------------------------------------------------------------------------------
 
 
-class TaskSheet(QWidget):
-    """Poses or a path, drawn with the mouse, and the points of an answer.
+@frozen
+class SheetTool:
+    """A tool of the sheet: its name, which is that of the part it adds; text, tip, and what to do with it."""
 
-    Press at an empty place and drag to put and turn a frame; drag its origin to move it, the end of its arm to turn it; Delete removes
-    the selected one. With Shift a press puts a fixed pivot, which can be dragged too. A path is drawn in one stroke. The wheel zooms,
-    the right or middle button moves the sheet. Signals:
-    ``poses_changed``, ``pivots_changed``, and ``path_changed`` with whether the path is closed.
-    """
+    name: str
+    text: str
+    tip: str
+    prompt: str
 
-    poses_changed = Signal()
-    pivots_changed = Signal()
-    path_changed = Signal(bool)
+
+TOOLS: Mapping[str, tuple[SheetTool, ...]] = MappingProxyType(
+    {
+        POSES: (
+            SheetTool(POSE, "Pose", "Press to put a frame of the body, drag to turn it",
+                      "Press and drag: puts a frame of the body and turns it, two to five of them"),
+            SheetTool(PIVOT, "Pivot", "Press where a pivot of the linkage is fixed; Shift and a press do this with any tool",
+                      "Press: puts a fixed pivot"),
+            SheetTool(LINE, "Line", "Drag a line on which a pivot lies", "Press and drag: a line on which a pivot lies"),
+            SheetTool(AREA, "Area", "Drag a rectangle in which the fixed pivots lie", "Press and drag: the area of the fixed pivots"),
+        ),
+        PATH: (
+            SheetTool(STROKE, "By hand", "Draw a path in one stroke; near its start it closes",
+                      "Draw the path in one stroke; near its start it closes"),
+            SheetTool(POINTS, "Points", "Click the points of a path; a double click or Enter ends it, Backspace removes the last",
+                      "Click the points of the path; Enter or a double click ends it, a click on the first point closes it"),
+        ),
+    }
+)  # fmt: skip
+"""Kind of task -> its tools; others are not drawn."""
+NOT_DRAWN = "This task is typed on the left or right; its linkages move here"
+
+
+class SheetBar(QWidget):
+    """The tools of the sheet, and what to do with the current one. Signal: ``chosen`` with the name of a tool."""
+
+    chosen = Signal(str)
 
     def __init__(self) -> None:
         super().__init__()
-        self.setAccessibleName("Sheet of the task")
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setCursor(Qt.CursorShape.CrossCursor)
-        self.poses: list[BodyPose] = []
-        self.pivots: list[complex | None] = [None, None]
-        self.points: list[PathPoint] = []
-        self.draws_path = self.is_passive = False
-        self.closed = False
-        self.chosen = -1
-        self.hint = ""
-        self._scale, self._middle = FIRST_SCALE, 0j  # pixels per mm; the place in the centre [mm]
-        self._drag: str = ""
-        self._pivot = -1
+        self.buttons: dict[str, QToolButton] = {}
+        self._group = QButtonGroup(self)
+        row = fill(QHBoxLayout(self), margins=(4, 1, 4, 1), spacing=2)
+        for tools in TOOLS.values():
+            for tool in tools:
+                button = described(text_button(tool.text, checks=True, flat=True), name=tool.text, tip=tool.tip)
+                button.clicked.connect(partial(lambda name, *_: self.chosen.emit(name), tool.name))
+                self._group.addButton(button)
+                self.buttons[tool.name] = button
+                row.addWidget(button)
+        self.prompt = QLabel()
+        self.prompt.setMinimumWidth(1)
+        row.addWidget(self.prompt, 1)
+
+    def show_kind(self, kind: str) -> None:
+        """Show the tools of a kind of task."""
+        names = {tool.name for tool in TOOLS.get(kind, ())}
+        for name, button in self.buttons.items():
+            button.setVisible(name in names)
+
+    def show_tool(self, tool: SheetTool | None) -> None:
+        """Show which tool is chosen; None: there is none."""
+        if tool is not None:
+            self.buttons[tool.name].setChecked(True)
+        self.prompt.setText(tool.prompt if tool is not None else NOT_DRAWN)
+        self.prompt.setToolTip(self.prompt.text())
+
+
+# -- the sheet ---------------------------------------------------------------------------------------------------
+
+
+class TaskSheet(QObject):
+    """A task drawn with the mouse over the drawing of the mechanism, and the points of an answer.
+
+    A press on a part drags it, at the end of its arm turns it; a press elsewhere uses the tool. Ctrl leaves grid, points and
+    angles. A digit opens the boxes of the selected part, or of a new one. Delete removes the selected part, Esc takes a drag back.
+
+    Attributes
+    ----------
+    task : Task
+    selected : Part or None
+    marks : callable
+        Names and positions [mm] of other points to which the mouse snaps.
+
+    Signals: ``changed`` (Task) when the user has edited it, ``released`` after a drag, ``left`` when Esc has nothing else to end.
+    """
+
+    changed = Signal(object)
+    released = Signal()
+    left = Signal()
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.task = Task(kind=POSES)
+        self.selected: Part | None = None
+        self.bar = SheetBar()
+        self.bar.chosen.connect(self.choose_tool)
+        self.marks: Callable[[], Mapping[str, complex]] = dict
+        self.tool: SheetTool | None = TOOLS[POSES][0]
+        self.canvas: Canvas | None = None
+        self._boxes: TypedBoxes | None = None
+        self._grip: Grip | None = None
+        self._before: Task | None = None  # at the press
         self._pressed = QPointF()
+        self._offset = 0j  # from the mouse to the grip [mm]
+        self._is_far = False  # whether the mouse has been dragged
         self._stroke: list[complex] = []
-        self._answer: Mapping[str, np.ndarray] = {}
+        self._adds_points = False
+        self._snap: Snap | None = None
+        self._mouse = QPointF()
+        self._answer: Positions = {}
         self._step = 0
+        self._show_tool()
 
-    def sizeHint(self) -> QSize:
-        return QSize(560, 380)
+    # -- on the canvas ------------------------------------------------------------------------------------
 
-    def minimumSizeHint(self) -> QSize:
-        return QSize(320, 220)
+    def start(self, canvas: Canvas) -> None:
+        """Take the mouse and the keys of a canvas."""
+        if self.canvas is not canvas:
+            self.canvas = canvas
+            self._boxes = TypedBoxes(canvas.viewport(), canvas)
+        canvas.viewport().installEventFilter(self)
+        canvas.installEventFilter(self)
+        canvas.setCursor(Qt.CursorShape.CrossCursor)
+
+    def stop(self) -> None:
+        """Give mouse and keys back."""
+        if self.canvas is None or self._boxes is None:
+            return
+        self._boxes.close_all()
+        self._end_drag()
+        self.canvas.viewport().removeEventFilter(self)
+        self.canvas.removeEventFilter(self)
+        self.canvas.setCursor(Qt.CursorShape.ArrowCursor)
+
+    def leave(self) -> None:
+        """Ask to be removed: the drawing is needed for something else."""
+        self.left.emit()
+
+    def _update(self) -> None:
+        if self.canvas is not None:
+            self.canvas.viewport().update()
+
+    @property
+    def is_dragging(self) -> bool:
+        """Whether the mouse is dragging a part."""
+        return self._grip is not None or bool(self._stroke)
 
     # -- contents -----------------------------------------------------------------------------------------
 
-    def show_task(self, poses: Sequence[BodyPose], points: Sequence[PathPoint], closed: bool) -> None:
-        """Show the frames and the path of a task."""
-        self.poses, self.points, self.closed = list(poses), list(points), closed
-        self.chosen = min(self.chosen, len(self.poses) - 1)
-        self.update()
+    def show_task(self, task: Task) -> None:
+        """Show a task."""
+        is_other_kind = task.kind != self.task.kind
+        self.task = task
+        if self.selected not in tuple(parts_of(task)):
+            self.selected = None
+        if is_other_kind:
+            self._adds_points = False
+            self.tool = next(iter(TOOLS.get(task.kind, ())), None)
+            self._show_tool()
+        self._update()
 
-    def show_answer(self, positions: Mapping[str, np.ndarray]) -> None:
+    def choose_tool(self, name: str) -> None:
+        """Change to a tool of the present kind of task."""
+        self.tool = next((tool for tool in TOOLS.get(self.task.kind, ()) if tool.name == name), None)
+        self._adds_points, self.selected = False, None
+        self._show_tool()
+        self._update()
+
+    def _show_tool(self) -> None:
+        self.bar.show_kind(self.task.kind)
+        self.bar.show_tool(self.tool)
+
+    def show_answer(self, positions: Positions) -> None:
         """Show the points (n,) [mm] of an answer, as of ``joint_positions``; none where the mapping is empty."""
         self._answer = positions
-        self.update()
+        self._update()
 
     def show_step(self, step: int) -> None:
         """Show the answer at another of its positions."""
         self._step = step
         if self._answer:
-            self.update()
+            self._update()
 
     def fit(self) -> None:
         """Show the full task, and the answer."""
-        z = (
-            [pose.z for pose in self.poses]
-            + [pivot for pivot in self.pivots if pivot is not None and not self.draws_path]
-            + [complex(p.x_mm, p.y_mm) for p in self.points]
-        )
-        z += [complex(p) for positions in self._answer.values() for p in positions[:: max(1, positions.size // 24)]]
-        if not z:
+        if self.canvas is None:
             return
+        z = [position(self.task, part) for part in parts_of(self.task)]
+        if self.task.kind == POSES and self.task.area is not None:
+            z += task_parts.corners(self.task.area).values()
+        z += [complex(p) for positions in self._answer.values() for p in positions[:: max(1, positions.size // 24)]]
+        z = z or [*self.marks().values()] or [0j]
         x, y = [p.real for p in z], [p.imag for p in z]
-        wide, high = max(max(x) - min(x), 20.0), max(max(y) - min(y), 20.0)
-        self._middle = complex(0.5 * (max(x) + min(x)), 0.5 * (max(y) + min(y)))
-        room = 2.0 * ARM
-        self._scale = max(LEAST_SCALE, min((self.width() - room) / wide, (self.height() - room) / high))
-        self.update()
+        wide, high = max(max(x) - min(x), LEAST_MM), max(max(y) - min(y), LEAST_MM)
+        viewport = self.canvas.viewport()
+        scale = ROOM * min(viewport.width() / wide, viewport.height() / high)
+        self.canvas.show_region(QPointF(0.5 * (max(x) + min(x)), 0.5 * (max(y) + min(y))), max(scale, 1e-3))
+        self.canvas.fitted = False
 
     # -- places -------------------------------------------------------------------------------------------
 
-    def at(self, z: complex) -> QPointF:
-        """Pixel of a point [mm]."""
-        d = (z - self._middle) * self._scale
-        return QPointF(0.5 * self.width() + d.real, 0.5 * self.height() - d.imag)
+    def pixel(self, z: complex) -> QPointF:
+        """Pixel of a position [mm]."""
+        assert self.canvas is not None
+        return self.canvas.pixel_at(z)
 
-    def place(self, point: QPointF) -> complex:
-        """Point [mm] of a pixel."""
-        d = complex(point.x() - 0.5 * self.width(), 0.5 * self.height() - point.y())
-        return self._middle + d / self._scale
+    def grip_at(self, point: QPointF) -> Grip | None:
+        """What is under the mouse and can be dragged; an area also at its border."""
+        canvas = self.canvas
+        assert canvas is not None
+        scale, at = canvas.scale_now, canvas.position_at(point)
+        near = [(abs(grip.at - at) * scale, i, grip) for i, grip in enumerate(grips(self.task, ARM / scale))]
+        distance, _, grip = min(near, default=(REACH + 1.0, 0, None))
+        if distance <= REACH:
+            return grip
+        area = self.task.area if self.task.kind == POSES else None
+        if area is not None:
+            x = at.real - area.low_x_mm, area.high_x_mm - at.real
+            y = at.imag - area.low_y_mm, area.high_y_mm - at.imag
+            if min(*x, *y) * scale >= -0.5 * REACH and min(map(abs, (*x, *y))) * scale <= 0.5 * REACH:
+                return Grip(Part(AREA), MOVE, at)
+        return None
 
-    def grid(self) -> float:
-        """Distance of the grid's lines [mm]: 1, 2 or 5 times a power of ten."""
-        least = GRID_PIXELS / self._scale
-        power = 10.0 ** floor(log10(least))
-        return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least)
+    def _snap_at(self, point: QPointF, free: bool, start: complex | None = None) -> Snap:
+        """Snap of the mouse to other parts, to the joints of the mechanism, to the underlay, and to the grid."""
+        canvas = self.canvas
+        assert canvas is not None
+        own = None if self._grip is None else self._grip.part
+        points = {
+            f"{part.kind} {part.index + 1}": position(self.task, part)
+            for part in parts_of(self.task)
+            if part != own and part.kind != AREA
+        }
+        at = canvas.position_at(point) + self._offset
+        return snap_to_points({**self.marks(), **points}, at, canvas.scale_now, start, free, canvas.marks)
 
-    def snapped(self, z: complex) -> complex:
-        """The nearest fifth of the grid [mm]."""
-        step = 0.2 * self.grid()
-        return complex(round(round(z.real / step) * step, 9), round(round(z.imag / step) * step, 9))
+    # -- mouse --------------------------------------------------------------------------------------------
 
-    def arm_end(self, pose: BodyPose) -> QPointF:
-        """Pixel of the end of a frame's x axis."""
-        at, turn = self.at(pose.z), cmath.rect(ARM, radians(pose.angle_deg))
-        return QPointF(at.x() + turn.real, at.y() - turn.imag)
-
-    def _hit(self, point: QPointF) -> tuple[str, int]:
-        """What is under the mouse: ``turn`` or ``move`` with the number of a frame, ``pivot`` with that of a pivot, or nothing."""
-        places = [("turn", i, self.arm_end(pose)) for i, pose in enumerate(self.poses)]
-        places += [("move", i, self.at(pose.z)) for i, pose in enumerate(self.poses)]
-        places += [("pivot", i, self.at(z)) for i, z in enumerate(self.pivots) if z is not None]
-        for action, i, place in places:
-            d = place - point
-            if d.x() ** 2 + d.y() ** 2 <= REACH**2:
-                return action, i
-        return "", -1
-
-    # -- mouse and keys -----------------------------------------------------------------------------------
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        self._pressed = event.position()
-        if event.button() != Qt.MouseButton.LeftButton:
-            self._drag = "pan"
-            return
-        if self.is_passive:
-            return
-        if self.draws_path:
-            self._drag, self._stroke = "draw", [self.place(event.position())]
-            return
-        action, index = self._hit(event.position())
-        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and None in self.pivots:
-            action, index = "pivot", self.pivots.index(None)
-            self.pivots[index] = self.snapped(self.place(event.position()))
-            self.pivots_changed.emit()
-        if not action and len(self.poses) < MOST_POSES:
-            z = self.snapped(self.place(event.position()))
-            angle = self.poses[-1].angle_deg if self.poses else 0.0
-            self.poses.append(BodyPose(z.real, z.imag, angle))
-            action, index = "new", len(self.poses) - 1
-            self.poses_changed.emit()
-        self._drag = action
-        self._pivot, self.chosen = (index, -1) if action == "pivot" else (-1, index)
-        self.update()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        d = event.position() - self._pressed
-        if self._drag == "pan":
-            self._middle -= complex(d.x(), -d.y()) / self._scale
-            self._pressed = event.position()
-        elif self._drag == "draw":
-            self._stroke.append(self.place(event.position()))
-        elif self._drag == "pivot":
-            self.pivots[self._pivot] = self.snapped(self.place(event.position()))
-            self.pivots_changed.emit()
-        elif self._drag in ("turn", "new", "move"):
-            if self._drag == "new" and d.x() ** 2 + d.y() ** 2 < TURNS**2:
-                return
-            self._change(event)
-            self.poses_changed.emit()
-        self.update()
-
-    def _change(self, event: QMouseEvent) -> None:
-        """Move or turn the chosen frame to the mouse; with Ctrl freely, else to the grid and to whole degrees."""
-        pose, z = self.poses[self.chosen], self.place(event.position())
-        is_free = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
-        if self._drag == "move":
-            z = z if is_free else self.snapped(z)
-            self.poses[self.chosen] = BodyPose(z.real, z.imag, pose.angle_deg)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is self.canvas:
+            return event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._key(event)
+        if isinstance(event, QContextMenuEvent):
+            self._open_menu(event)
+            return True
+        if not isinstance(event, QMouseEvent):
+            if event.type() == QEvent.Type.Leave:
+                self._snap = None
+                self._update()
+            return False
+        kind, is_left = event.type(), event.button() == Qt.MouseButton.LeftButton
+        if kind == QEvent.Type.MouseMove:
+            if event.buttons() & ~Qt.MouseButton.LeftButton:
+                return False
+            self._move(event)
+        elif is_left and kind == QEvent.Type.MouseButtonDblClick and self._adds_points:
+            self._end_points()
+        elif is_left and kind in (QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonDblClick):
+            self._press(event)
+        elif is_left and kind == QEvent.Type.MouseButtonRelease:
+            self._release()
         else:
-            angle = degrees(cmath.phase(z - pose.z))
-            self.poses[self.chosen] = BodyPose(pose.x_mm, pose.y_mm, angle if is_free else float(round(angle)))
+            return False
+        return True
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._drag == "draw":
+    def _press(self, event: QMouseEvent) -> None:
+        assert self.canvas is not None
+        assert self._boxes is not None
+        self.canvas.setFocus()
+        self._boxes.close_all()
+        self._mouse = self._pressed = event.position()
+        self._before, self._is_far, self._offset = self.task, False, 0j
+        is_shift = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        grip = None if is_shift else self.grip_at(event.position())
+        if grip is not None and self._adds_points and grip.part.index == 0 and len(self._points) > 2:
+            self._end_points(closed=True)
+        elif grip is not None:
+            self._grip, self.selected = grip, grip.part
+            self._offset = grip.at - self.canvas.position_at(event.position())
+        elif self.tool is not None and self.tool.name == STROKE:
+            self._stroke = [self.canvas.position_at(event.position())]
+        else:
+            name = PIVOT if is_shift and self.task.kind == POSES else self.tool.name if self.tool is not None else ""
+            self._add(name, self._snap_at(event.position(), _is_free(event)).at)
+        self._update()
+
+    def _add(self, name: str, at: complex) -> None:
+        """Add the part of a tool, which the mouse drags on."""
+        task = self.task
+        if name == POINTS:
+            if not self._adds_points:
+                task = _with_path(task, TracedPath())
+            self._adds_points, name = True, task_parts.POINT
+        part = new_part(task, name) if name in PARTS else None
+        self.selected = part
+        if part is None:
+            return
+        values = [at.real, at.imag]
+        if name == POSE:
+            values.append(task.poses[-1].angle_deg if task.poses else 0.0)
+        elif name == LINE:
+            values.append(0.0)
+        elif name == AREA:
+            values *= 2
+        self._set(PARTS[name].put(task, part.index, values))
+        self._grip = Grip(part, {POSE: TURN, LINE: TURN, AREA: "high right"}.get(name, MOVE), at)
+
+    def _move(self, event: QMouseEvent) -> None:
+        self._mouse = event.position()
+        free = _is_free(event)
+        if self._stroke and self.canvas is not None:
+            self._stroke.append(self.canvas.position_at(event.position()))
+        elif self._grip is not None:
+            self._is_far = self._is_far or (event.position() - self._pressed).manhattanLength() > DRAG
+            if self._is_far:
+                self._drag(self._grip, event, free)
+        else:
+            self._hover(event, free)
+        self._update()
+
+    def _drag(self, grip: Grip, event: QMouseEvent, free: bool) -> None:
+        """Move or turn the part under the mouse."""
+        assert self.canvas is not None
+        if grip.action != TURN:
+            self._snap = self._snap_at(event.position(), free)
+            self._set(dragged(self.task, grip, self._snap.at))
+            return
+        centre = position(self.task, grip.part)
+        snap = self._snap_at(event.position(), free)
+        at = self.canvas.position_at(event.position()) + self._offset
+        if snap.mark == POINT and snap.at != centre:  # the arm points exactly to another point
+            self._snap, angle = snap, degrees(cmath.phase(snap.at - centre))
+        elif at != centre:
+            angle = snapped_angle(centre, at, self.canvas.scale_now, free)
+            self._snap = Snap(at, "", f"{typed(angle)}°")
+        else:
+            return
+        self._set(dragged(self.task, grip, snap.at, angle))
+
+    def _hover(self, event: QMouseEvent, free: bool) -> None:
+        """Show what a press would drag, or where it would put something."""
+        assert self.canvas is not None
+        over = self.grip_at(event.position())
+        draws = self.tool is not None and self.tool.name != STROKE
+        self._snap = self._snap_at(event.position(), free) if over is None and draws else None
+        shape = Qt.CursorShape.SizeAllCursor if over is not None else Qt.CursorShape.CrossCursor
+        if self.canvas.cursor().shape() != shape:
+            self.canvas.setCursor(shape)
+
+    def _release(self) -> None:
+        if self._stroke:
             points, closed = even_path(self._stroke)
+            self._stroke = []
             if points:
-                self.points, self.closed = points, closed
-                self.path_changed.emit(closed)
-        self._drag, self._stroke = "", []
-        self.update()
+                self._set(_with_path(self.task, TracedPath(points=tuple(points), closed=closed)))
+        self._end_drag()
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        before = self.place(event.position())
-        factor = ZOOM if event.angleDelta().y() > 0 else 1.0 / ZOOM
-        self._scale = min(max(self._scale * factor, LEAST_SCALE), MOST_SCALE)
-        self._middle += before - self.place(event.position())
-        self.update()
+    def _end_drag(self) -> None:
+        """End a drag; an area that was only clicked is none, and a line without a drag is horizontal."""
+        was_dragging, self._grip, self._stroke, self._snap = self.is_dragging, None, [], None
+        self._offset = 0j
+        if self.task.kind == POSES and self.task.area is not None:
+            task = task_parts.upright(self.task)
+            area = task.area
+            if area is not None and (area.low_x_mm == area.high_x_mm or area.low_y_mm == area.high_y_mm):
+                self.selected, task = None, self._without_area(task)
+            if task != self.task:
+                self._set(task)
+        if was_dragging:
+            self.released.emit()
+        self._update()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace) and 0 <= self.chosen < len(self.poses):
-            del self.poses[self.chosen]
-            self.chosen = -1
-            self.poses_changed.emit()
-            self.update()
+    def _without_area(self, task: Task) -> Task:
+        before = self._before.area if self._before is not None else None
+        return task if before is None else PARTS[AREA].put(task, 0, PARTS[AREA].values(self._before or task, 0))
+
+    def _set(self, task: Task) -> None:
+        """Show another task, which the user has edited."""
+        if task != self.task:
+            self.task = task
+            self.changed.emit(task)
+        self._update()
+
+    # -- points of a path ---------------------------------------------------------------------------------
+
+    @property
+    def _points(self) -> Sequence[PathPoint]:
+        return self.task.path.points if self.task.path is not None else ()
+
+    def _end_points(self, closed: bool = False) -> None:
+        """End the path that is being clicked."""
+        self._adds_points, self._grip = False, None
+        if closed and self.task.path is not None:
+            self._set(_with_path(self.task, TracedPath(points=self.task.path.points, closed=True)))
+        self.released.emit()
+        self._update()
+
+    # -- keys ---------------------------------------------------------------------------------------------
+
+    def _key(self, event: QKeyEvent) -> bool:
+        key, text = event.key(), event.text()
+        plain = not event.modifiers() & ~(Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.ShiftModifier)
+        if key == Qt.Key.Key_Escape:
+            self._escape()
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self._adds_points:
+            self._end_points()
+        elif key == Qt.Key.Key_Backspace and self._adds_points and self._points:
+            self._set(PARTS[task_parts.POINT].remove(self.task, len(self._points) - 1))
+        elif key in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace) and self.selected is not None:
+            self.remove(self.selected)
+        elif text and text in FIRST_KEYS and plain:
+            self._type(text)
         else:
-            super().keyPressEvent(event)
+            return False
+        return True
+
+    def _escape(self) -> None:
+        """Take a drag back, else end the points of a path, else clear the selection, else leave the sheet."""
+        if self.is_dragging and self._before is not None:
+            before, self._grip = self._before, None
+            self._stroke, self._snap = [], None
+            self._set(before)
+            self.released.emit()
+        elif self._adds_points:
+            self._end_points()
+        elif self.selected is not None:
+            self.selected = None
+            self._update()
+        else:
+            self.leave()
+
+    def remove(self, part: Part) -> None:
+        """Remove a part."""
+        self._grip, self.selected = None, None
+        self._set(PARTS[part.kind].remove(self.task, part.index))
+        self.released.emit()
+
+    # -- typed values -------------------------------------------------------------------------------------
+
+    def _type(self, text: str = "") -> None:
+        """Open the boxes of the selected part, else of a part that the tool would add."""
+        tool = {POINTS: task_parts.POINT}.get(self.tool.name, self.tool.name) if self.tool is not None else ""
+        part = self.selected or (new_part(self.task, tool) if tool in PARTS else None)
+        if part is None or self._boxes is None:
+            return
+        is_new = part not in tuple(parts_of(self.task))
+        self._end_drag()
+        boxes = PARTS[part.kind].boxes
+        self._boxes.ask(self._mouse.toPoint(), boxes, partial(self._accept, part, is_new), text)
+
+    def _accept(self, part: Part, is_new: bool, values: Sequence[Typed]) -> str:
+        """Set the typed values of a part; an empty box leaves its value."""
+        kind = PARTS[part.kind]
+        numbers: Sequence[float] = [0.0] * len(kind.boxes) if is_new else kind.values(self.task, part.index)
+        numbers = [value if isinstance(value, float) else number for value, number in zip(values, numbers, strict=True)]
+        task = kind.put(self.task, part.index, numbers)
+        area = task.area if part.kind == AREA else None
+        if area is not None and not (area.low_x_mm < area.high_x_mm and area.low_y_mm < area.high_y_mm):
+            return "the bounds are reversed; allowed: lowest x < highest x, lowest y < highest y"
+        self.selected = part
+        self._set(task)
+        self.released.emit()
+        return ""
+
+    # -- context menu -------------------------------------------------------------------------------------
+
+    def _open_menu(self, event: QContextMenuEvent) -> None:
+        self._mouse = QPointF(event.pos())
+        grip = self.grip_at(self._mouse)
+        menu = QMenu(self.canvas)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        if grip is not None:
+            self.selected = grip.part
+            add_entry(menu, "Type its values...", self._type, "Type its coordinates")
+            if grip.part.kind in (PIVOT, LINE):
+                self._add_pivot_entries(menu, grip.part)
+            add_entry(menu, "Remove", partial(self.remove, grip.part), "Remove this part of the task")
+        add_entry(menu, "Fit", self.fit, "Show the full task")
+        self._update()
+        menu.popup(event.globalPos())
+
+    def _add_pivot_entries(self, menu: QMenu, part: Part) -> None:
+        """Add the entries that say to which dyad a pivot belongs, and whether it is fixed."""
+        for text, change in task_parts.PIVOT_CHANGES.items():
+            task = change(self.task, part.index)
+            if task != self.task:
+                add_entry(menu, text, partial(self._change, task), "Change what this pivot belongs to")
+
+    def _change(self, task: Task) -> None:
+        self._set(task)
+        self.released.emit()
 
     # -- painting -----------------------------------------------------------------------------------------
 
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(SCREEN.paper))
+    def paint(self, painter: QPainter) -> None:
+        """Paint the grid, the task, an answer, and the mark of the mouse; in pixels."""
+        canvas = self.canvas
+        assert canvas is not None
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        self._paint_grid(painter)
-        self._paint_path(painter)
-        self._paint_answer(painter)
-        for z in self.pivots:
-            if z is not None and not self.is_passive and not self.draws_path:
-                self._paint_pivot(painter, self.at(z))
-        for i, pose in enumerate(self.poses):
-            self._paint_frame(painter, pose, i)
-        if self.hint and not (self.poses or self.points or self._stroke):
+        paint_grid(painter, canvas.pixel_at, canvas.scale_now, canvas.visible)
+        if self._answer:
+            paint_answer(painter, canvas.pixel_at, self._answer, self._step)
+        SheetPainter(canvas.pixel_at, canvas.visible, self.selected).paint(painter, self.task)
+        if self._stroke:
+            paint_stroke(painter, canvas.pixel_at, self._stroke)
+        if self._adds_points and self._snap is not None and self._points and self._grip is None:
+            last = self._points[-1]
+            paint_snap(painter, canvas.pixel_at, self._snap, complex(last.x_mm, last.y_mm))
+        elif self._snap is not None:
+            paint_snap(painter, canvas.pixel_at, self._snap)
+        if self.tool is not None and not self._stroke and next(parts_of(self.task), None) is None:
             painter.setPen(QColor(SCREEN.quiet))
-            painter.drawText(
-                self.rect().adjusted(24, 0, -24, 0), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.hint
-            )
+            room = canvas.viewport().rect().adjusted(24, 0, -24, 0)
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.tool.prompt)
 
-    def _paint_grid(self, painter: QPainter) -> None:
-        step = self.grid()
-        low, high = self.place(QPointF(0.0, self.height())), self.place(QPointF(self.width(), 0.0))
-        painter.setPen(QPen(QColor(SCREEN.hair), 0))
-        for k in range(int(low.real // step), int(high.real // step) + 2):
-            x = self.at(complex(k * step, 0.0)).x()
-            painter.drawLine(QPointF(x, 0.0), QPointF(x, self.height()))
-        for k in range(int(low.imag // step), int(high.imag // step) + 2):
-            y = self.at(complex(0.0, k * step)).y()
-            painter.drawLine(QPointF(0.0, y), QPointF(self.width(), y))
-        painter.setPen(QColor(SCREEN.quiet))
-        painter.drawText(8, self.height() - 8, f"grid {step:g} mm")
 
-    def _paint_path(self, painter: QPainter) -> None:
-        z = self._stroke or [complex(p.x_mm, p.y_mm) for p in self.points]
-        if not z:
-            return
-        painter.setPen(QPen(QColor(SCREEN.ink), 1.5))
-        places = [self.at(p) for p in z]
-        painter.drawPolyline([*places, places[0]] if self.closed and not self._stroke else places)
-        if not self._stroke:
-            painter.setBrush(QColor(SCREEN.ink))
-            for place in places:
-                painter.drawEllipse(place, 2.0, 2.0)
-            painter.setBrush(Qt.BrushStyle.NoBrush)
+def _is_free(event: QMouseEvent) -> bool:
+    return bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
 
-    def _paint_answer(self, painter: QPainter) -> None:
-        if not self._answer:
-            return
-        if "P" in self._answer:
-            painter.setPen(QPen(QColor(SCREEN.chosen), 1.0, Qt.PenStyle.DotLine))
-            painter.drawPolyline([self.at(complex(z)) for z in self._answer["P"]])
-        now = {name: self.at(complex(z[self._step % z.size])) for name, z in self._answer.items()}
-        painter.setPen(QPen(QColor(SCREEN.quiet), 3.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-        for first, second in LINKS:
-            if first in now and second in now:
-                painter.drawLine(now[first], now[second])
-        if "B" not in now and "O4" in now:  # the coupler slides through its pivot
-            painter.drawLine(now["A"], now["O4"])
-        painter.setPen(QPen(QColor(SCREEN.quiet), 1.0))
-        if "P" in now:
-            for name in ("A", "B"):
-                if name in now:
-                    painter.drawLine(now[name], now["P"])
-        painter.setBrush(QColor(SCREEN.paper))
-        for name, place in now.items():
-            radius = 5.0 if name.startswith("O") else 3.5
-            painter.setPen(QPen(QColor(SCREEN.chosen if name == "P" else SCREEN.ink), 1.5))
-            painter.drawEllipse(place, radius, radius)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
 
-    def _paint_pivot(self, painter: QPainter, at: QPointF) -> None:
-        painter.setPen(QPen(QColor(SCREEN.ink), 1.5))
-        painter.setBrush(QColor(SCREEN.paper))
-        painter.drawPolygon([at, QPointF(at.x() - 9.0, at.y() + 15.0), QPointF(at.x() + 9.0, at.y() + 15.0)])
-        painter.drawEllipse(at, 4.0, 4.0)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-
-    def _paint_frame(self, painter: QPainter, pose: BodyPose, index: int) -> None:
-        at, turn = self.at(pose.z), radians(pose.angle_deg)
-        colour = QColor(SCREEN.chosen if index == self.chosen else SCREEN.ink)
-        painter.setPen(QPen(colour, 2.0))
-        for length, angle in ((ARM, turn), (0.6 * ARM, turn + 0.5 * pi)):
-            end = cmath.rect(length, angle)
-            painter.drawLine(at, QPointF(at.x() + end.real, at.y() - end.imag))
-        painter.setBrush(colour)
-        painter.drawEllipse(self.arm_end(pose), 3.5, 3.5)
-        painter.setBrush(QColor(SCREEN.paper))
-        painter.drawEllipse(at, 4.5, 4.5)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawText(QPointF(at.x() - 14.0, at.y() + 16.0), str(index + 1))
+def _with_path(task: Task, path: TracedPath) -> Task:
+    return replace(task, path=path)
 
 
 def even_path(stroke: Sequence[complex]) -> tuple[list[PathPoint], bool]:

@@ -281,13 +281,6 @@ class DesignActions(QObject):
         if changed is not None:
             self._apply(self._session.put_full_design, lambda: changed, "Change the valve train")
 
-    def find_linkage(self) -> None:
-        """Propose linkages for poses, a path, pairs of angles or a swing."""
-        from kindyna_gui.synthesis.dialog import FindLinkageDialog
-
-        self._window.documents.settle()
-        FindLinkageDialog(self._session, self._window).open_once()
-
     def choose_mechanism(self) -> None:
         """Begin with a mechanism chosen from images, and keep the current motion where possible."""
         self._choose_mechanism(keeps_motion=True)

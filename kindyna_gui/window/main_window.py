@@ -402,6 +402,14 @@ class MainWindow(Window):
         view: Any = self.show_view("mechanism")
         self._drawing_switched(view.draw(on, tool) and on)
 
+    def drawing(self, in_front: bool = False) -> Any:
+        """Return the drawing of the mechanism."""
+        return self.show_view("mechanism") if in_front else self.view("mechanism")
+
+    def close_view(self, name: str) -> None:
+        """Close the dock of a view."""
+        self.docks[name].close()
+
     def place_underlay(self) -> None:
         """Show the bar that places an image under the drawing."""
         view: Any = self.show_view("mechanism")

@@ -188,7 +188,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             (
                 DockGroup(LEFT, more=("motion", "find", "study")),
                 DockGroup(BOTTOM, more=_WIDE_VIEWS),
-                DockGroup(RIGHT, ("parameters",), part=0.6),
+                DockGroup(RIGHT, ("parameters",), ("find_linkage",), part=0.6),
                 DockGroup(RIGHT, ("pressure_angle",), ("valve_figures",), part=0.4),
             ),
             linkage_docks=("centres", "circle"),

@@ -1,0 +1,294 @@
+"""Compo > Find a linkage: a task as numbers in a dock and as a sheet over the drawing, and cards of the linkages found for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtGui import QHideEvent, QShowEvent
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QPushButton, QVBoxLayout
+
+from core.design import Design
+from core.errors import DesignError, KindynaError
+from core.numerics.lazy import Cancelled
+from core.study import Study
+from core.synthesis import Answer, PathPoint, Task, TracedPath, load_task, save_task
+from core.synthesis.path import with_points
+from core.synthesis.task import PATH, POSES, checked
+from kindyna_gui.background import Background
+from kindyna_gui.documents.session import Session
+from kindyna_gui.drives import replace_chosen
+from kindyna_gui.labels import sentence
+from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
+from kindyna_gui.synthesis.answer_strip import AnswerStrip, Proposals, propose
+from kindyna_gui.synthesis.sheet import TaskSheet
+from kindyna_gui.synthesis.task_form import FIRST_POSES, TaskForm
+from kindyna_gui.view import View, ViewHost
+
+PAUSE_MS, DRAG_PAUSE_MS = 150, 30  # from an edit to the search, and from a move of the mouse
+TASK_FILES, CURVES = "Tasks (*.toml)", "Curves (*.csv *.dxf)"
+NAME = "find_linkage"
+STEP = "Take over a linkage"
+FIELD_NAMES: Mapping[str, str] = {
+    "poses": "pose",
+    "pivots": "pivot",
+    "path.points": "points of the path",
+    "angles.pairs": "pair",
+    "angles.frame_mm": "frame",
+    "rocker.swing_deg": "swing",
+    "rocker.time_ratio": "time ratio",
+    "rocker.frame_mm": "frame",
+}
+"""Key of a task's file -> its name in a sentence."""
+
+
+class FindLinkageView(View):
+    """The dock *Find a linkage*: numbers of a task; its sheet is over the drawing, its cards below, while the dock is open.
+
+    Attributes
+    ----------
+    form : TaskForm
+    sheet : TaskSheet
+    strip : AnswerStrip
+    """
+
+    is_design_wide = True
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.form, self.sheet, self.strip = TaskForm(), TaskSheet(self), AnswerStrip()
+        self._is_fitted = self._is_awaited = False
+        self._search = Background(self)
+        self._soon_search = single_shot(self, self._start, PAUSE_MS)
+        files = fill(
+            QHBoxLayout(),
+            _button("&Open a task...", self._open_task),
+            _button("&Save the task...", self._save_task),
+            STRETCH,
+        )
+        self.set_content_layout(fill(QVBoxLayout(), (self.form, 1), files, margins=(8, 6, 6, 6), spacing=6))
+        self.setFocusProxy(self.form.kind)
+        self.sheet.marks = self._joints
+        connect_all(
+            (self.form.changed, self._form_changed),
+            (self.form.kind_chosen, self._refit),
+            (self.form.curve_requested, self._open_curve),
+            (self.sheet.changed, self._sheet_changed),
+            (self.sheet.released, self._start_now),
+            (self.sheet.left, self._leave_sheet),
+            (self._search.result, self._show_result),
+            (self.strip.shown, self.sheet.show_answer),
+            (self.strip.stepped, self.sheet.show_step),
+            (self.strip.taken, self._take),
+            (self.strip.stopped, self._search.cancel),
+        )
+        self.form.show_task(replace(Task(kind=POSES), poses=FIRST_POSES))
+        self._form_changed()
+
+    # -- on the drawing -----------------------------------------------------------------------------------
+
+    def belong_to(self, window: ViewHost) -> None:
+        super().belong_to(window)
+        self.strip.board.pinned.connect(window.pin)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if self._host is not None and not event.spontaneous():
+            self._host.drawing(in_front=True).cover(self.sheet, self.sheet.bar, self.strip)
+            self.strip.run(True)
+            if not self._is_fitted:
+                self.sheet.fit()
+            if self.strip.proposals is None:
+                self._soon_search.start()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if self._host is not None and not event.spontaneous():
+            self._soon_search.stop()
+            self._search.stop()
+            self.strip.end()
+            self.strip.run(False)
+            self._host.drawing().uncover(self.sheet)
+
+    def _leave_sheet(self) -> None:
+        if self._host is not None:
+            self._host.close_view(NAME)
+
+    def _joints(self) -> Mapping[str, complex]:
+        """Joints of the present mechanism [mm], to which the mouse snaps."""
+        return self._host.drawing().joints() if self._host is not None else {}
+
+    def refresh(self, study: Study) -> None:
+        self.form.show_units()
+
+    @property
+    def busy(self) -> bool:
+        return self._soon_search.isActive() or self._search.busy
+
+    def leave(self) -> None:
+        super().leave()
+        self._soon_search.stop()
+        self._search.close()
+
+    # -- the task -----------------------------------------------------------------------------------------
+
+    @property
+    def task(self) -> Task:
+        """The task as it is typed and drawn."""
+        return self.form.task
+
+    def show_task(self, task: Task) -> None:
+        """Show a task, and search for it."""
+        self.form.show_task(task)
+        self._form_changed()
+        self._refit()
+
+    def _refit(self) -> None:
+        self._is_fitted = False
+
+    def _form_changed(self) -> None:
+        """Show on the sheet what has been typed, and search after a pause."""
+        task = self.task
+        with suppress(KindynaError):  # a file that cannot be read, as the search says
+            task = with_points(task)
+        self.sheet.show_task(task)
+        self._request(PAUSE_MS)
+
+    def _sheet_changed(self, task: Task) -> None:
+        """Show in the form what has been drawn, and search; while the mouse drags, after each result."""
+        self.form.show_task(replace(task, folder=self.task.folder))
+        self._request(DRAG_PAUSE_MS if self.sheet.is_dragging else PAUSE_MS)
+
+    def _request(self, pause_ms: int) -> None:
+        self.strip.put_button.setEnabled(False)
+        if self._search.busy and self.sheet.is_dragging:
+            self._is_awaited = True  # its cards are shown, then the next search starts
+            return
+        self._search.stop()
+        self._is_awaited = False
+        if (self._host is not None and not self._soon_search.isActive()) or pause_ms == PAUSE_MS:
+            self._soon_search.start(pause_ms)
+
+    def _start_now(self) -> None:
+        """Search now for what has been drawn."""
+        if self._soon_search.isActive() or self._is_awaited:
+            self._soon_search.stop()
+            self._start()
+
+    @property
+    def _is_empty(self) -> bool:
+        """Whether nothing of the task has been drawn yet."""
+        task = self.task
+        if task.kind == PATH:
+            return task.path is None or not (task.path.points or task.path.file)
+        return task.kind == POSES and not task.poses
+
+    def _start(self) -> None:
+        """Search for the present task, unless an entry is refused."""
+        self._is_awaited = False
+        if not self.form.judge() or self._is_empty:
+            self._search.stop()
+            self.strip.show_none()
+            return
+        try:
+            task = checked(self.task)
+        except DesignError as error:
+            self._refuse(error)
+            return
+        self.strip.begin()
+        self._search.start([(None, partial(propose, task))])
+
+    def _refuse(self, error: KindynaError) -> None:
+        """Show at its field what is wrong with the task."""
+        faults = error.faults if isinstance(error, DesignError) else ()
+        self.form.refuse(faults[0].path if faults else "", sentence(_reason(error)))
+        self.strip.show_none()
+
+    def _show_result(self, _: object, result: Proposals | KindynaError | Cancelled) -> None:
+        if isinstance(result, Cancelled):
+            self.strip.end("Stopped; the cards are those of an earlier task")
+        elif isinstance(result, KindynaError):
+            self._refuse(result)
+        else:
+            self.strip.show_proposals(result)
+            self.strip.put_button.setEnabled(not self._is_awaited)
+            if not self._is_fitted and not self.sheet.is_dragging:
+                self._is_fitted = True
+                self.sheet.fit()
+        if self._is_awaited:
+            self._start()
+
+    # -- taking over, and files ---------------------------------------------------------------------------
+
+    def _take(self, answer: Answer) -> None:
+        if self._put(answer.candidate.design):
+            self.status_message.emit("The linkage is the design now; Compo > Find a linkage shows its task again")
+            self._leave_sheet()
+
+    def _put(self, design: Design) -> bool:
+        """Put a design in place as one undo step; where the session refuses it, show why."""
+        if self.session.has_several_drives:
+            return replace_chosen(self.session, design, STEP)
+        with self.session.one_step() as refusals:
+            is_done = self.session.put(design, STEP)
+        if not is_done:
+            self.session.withdraw("")
+            reasons = [f"{name}: {text}" for refusal in refusals for _, name, text in refusal.reasons]
+            self.form.message.show_refusal(sentence("; ".join(reasons)))
+        return bool(is_done)
+
+    def _open_task(self) -> None:
+        name, _ = QFileDialog.getOpenFileName(self, "Open a task", "", f"{TASK_FILES};;All files (*)")
+        if name:
+            self._read(lambda: self.show_task(load_task(name)))
+
+    def _save_task(self) -> None:
+        name, _ = QFileDialog.getSaveFileName(self, "Save the task", "task.toml", TASK_FILES)
+        if name:
+            self._read(lambda: save_task(self.task, name))
+
+    def _open_curve(self) -> None:
+        from core.synthesis.path_file import read_path
+
+        name, _ = QFileDialog.getOpenFileName(self, "Points of a path", "", f"{CURVES};;All files (*)")
+        if not name:
+            return
+
+        def read() -> None:
+            points = tuple(PathPoint(z.real, z.imag) for z in read_path(Path(name)).tolist())
+            is_closed = self.form.closed.isChecked() or name.lower().endswith(".dxf")
+            self.show_task(replace(self.task, path=TracedPath(points=points, closed=is_closed)))
+            self.sheet.fit()
+
+        self._read(read)
+
+    def _read(self, action: Callable[[], object]) -> None:
+        """Do something with a file; show why it cannot be done."""
+        try:
+            action()
+        except KindynaError as error:
+            self.form.message.show_refusal(sentence(_reason(error)))
+
+
+def _button(text: str, action: Callable[[], object]) -> QPushButton:
+    button = QPushButton(text, autoDefault=False)
+    button.clicked.connect(lambda: action())
+    return button
+
+
+def _reason(error: KindynaError) -> str:
+    """The first fault of a task, with the names of the form for its fields."""
+    text = str(error).splitlines()[0]
+    for key, name in FIELD_NAMES.items():
+        text = re.sub(rf"\b{re.escape(key)}(\[(\d+)\])?", partial(_numbered, name), text)
+    return text
+
+
+def _numbered(name: str, match: re.Match[str]) -> str:
+    """Name of a field, with the number of its row, which counts from 1."""
+    return f"{name} {int(match[2]) + 1}" if match[2] else name
