@@ -82,12 +82,13 @@ class Surface:
     data: Any
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Distance (n,) of points (n, 3) from a plane or cylinder."""
+        """Distance (n,) of points (n, 3) from a plane, cylinder or torus."""
         (origin, axis, _), *size = self.data
         along = (points - origin) @ axis
         if self.kind == "PLANE":
             return np.abs(along)
-        return np.abs(np.linalg.norm(points - origin - along[:, None] * axis, axis=1) - size[0])
+        across = np.linalg.norm(points - origin - along[:, None] * axis, axis=1) - size[0]
+        return np.abs(across) if self.kind == "CYLINDRICAL_SURFACE" else np.abs(np.hypot(across, along) - size[1])
 
     def at(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points (n, 3) and unit normals of a B-spline surface, u and v from 0 to 1."""
@@ -176,7 +177,7 @@ class StepFile:
 
     def surface(self, reference: Ref) -> Surface:
         kind, arguments = self.get(reference)
-        if kind in ("PLANE", "CYLINDRICAL_SURFACE"):
+        if kind in ("PLANE", "CYLINDRICAL_SURFACE", "TOROIDAL_SURFACE"):
             return Surface(kind, (self._placement(arguments[1]), *arguments[2:]))
         assert kind == "B_SPLINE_SURFACE_WITH_KNOTS"
         _, degree_u, degree_v, rows, _, _, _, _, times_u, times_v, knots_u, knots_v, _ = arguments

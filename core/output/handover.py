@@ -10,6 +10,7 @@ import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ import numpy as np
 
 from core.design import Design
 from core.design.fields import number
-from core.errors import KindynaError, NoSolution
+from core.errors import KindynaError, NoCam, NoSolution
 from core.findings import ERROR
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME
@@ -37,6 +38,7 @@ from core.output.files.profile_request import ProfileRequest
 from core.output.lines import finding_line, printable
 from core.output.report.document import Cover, Document, document, numbered_chapters, template_of
 from core.output.report.parts import ROUNDING, ReportPicture, Section
+from core.output.solids.barrel import has_closed_groove
 from core.output.solids.disk import has_solid
 from core.output.solids.surface import SurfaceRequest, surface_job
 from core.output.summary import to_json
@@ -448,12 +450,20 @@ def _profile(study: Study, folder: str, of_drive: str, request: HandoverRequest,
 
 
 def _surfaces(study: Study, folder: str, of_drive: str, request: HandoverRequest) -> list[HandoverFile]:
-    """The solid of a disk cam, or the flanks of a cam in space."""
-    job = surface_job(study, Path("cam.step"), SurfaceRequest(solid=study.has_disk, tolerance_mm=request.error_mm))
-    what = "solid" if study.has_disk else "flanks"
+    """The solid of a disk cam or of a barrel groove whose blank contains it, otherwise the flanks of a cam in space."""
+    path, reason = Path("cam.step"), ""
+    flanks = SurfaceRequest(tolerance_mm=request.error_mm)
+    is_solid = study.has_disk or has_closed_groove(study.design)
+    try:
+        job = surface_job(study, path, replace(flanks, solid=is_solid))
+    except NoCam as error:
+        if study.has_disk or not is_solid:
+            raise
+        job, is_solid, reason = surface_job(study, path, flanks), False, f"; no solid: {error}"
+    what = "solid" if is_solid else "flanks"
     return [
         HandoverFile(
-            f"{folder}cam.step", f"{what} of the cam{of_drive}, STEP AP214", job.content, (job.deviation, "mm")
+            f"{folder}cam.step", f"{what} of the cam{of_drive}, STEP AP214{reason}", job.content, (job.deviation, "mm")
         )
     ]
 

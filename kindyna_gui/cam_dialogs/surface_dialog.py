@@ -16,6 +16,8 @@ from PySide6.QtWidgets import QComboBox, QWidget
 from core.design import Design
 from core.frozen import frozen
 from core.numerics.derivatives import seen_from
+from core.output.solids.barrel import BarrelSolid
+from core.output.solids.blank import UncutBlank
 from core.output.solids.disk import Prisms
 from core.output.solids.outline import area, polygon
 from core.output.solids.prism import Cap, Prism, in_space
@@ -25,7 +27,6 @@ from core.output.solids.surface import (
     SurfaceJob,
     SurfaceRequest,
     drawn_surfaces,
-    has_solid_file,
     summary,
     surface_job,
 )
@@ -46,11 +47,16 @@ DARKEST, CREASE = 0.62, 0.9  # brightness away from the light; cosine of the ang
 
 @frozen(eq=False)
 class SolidPreview:
-    """A file of surfaces, and what is drawn: bodies between level planes, or triangles (n, 3, 3) [mm]."""
+    """A file of surfaces, and what is drawn: bodies between level planes, or triangles (n, 3, 3) [mm].
+
+    ``is_closed``: the triangles enclose a solid. ``lines`` (n, 3) [mm] are the rims of a blank that the surfaces do not cut.
+    """
 
     job: SurfaceJob
     prisms: tuple[Prism, ...]
     triangles: np.ndarray
+    is_closed: bool = False
+    lines: tuple[np.ndarray, ...] = ()
 
 
 class SolidPicture(TurnedByMouse, Picture):
@@ -87,7 +93,7 @@ class SolidPicture(TurnedByMouse, Picture):
 
     def draw(self, painter: QPainter) -> None:
         if self.shown.triangles.size:
-            self._draw_triangles(painter, self.shown.triangles)
+            self._draw_triangles(painter, self.shown)
             return
         extent = [
             self._seen(points, z)
@@ -119,20 +125,28 @@ class SolidPicture(TurnedByMouse, Picture):
             for _, _, draw in sorted(parts, key=lambda part: part[:2]):
                 draw()
 
-    def _draw_triangles(self, painter: QPainter, triangles: np.ndarray) -> None:
-        """Triangles from the farthest to the nearest; those that face away are darker."""
+    def _draw_triangles(self, painter: QPainter, shown: SolidPreview) -> None:
+        """Triangles from the farthest to the nearest; of sheets those that face away too, which are darker."""
+        triangles = shown.triangles
+        lines = [seen_from(line, self.turn, self.tilt) for line in shown.lines]
         seen = seen_from(triangles.reshape(-1, 3), self.turn, self.tilt).reshape(-1, 3)
-        painter.setTransform(fit_transform(seen.ravel(), self.size(), MARGIN), True)
+        painter.setTransform(fit_transform(np.concatenate([seen.ravel(), *lines]), self.size(), MARGIN), True)
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         towards = self._towards_viewer
         light = DARKEST + (1.0 - DARKEST) * np.clip(normal @ LIGHT, 0.0, 1.0)
-        light = np.where(normal @ towards > 0.0, light, DARKEST * DARKEST)
-        for i in np.argsort(triangles.mean(axis=1) @ towards, kind="stable").tolist():
+        is_facing = normal @ towards > 0.0
+        light = np.where(is_facing, light, DARKEST * DARKEST)
+        order = np.argsort(triangles.mean(axis=1) @ towards, kind="stable")
+        for i in order[is_facing[order]].tolist() if shown.is_closed else order.tolist():
             colour = self._shade(light[i]).name()
             painter.setPen(SCREEN.pen(colour, THIN))  # no seams
             painter.setBrush(brush(colour))
             painter.drawPath(outline(seen[i]))
+        painter.setPen(SCREEN.pen(SCREEN.ink, THIN))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for line in lines:
+            painter.drawPath(outline(line))
 
     def _shade(self, brightness: float) -> QColor:
         colour = QColor(SCREEN.cam)
@@ -184,7 +198,6 @@ class SurfaceDialog(ComputedDialog):
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), SolidPicture()
         self._solid = design.drive.has_disk  # as chosen last for a format that has solids
-        self._has_solid = has_solid_file(design)
         offered = flanks(design) if design.drive.has_disk else {"flank": SIDES}
         form = RequestForm(SurfaceRequest, offered, {"solid": self._solid}, [("Format", self.format)])
         super().__init__(parent, "surfaces", form, self.picture)
@@ -207,7 +220,7 @@ class SurfaceDialog(ComputedDialog):
 
     def _show_format(self) -> None:
         """Show the fields that the selected format has."""
-        has_solids, solid = self._has_solid and SURFACE_FORMATS[self.ending].has_solids, self.form.boxes["solid"]
+        has_solids, solid = SURFACE_FORMATS[self.ending].has_solids, self.form.boxes["solid"]
         solid.blockSignals(True)
         solid.setChecked(has_solids and self._solid)
         solid.setEnabled(has_solids)
@@ -244,8 +257,10 @@ def _preview(design: Design, ending: str, request: SurfaceRequest) -> SolidPrevi
     surfaces = drawn_surfaces(job)
     if isinstance(surfaces, Prisms):
         return SolidPreview(job, surfaces.prisms, np.zeros((0, 3, 3)))
-    size = max(float(np.abs(body.vertices).max()) for body in surfaces.bodies)
-    return SolidPreview(job, (), surfaces.triangles(COARSE_SURFACE * size))
+    tolerance = COARSE_SURFACE * max(float(np.abs(body.vertices).max()) for body in surfaces.bodies)
+    if isinstance(surfaces, UncutBlank):
+        return SolidPreview(job, (), surfaces.sheet_triangles(tolerance), lines=surfaces.rims(tolerance))
+    return SolidPreview(job, (), surfaces.triangles(tolerance), is_closed=isinstance(surfaces, BarrelSolid))
 
 
 def ask_surface(parent: QWidget, design: Design) -> tuple[SurfaceJob, str] | None:

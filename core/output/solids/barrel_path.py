@@ -20,7 +20,7 @@ from core.numerics.lazy import checkpoint
 from core.output.files.gcode import DIGITS, coordinate, remark
 from core.output.files.profile_files import SENSES, one_line
 from core.output.files.profile_request import Machining
-from core.output.solids.strips import motion_rows
+from core.output.solids.patches import motion_rows
 from core.requests import require_in_range
 from core.study import Study
 

@@ -105,6 +105,25 @@ class CylinderSurface:
 
 
 @frozen(eq=False)
+class TorusSurface:
+    """A torus, whose normal points away from the circle in its tube.
+
+    Attributes
+    ----------
+    centre : ndarray (3,) [mm]
+    axis : ndarray (3,), dimensionless
+        Unit vector.
+    radius, tube : float [mm]
+        Radius of the circle about the axis, and distance of the surface from that circle.
+    """
+
+    centre: np.ndarray
+    axis: np.ndarray
+    radius: float
+    tube: float
+
+
+@frozen(eq=False)
 class SplineSurface:
     """A B-spline surface S(u, v), whose normal is ∂S/∂u × ∂S/∂v.
 
@@ -121,7 +140,7 @@ class SplineSurface:
     points: np.ndarray
 
 
-Surface: TypeAlias = PlaneSurface | CylinderSurface | SplineSurface
+Surface: TypeAlias = PlaneSurface | CylinderSurface | TorusSurface | SplineSurface
 
 # -- topology ---------------------------------------------------------------------------------------------------
 
@@ -137,6 +156,11 @@ class Edge:
 
 Loop: TypeAlias = tuple[tuple[int, bool], ...]
 """Edges of a loop by their index, in order, each with whether it is run through forwards; the face is on the left."""
+
+
+def reversed_loop(loop: Loop) -> Loop:
+    """The loop in the opposite direction."""
+    return tuple((edge, not is_forward) for edge, is_forward in reversed(loop))
 
 
 @frozen(eq=False)
@@ -176,3 +200,54 @@ class Body:
     edges: tuple[Edge, ...]
     faces: tuple[Face, ...]
     is_closed: bool
+
+
+class BodyBuilder:
+    """Vertices, edges and faces of a body, added one after the other; each addition returns its index."""
+
+    def __init__(self) -> None:
+        self._vertices: list[np.ndarray] = []
+        self._edges: list[Edge] = []
+        self._faces: list[Face] = []
+
+    def vertex(self, point: np.ndarray) -> int:
+        """Add a vertex.
+
+        Parameters
+        ----------
+        point : ndarray (3,) [mm]
+        """
+        self._vertices.append(point)
+        return len(self._vertices) - 1
+
+    def point(self, vertex: int) -> np.ndarray:
+        """Point of a vertex.
+
+        Returns
+        -------
+        ndarray (3,) [mm]
+        """
+        return self._vertices[vertex]
+
+    def edge(self, curve: Curve, start: int, end: int) -> int:
+        """Add an edge between two vertices."""
+        self._edges.append(Edge(curve, start, end))
+        return len(self._edges) - 1
+
+    def face(self, surface: Surface, *loops: Loop, is_along: bool = True) -> None:
+        """Add a face, whose loops run counter-clockwise seen from outside, the outer one first."""
+        self._faces.append(Face(surface, loops, is_along))
+
+    def add(self, body: Body) -> int:
+        """Add the faces of a body with their edges and vertices, and return the index of its first edge."""
+        first, at = len(self._edges), len(self._vertices)
+        self._vertices += list(body.vertices)
+        self._edges += [Edge(edge.curve, edge.start + at, edge.end + at) for edge in body.edges]
+        for face in body.faces:
+            loops = tuple(tuple((edge + first, is_forward) for edge, is_forward in loop) for loop in face.loops)
+            self.face(face.surface, *loops, is_along=face.is_along)
+        return first
+
+    def body(self, name: str, is_closed: bool) -> Body:
+        """The body."""
+        return Body(name, np.array(self._vertices), tuple(self._edges), tuple(self._faces), is_closed)

@@ -80,7 +80,7 @@ def thickness(study: Study, flank: str) -> float:
     """Thickness [mm] of the cam with this flank. Raises NoCam where it is missing."""
     cam = study.design.drive.cam
     second = cam.form.second.thickness_mm if flank == SECOND else None
-    return _required(cam, "thickness_mm", "the width of the cam along the shaft") if second is None else second
+    return required(cam, "thickness_mm", "the width of the cam along the shaft") if second is None else second
 
 
 def disk_solids(study: Study, tolerance: float) -> Prisms:
@@ -178,7 +178,8 @@ def has_solid(cam: Any) -> bool:
 # -- dimensions -------------------------------------------------------------------------------------------------
 
 
-def _required(table: Any, key: str, what: str, remedy: str = _MISSING) -> float:
+def required(table: Any, key: str, what: str, remedy: str = _MISSING) -> float:
+    """Dimension [mm] of a cam. Raises NoCam where the design does not state it."""
     value = getattr(table, key)
     if value is None:
         raise NoCam(f"missing: {what}", f"cam.{key}", remedy)
@@ -188,8 +189,8 @@ def _required(table: Any, key: str, what: str, remedy: str = _MISSING) -> float:
 def _groove_depth(cam: Any) -> float:
     """Depth of the groove [mm], above 0 and below the thickness."""
     further = _MISSING if cam.form.groove_depth_mm is not None else f"{_MISSING}, and cam.groove_depth_mm"
-    _required(cam.form, "outer_radius_mm", "the radius of the blank around the groove", further)
-    return _required(cam.form, "groove_depth_mm", "the depth of the groove from the upper face")
+    required(cam.form, "outer_radius_mm", "the radius of the blank around the groove", further)
+    return required(cam.form, "groove_depth_mm", "the depth of the groove from the upper face")
 
 
 def hole_outline(cam: Any) -> Outline:
@@ -207,7 +208,7 @@ def _hub_radius(cam: Any) -> float | None:
     """Radius of the hub [mm]; None without a length of the hub."""
     if cam.hub_length_mm is None:
         return None
-    return 0.5 * _required(cam, "hub_mm", "the diameter of the hub, whose length is given")
+    return 0.5 * required(cam, "hub_mm", "the diameter of the hub, whose length is given")
 
 
 # -- room -------------------------------------------------------------------------------------------------------

@@ -40,21 +40,57 @@ def prism_triangles(prism: Prism, tolerance: float) -> np.ndarray:
         The tolerance requires too many triangles.
     """
     polygons = [polygon(wall.outline, tolerance) for wall in prism.walls]
-    triangles = [_wall(points, wall.low, wall.high) for points, wall in zip(polygons, prism.walls, strict=True)]
+    triangles = [
+        wall_triangles(points, wall.low, wall.high) for points, wall in zip(polygons, prism.walls, strict=True)
+    ]
     triangles += [_cap(prism, cap, polygons, tolerance) for cap in prism.caps]
     return np.concatenate(triangles)
 
 
-def _wall(points: np.ndarray, low: float, high: float) -> np.ndarray:
+def wall_triangles(points: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Triangles of an upright wall on a closed polygon.
+
+    Parameters
+    ----------
+    points : ndarray (n,) complex [mm]
+        Corners, with the material on their left.
+    low, high : float [mm]
+        Heights of its rims.
+
+    Returns
+    -------
+    ndarray (2 n, 3, 3) [mm]
+        Counter-clockwise seen from outside.
+    """
     start = np.stack((in_space(points, low), in_space(points, high)))
     end = np.roll(start, -1, axis=1)
     lower, upper = np.stack((start[0], end[0], end[1]), axis=1), np.stack((start[0], end[1], start[1]), axis=1)
     return np.concatenate((lower, upper))
 
 
-def _cap(prism: Prism, cap: Cap, polygons: Sequence[np.ndarray], tolerance: float) -> np.ndarray:
-    # an upper rim runs as its outline does, a lower one backwards; a face that looks down is mirrored by reversing all
-    loops = [polygons[rim.wall] if rim.is_high == cap.is_up else polygons[rim.wall][::-1] for rim in cap.rims]
+def level_triangles(loops: Sequence[np.ndarray], height: float, is_up: bool, tolerance: float) -> np.ndarray:
+    """Triangles of a face in a plane z = constant.
+
+    Parameters
+    ----------
+    loops : sequence of ndarray (n,) complex [mm]
+        The outer polygon, counter-clockwise seen from +z, then the holes, clockwise.
+    height : float [mm]
+    is_up : bool
+        Whether the face is seen from +z; otherwise from -z.
+    tolerance : float [mm]
+        Of the file, for the error.
+
+    Returns
+    -------
+    ndarray (m, 3, 3) [mm]
+        Counter-clockwise seen from the side of the face.
+
+    Raises
+    ------
+    KindynaError
+        The loops have too many corners.
+    """
     points = np.concatenate(loops)
     if points.size > MOST_VERTICES:
         raise KindynaError(
@@ -62,7 +98,13 @@ def _cap(prism: Prism, cap: Cap, polygons: Sequence[np.ndarray], tolerance: floa
             "choose a larger tolerance, or write a STEP file"
         )
     corners = triangulate(loops)
-    return in_space(points, prism.level(cap.rims[0]))[corners if cap.is_up else corners[:, ::-1]]
+    return in_space(points, height)[corners if is_up else corners[:, ::-1]]
+
+
+def _cap(prism: Prism, cap: Cap, polygons: Sequence[np.ndarray], tolerance: float) -> np.ndarray:
+    # an upper rim runs as its outline does, a lower one backwards; a face that looks down is mirrored by reversing all
+    loops = [polygons[rim.wall] if rim.is_high == cap.is_up else polygons[rim.wall][::-1] for rim in cap.rims]
+    return level_triangles(loops, prism.level(cap.rims[0]), cap.is_up, tolerance)
 
 
 # -- triangles of a polygon with holes --------------------------------------------------------------------------

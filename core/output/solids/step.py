@@ -21,6 +21,7 @@ from core.output.solids.body import (
     PlaneSurface,
     SplineCurve,
     SplineSurface,
+    TorusSurface,
 )
 
 SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
@@ -245,6 +246,11 @@ def _cylinder(data: _Entities, surface: CylinderSurface) -> int:
     return data.add(f"CYLINDRICAL_SURFACE('',#{placement},{real(surface.radius)})")
 
 
+def _torus(data: _Entities, surface: TorusSurface) -> int:
+    placement = data.placement(surface.centre, surface.axis)
+    return data.add(f"TOROIDAL_SURFACE('',#{placement},{real(surface.radius)},{real(surface.tube)})")
+
+
 def _spline_surface(data: _Entities, surface: SplineSurface) -> int:
     rows = ",".join(references(data.point(at) for at in row) for row in surface.points)
     return data.add(
@@ -257,5 +263,5 @@ _CURVES: Mapping[type, Callable[[_Entities, Edge, np.ndarray], int]] = MappingPr
     {LineCurve: _line, CircleCurve: _circle, SplineCurve: _spline_curve}
 )
 _SURFACES: Mapping[type, Callable[[_Entities, Any], int]] = MappingProxyType(
-    {PlaneSurface: _plane, CylinderSurface: _cylinder, SplineSurface: _spline_surface}
+    {PlaneSurface: _plane, CylinderSurface: _cylinder, TorusSurface: _torus, SplineSurface: _spline_surface}
 )

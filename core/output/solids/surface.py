@@ -10,7 +10,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from core.cam import OUTER, form_row
-from core.design import Design
 from core.design.fields import choice, flag, length, whole
 from core.errors import KindynaError
 from core.frozen import frozen
@@ -22,8 +21,9 @@ from core.output.files.fitted_curve import CERTAIN
 from core.output.files.profile_curve import MM
 from core.output.files.profile_files import SENSES
 from core.output.files.profile_request import ALL_FLANKS, AT_ONCE, Machining
-from core.output.solids.barrel import BarrelSolid, barrel_solid, is_slide_groove
+from core.output.solids.barrel import BarrelSolid, barrel_solid, has_closed_groove
 from core.output.solids.barrel_path import barrel_path, gcode_bytes
+from core.output.solids.blank import UncutBlank, uncut_blank
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
 from core.output.solids.mesh import stl_bytes, stl_rounding
 from core.output.solids.plates import body_plates
@@ -49,7 +49,7 @@ class SurfaceRequest:
     Attributes
     ----------
     flank : name of one of the cam's flanks; empty: all
-    solid : whether the file holds the solid cam instead of its flanks
+    solid : whether the file holds the solid cam instead of its flanks, or an uncut blank next to them
     of : name of a body with outlines, whose plate is written instead of the cam
     tolerance_mm : largest distance of the exact surface from the file
     samples, along : numbers of cam angles and of points across the cam in a table
@@ -60,7 +60,10 @@ class SurfaceRequest:
         choice("Flank", (*ALL_FLANKS, *SIDES, BOTH), default="", help="which flank of the cam"),
         default_text="all flanks",
     )
-    solid: bool = flag("Solid", help="the solid cam with bore, keyway and hub instead of its flanks")
+    solid: bool = flag(
+        "Solid",
+        help="the solid cam with bore, keyway and hub instead of its flanks; where a cam in space has none, the uncut blank next to them",
+    )
     tolerance_mm: float = length(
         "Tolerance", default=TOLERANCE, help="largest distance of the exact surface from that of the file"
     )
@@ -80,7 +83,7 @@ class SurfaceRequest:
     machining: Machining = Machining()
 
 
-Surfaces: TypeAlias = Prisms | Strips | BarrelSolid
+Surfaces: TypeAlias = Prisms | Strips | BarrelSolid | UncutBlank
 
 
 # -- a job ------------------------------------------------------------------------------------------------------
@@ -114,6 +117,11 @@ class SurfaceJob:
         """Volume of all solids [mm³]; None without a solid."""
         return None if self.surfaces is None else self.surfaces.volume
 
+    @property
+    def is_uncut(self) -> bool:
+        """Whether the flanks are next to a blank that they do not cut."""
+        return isinstance(self.surfaces, UncutBlank)
+
 
 def _flanks(study: Study, request: SurfaceRequest) -> tuple[str, ...]:
     """The requested flanks. Raises KindynaError."""
@@ -138,20 +146,14 @@ def _surfaces(study: Study, request: SurfaceRequest, tolerance: float) -> Surfac
     flanks = _flanks(study, request)
     if study.has_surface:
         if request.solid:
-            return barrel_solid(study, tolerance)
+            return (barrel_solid if has_closed_groove(study.design) else uncut_blank)(study, tolerance)
         return spatial_strips(study, flanks, tolerance)
     return disk_solids(study, tolerance) if request.solid else disk_sheets(study, flanks, tolerance)
 
 
-def drawn_surfaces(job: SurfaceJob) -> Prisms | Strips:
-    """Bodies for a drawing of the file: those in it, of a table, a path or a barrel the flanks. Raises as `surface_job`."""
-    drawn = job.surfaces or _surfaces(job.study, job.request, TOLERANCE)
-    return spatial_strips(job.study, SIDES, TOLERANCE) if isinstance(drawn, BarrelSolid) else drawn
-
-
-def has_solid_file(design: Design) -> bool:
-    """Whether the cam of a design can leave as a solid: a disk cam, or a barrel cam with the groove of a slide."""
-    return design.drive.has_disk or (design.drive.has_surface and is_slide_groove(design.drive.cam))
+def drawn_surfaces(job: SurfaceJob) -> Surfaces:
+    """Bodies for a drawing of the file: those in it, of a table or a path the flanks. Raises as `surface_job`."""
+    return job.surfaces or _surfaces(job.study, job.request, TOLERANCE)
 
 
 def _job(study: Study, request: SurfaceRequest, surfaces: Surfaces, content: bytes, deviation: float) -> SurfaceJob:
@@ -159,14 +161,19 @@ def _job(study: Study, request: SurfaceRequest, surfaces: Surfaces, content: byt
     return SurfaceJob(study, request, content, surfaces, deviation, faces)
 
 
-def _about(study: Study, request: SurfaceRequest, deviation: float) -> list[str]:
+UNCUT = "Flanks and blank side by side, the blank not cut,"
+
+
+def _about(study: Study, request: SurfaceRequest, surfaces: Surfaces) -> list[str]:
     """Facts about the file in lines, for its header."""
+    deviation = surfaces.deviation
     if request.of:
         kind = f"Plate of {request.of}, in its frame, z across its plane"
         return [kind, "Units: mm", f"Deviation from the exact outline: at most {rounded_up(deviation, 4)!r} mm"]
     kind = f"{study.design.drive.cam.kind} cam" if study.has_surface else "disk cam"
+    what = UNCUT if isinstance(surfaces, UncutBlank) else "Solid" if request.solid else "Flanks"
     return [
-        f"{'Solid' if request.solid else 'Flanks'} of a {kind}; it turns {SENSES[study.sense][1]} seen from +z",
+        f"{what} of a {kind}; it turns {SENSES[study.sense][1]} seen from +z",
         "Units: mm; origin: cam centre; the x axis is the global one at cam angle 0",
         f"Deviation from the exact surface: at most {rounded_up(deviation, 4)!r} mm",
     ]
@@ -174,7 +181,7 @@ def _about(study: Study, request: SurfaceRequest, deviation: float) -> list[str]
 
 def _step(study: Study, request: SurfaceRequest) -> SurfaceJob:
     surfaces = _surfaces(study, request, request.tolerance_mm)
-    about = _about(study, request, surfaces.deviation)
+    about = _about(study, request, surfaces)
     content = step_bytes(study.design.name, about, surfaces.bodies, surfaces.points)
     return _job(study, request, surfaces, content, surfaces.deviation)
 
@@ -329,9 +336,10 @@ def surface_job(study: Study, path: Path, request: SurfaceRequest) -> SurfaceJob
 
 
 def facts(job: SurfaceJob) -> dict[str, Any]:
-    """Facts about the file: deviation, number of faces, volume of solids."""
+    """Facts about the file: deviation, number of faces, volume of solids, and of a blank that it is not cut."""
     volume = {} if job.volume is None else {"volume_mm3": job.volume}
-    return {"deviation_mm": job.deviation, "faces": job.faces, **volume}
+    uncut = {"blank_is_cut": False} if job.is_uncut else {}
+    return {"deviation_mm": job.deviation, "faces": job.faces, **volume, **uncut}
 
 
 def facts_text(job: SurfaceJob) -> str:
@@ -344,7 +352,8 @@ def summary(job: SurfaceJob) -> str:
     if job.surfaces is None:
         return job.about_points
     volume = "" if job.volume is None else f", {result_text(job.volume, 6)} mm³"
-    return f"{job.faces} faces{volume}, at most {rounded_up(job.deviation, 4):g} mm from the exact surface"
+    uncut = "; flanks and blank are side by side: the blank is not cut" if job.is_uncut else ""
+    return f"{job.faces} faces{volume}, at most {rounded_up(job.deviation, 4):g} mm from the exact surface{uncut}"
 
 
 def write_surface(job: SurfaceJob, path: Path) -> list[Path]:

@@ -75,7 +75,13 @@ def test_the_profile_of_the_folder_is_the_cams_to_its_stated_deviation(made: Han
 
 @pytest.mark.parametrize(
     ("name", "solids", "sheets"),
-    [("conjugate", 2, 0), ("groove", 0, 0), ("barrel_feeder", 0, 2), ("card_picker", 0, 0)],
+    [
+        ("conjugate", 2, 0),
+        ("groove", 0, 0),
+        ("barrel_feeder", 1, 0),
+        ("globoidal_indexer", 0, 6),
+        ("card_picker", 0, 0),
+    ],
 )
 @pytest.mark.stress
 def test_a_cam_with_its_dimensions_leaves_as_a_solid_too(name: str, solids: int, sheets: int) -> None:
@@ -90,6 +96,17 @@ def test_a_cam_with_its_dimensions_leaves_as_a_solid_too(name: str, solids: int,
         assert len(list(step.all("SHELL_BASED_SURFACE_MODEL"))) == sheets
         assert file.deviation is not None
         assert 0.0 < file.deviation[0] <= 1e-3
+
+
+@pytest.mark.stress
+def test_a_groove_that_leaves_its_blank_leaves_as_flanks_with_the_reason(tmp_path: Path) -> None:
+    text = (EXAMPLES / "barrel_feeder.toml").read_text("utf-8").replace("length_mm = 110.0", "length_mm = 50.0")
+    (tmp_path / "short.toml").write_text(text, "utf-8")
+    made = handover(Study(load(tmp_path / "short.toml")), HandoverRequest())
+    (file,) = [file for file in made.files if file.name == "cam.step"]
+    assert list(StepFile(file.data).shells) == ["ahead 1", "behind 1"]
+    assert "no solid: cam.length_mm: 50 mm: the groove reaches" in file.what
+    assert not made.left_out
 
 
 @pytest.mark.stress

@@ -118,6 +118,7 @@ def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
         assert computed(dialog).startswith("8 faces, at most ")
         dialog.form.boxes["solid"].click()
         assert computed(dialog).startswith("21 faces, "), "the solid of a slide's groove"
+        assert dialog.picture.shown.is_closed, "what is written is drawn"
         dialog.form.boxes["solid"].click()
         pick(dialog.form.boxes["flank"], "Ahead")
         assert computed(dialog).startswith("4 faces, at most ")
@@ -130,6 +131,26 @@ def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
     with answering(SurfaceDialog, act):
         user.choose(*PATH)
     assert (tmp_path / "barrel.step").read_bytes().startswith(b"ISO-10303-21;")
+
+
+@pytest.mark.stress
+def test_a_globoid_is_drawn_next_to_the_rims_of_its_blank(user: User, tmp_path: Path) -> None:
+    user.session.start(load(example("globoidal_indexer")))
+
+    def act(dialog: SurfaceDialog) -> None:
+        assert "the blank is not cut" not in computed(dialog)
+        flanks = dialog.picture.grab().toImage()
+        dialog.form.boxes["solid"].click()
+        assert computed(dialog).endswith("flanks and blank are side by side: the blank is not cut.")
+        assert dialog.picture.grab().toImage() != flanks
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    user.picks("surfaces_to_save", tmp_path / "cam.step")
+    with answering(SurfaceDialog, act):
+        user.choose(*PATH)
+    words = ["surface", example("globoidal_indexer"), "--out", tmp_path / "again.step", "--solid"]
+    assert main([str(word) for word in words]) == 0
+    assert (tmp_path / "cam.step").read_bytes() == (tmp_path / "again.step").read_bytes()
 
 
 def test_the_path_of_a_cutter_for_a_barrel(user: User, tmp_path: Path) -> None:

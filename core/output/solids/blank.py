@@ -1,0 +1,284 @@
+"""Blanks of cams in space, which leave next to the flanks without being cut by them: cylinders, and tori about a turret's axis.
+
+The blank of a globoidal cam is turned along the inner ends of the rollers, an arc about the axis of the turret, and its grooves end at the
+floor, the arc along their outer ends. With a blank radius a cylinder limits both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from itertools import pairwise
+from math import asin, atan2, ceil, hypot, pi, sqrt
+
+import numpy as np
+
+from core.design.spatial import GloboidalCam
+from core.errors import NoCam
+from core.frozen import frozen
+from core.motion.extremes import find_extremes
+from core.numerics.derivatives import spread
+from core.output.solids.body import Body, BodyBuilder, CircleCurve, CylinderSurface, LineCurve, TorusSurface
+from core.output.solids.disk import required
+from core.output.solids.outline import Outline, area
+from core.output.solids.patches import MM
+from core.output.solids.prism import UP
+from core.output.solids.strips import Strips, spatial_strips
+from core.output.solids.turned import (
+    Halves,
+    add_band,
+    add_ends,
+    bore_outline,
+    chord_angle,
+    circle_points,
+    circle_rim,
+    end_triangles,
+    paired_triangles,
+)
+from core.study import Study
+
+BLANK_RADIUS = "the radius of the blank"
+SEAMS = 0.0, pi  # polar angles
+SHORTEST = 1e-6  # [mm] a lower cylinder is left out
+
+
+# -- turned surfaces --------------------------------------------------------------------------------------------
+
+
+@frozen
+class Zone:
+    """Part of a turned surface between two circles about the axis: a cylinder, or a torus.
+
+    Attributes
+    ----------
+    low, high : radius and height of both circles [mm]
+    tube : distance [mm] of a torus from the circle in its tube; 0: a cylinder
+    centre : radius [mm] of that circle
+    """
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    tube: float = 0.0
+    centre: float = 0.0
+
+    @property
+    def volume(self) -> float:
+        """Volume [mm³] about the axis, ∫π ρ² dz, on a torus with ρ = D - √(t² - z²)."""
+        if not self.tube:
+            return pi * self.low[0] ** 2 * (self.high[1] - self.low[1])
+        t, d = self.tube, self.centre
+
+        def integral(z: float) -> float:
+            return (d * d + t * t) * z - z**3 / 3.0 - d * (z * sqrt(max(t * t - z * z, 0.0)) + t * t * asin(z / t))
+
+        return pi * (integral(self.high[1]) - integral(self.low[1]))
+
+    def add(
+        self, builder: BodyBuilder, lower: tuple[tuple[int, int], Halves], upper: tuple[tuple[int, int], Halves]
+    ) -> None:
+        """Add its faces between rims."""
+        pairs = list(zip(lower[0], upper[0], strict=True))
+        if not self.tube:
+            surface = CylinderSurface(np.zeros(3), UP, self.low[0])
+            add_band(builder, surface, lower[1], upper[1], [builder.edge(LineCurve(), *pair) for pair in pairs])
+            return
+        seams = []
+        for angle, pair in zip(SEAMS, pairs, strict=True):
+            cos, sin = np.cos(angle), np.sin(angle)
+            arc = CircleCurve(self.centre * np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), self.tube)
+            seams.append(builder.edge(arc, *pair))
+        torus = TorusSurface(np.zeros(3), UP, self.centre, self.tube)
+        add_band(builder, torus, lower[1], upper[1], seams, is_along=False)
+
+    def circles(self, tolerance: float) -> list[tuple[float, float]]:
+        """Radius and height [mm] of circles between which cones keep half of a tolerance [mm], without the last one."""
+        if not self.tube:
+            return [self.low]
+        first, last = (asin(z / self.tube) for _, z in (self.low, self.high))
+        count = ceil((last - first) / chord_angle(self.tube, 0.5 * tolerance))
+        angles = [first + (last - first) * k / count for k in range(1, count)]
+        return [self.low, *((self.centre - self.tube * np.cos(e), self.tube * np.sin(e)) for e in angles)]
+
+
+def _turned(builder: BodyBuilder, zones: tuple[Zone, ...]) -> tuple[Halves, Halves]:
+    """Add the faces of consecutive zones, and return the rims at both ends."""
+    circles = [zones[0].low, *(zone.high for zone in zones)]
+    rims = [circle_rim(builder, *circle, SEAMS) for circle in circles]
+    for zone, (lower, upper) in zip(zones, pairwise(rims), strict=True):
+        zone.add(builder, lower, upper)
+    return rims[0][1], rims[-1][1]
+
+
+def _rows(zones: tuple[Zone, ...], tolerance: float) -> list[np.ndarray]:
+    """Corners (n, 3) [mm] of triangles on circles from the lower to the upper end."""
+    circles = [*(circle for zone in zones for circle in zone.circles(tolerance)), zones[-1].high]
+    widest = max(radius for radius, _ in circles)
+    count = len(circle_points(widest, 0.0, 0.5 * tolerance))
+    return [circle_points(radius, height, tolerance, count) for radius, height in circles]
+
+
+# -- blank and flanks -------------------------------------------------------------------------------------------
+
+
+@frozen(eq=False)
+class UncutBlank:
+    """Flanks of a cam in space, its blank as a solid that they do not cut, and the floor of its grooves.
+
+    Attributes
+    ----------
+    strips : the flanks
+    side, floor : zones of the blank and of the floor, from the lower to the upper end
+    hole : outline of the bore with its keyway
+    """
+
+    strips: Strips
+    side: tuple[Zone, ...]
+    floor: tuple[Zone, ...]
+    hole: Outline
+    points: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def deviation(self) -> float:
+        """Largest distance [mm] of the exact flanks from the sheets; blank and floor are exact."""
+        return self.strips.deviation
+
+    @property
+    def volume(self) -> float:
+        """Volume of the blank [mm³]."""
+        height = self.side[-1].high[1] - self.side[0].low[1]
+        return sum(zone.volume for zone in self.side) + area(self.hole) * height
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The blank, a sheet for the floor, and one for each flank."""
+        blank, floor = BodyBuilder(), BodyBuilder()
+        add_ends(blank, _turned(blank, self.side), (self.side[0].low[1], self.side[-1].high[1]), self.hole)
+        _turned(floor, self.floor)
+        return blank.body("blank", is_closed=True), floor.body("floor", is_closed=False), *self.strips.bodies
+
+    def triangles(self, tolerance: float) -> np.ndarray:
+        """Triangles of all bodies, counter-clockwise seen from outside.
+
+        Parameters
+        ----------
+        tolerance : float [mm]
+            Largest distance of their faces from the triangles.
+
+        Returns
+        -------
+        ndarray (n, 3, 3) [mm]
+        """
+        side = _rows(self.side, tolerance)
+        bands = [paired_triangles(*pair) for pair in pairwise(side)]
+        ends = end_triangles(side[0], side[-1], self.hole, tolerance)
+        return np.concatenate([*bands, ends, self.sheet_triangles(tolerance)])
+
+    def sheet_triangles(self, tolerance: float) -> np.ndarray:
+        """Triangles of the floor and the flanks, as those of all bodies.
+
+        Parameters
+        ----------
+        tolerance : float [mm]
+
+        Returns
+        -------
+        ndarray (n, 3, 3) [mm]
+        """
+        bands = [paired_triangles(*pair) for pair in pairwise(_rows(self.floor, tolerance))]
+        return np.concatenate([*bands, self.strips.triangles(tolerance)])
+
+    def rims(self, tolerance: float) -> tuple[np.ndarray, ...]:
+        """Closed polygons on the circles between the zones of the blank.
+
+        Parameters
+        ----------
+        tolerance : float [mm]
+
+        Returns
+        -------
+        tuple of ndarray (n, 3) [mm]
+        """
+        circles = [self.side[0].low, *(zone.high for zone in self.side)]
+        return tuple(circle_points(radius, height, tolerance) for radius, height in circles)
+
+
+def uncut_blank(study: Study, tolerance: float) -> UncutBlank:
+    """Flanks of a cam in space next to its blank; those of a turret extend to where the roller is out of the blank.
+
+    Raises
+    ------
+    KindynaError
+        The tolerance requires too many spans.
+    NoCam
+        A dimension of the blank is missing, a bore reaches the floor, or a flank has an edge.
+    """
+    from core.spatial import SIDES
+
+    cam, machine = study.design.drive.cam, study.machine
+    low, high = blank_heights(study)
+    if isinstance(cam, GloboidalCam):
+        tip = MM * (machine.outer + machine.play)
+        throat, half = cam.centre_distance_mm - tip, 0.5 * (high - low)
+        if cam.outer_radius_mm is not None and cam.outer_radius_mm <= throat:
+            raise NoCam(
+                f"{cam.outer_radius_mm:g} mm: the rollers do not reach into the blank",
+                "cam.outer_radius_mm",
+                f"choose more than {throat:g} mm",
+            )
+        side = _arc_zones(cam, half)
+        floor = (_torus(cam, tip, min(half, _height(cam, tip))),)
+        radius = side[-1].high[0]
+        distance = hypot(cam.centre_distance_mm - radius, half)
+        limit = atan2(half, cam.centre_distance_mm - radius) + asin(min(1.0, MM * machine.radius / distance))
+    else:
+        throat, radius = MM * (machine.inner - machine.play), required(cam, "outer_radius_mm", BLANK_RADIUS)
+        side, floor = ((Zone((r, low), (r, high)),) for r in (radius, throat))
+        limit = asin(min(1.0, (0.5 * (high - low) + MM * machine.radius) / (MM * machine.lever or np.inf)))
+    hole = bore_outline(cam, throat)
+    return UncutBlank(spatial_strips(study, SIDES, tolerance, limit), side, floor, hole)
+
+
+def _torus(cam: GloboidalCam, tube: float, height: float) -> Zone:
+    """Torus about the axis of the turret at a distance from it, up to a height on both sides."""
+    radius = cam.centre_distance_mm - sqrt(tube**2 - height**2)
+    return Zone((radius, -height), (radius, height), tube, cam.centre_distance_mm)
+
+
+def _height(cam: GloboidalCam, tube: float) -> float:
+    """Height at which a torus meets the cylinder of the blank, or ends [mm]."""
+    cylinder = cam.centre_distance_mm if cam.outer_radius_mm is None else cam.outer_radius_mm
+    return sqrt(max(tube**2 - max(cam.centre_distance_mm - cylinder, 0.0) ** 2, 0.0))
+
+
+def _arc_zones(cam: GloboidalCam, half: float) -> tuple[Zone, ...]:
+    """Torus along the rollers' inner ends between cylinders of the blank radius. Raises NoCam where both do not meet."""
+    radius, distance, tube = cam.outer_radius_mm, cam.centre_distance_mm, cam.roller_inner_mm
+    if radius is not None and radius <= distance - tube:
+        return (Zone((radius, -half), (radius, half)),)
+    height = _height(cam, tube)
+    if half < min(height + SHORTEST, tube):
+        return (_torus(cam, tube, half),)
+    if radius is None or radius >= distance:
+        raise NoCam(
+            f"{'missing' if radius is None else f'{radius:g} mm'}: the arc about the turret's axis ends {tube:g} mm from the middle, "
+            f"before the blank, whose half length is {half:g} mm",
+            "cam.outer_radius_mm",
+            f"give a radius below {distance:g} mm, or shorten the blank",
+        )
+    torus = _torus(cam, tube, height)
+    return Zone((radius, -half), (radius, -height)), torus, Zone((radius, height), (radius, half))
+
+
+def blank_heights(study: Study) -> tuple[float, float]:
+    """Ends of the blank [mm], about the middle of a motion in mm, else about z = 0. Raises NoCam without a length."""
+    length, middle = required(study.design.drive.cam, "length_mm", "the length of the blank"), 0.0
+    if study.machine.slides:
+        middle = 0.5 * MM * sum(motion_range(study))
+    return middle - 0.5 * length, middle + 0.5 * length
+
+
+def motion_range(study: Study) -> tuple[float, float]:
+    """Least and greatest value of the motion [m or rad]."""
+    program = study.program
+    y = find_extremes(lambda at: {"": spread(program.state(at).displacement[0], at.theta.size)}, program)[""]
+    return y.low.value, y.high.value

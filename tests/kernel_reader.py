@@ -1,0 +1,41 @@
+"""STEP files as OpenCASCADE reads them, the extra ``kernel``; a test that calls it is skipped without that extra."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+def kernel_shape(path: Path) -> Any:
+    """Everything in a STEP file as one shape."""
+    pytest.importorskip("OCP")
+    from OCP.STEPControl import STEPControl_Reader
+
+    reader = STEPControl_Reader()
+    reader.ReadFile(str(path))
+    reader.TransferRoots()
+    return reader.OneShape()
+
+
+def is_valid(shape: Any) -> bool:
+    """Whether every face, edge and shell is valid."""
+    from OCP.BRepCheck import BRepCheck_Analyzer
+
+    return bool(BRepCheck_Analyzer(shape, True).IsValid())
+
+
+def volumes(shape: Any, accuracy: float) -> list[float]:
+    """Volume of each solid [mm³], by quadrature to a relative accuracy."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+    from OCP.TopAbs import TopAbs_SOLID
+    from OCP.TopExp import TopExp_Explorer
+
+    result = []
+    solids = TopExp_Explorer(shape, TopAbs_SOLID)
+    while solids.More():
+        properties = GProp_GProps()
+        BRepGProp.VolumeProperties_s(solids.Current(), properties, accuracy)
+        result.append(float(properties.Mass()))
+        solids.Next()
+    return result
