@@ -59,6 +59,8 @@ class Candidate:
         Deviations from the task at these angles.
     expected : float
         Largest error with which it was proposed [mm].
+    cognates : tuple
+        Other linkages with the same path, each with either side link as its driver.
     """
 
     linkage: Linkage
@@ -66,6 +68,7 @@ class Candidate:
     positions: np.ndarray
     errors: Errors
     expected: float = 0.0
+    cognates: tuple[tuple[Candidate, ...], ...] = ()
 
     @property
     def design(self) -> Design:

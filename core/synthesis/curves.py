@@ -123,8 +123,10 @@ def _random_bars(generator: np.random.Generator, count: int) -> Bars:
     return Bars(np.ones(count), coupler, rocker, frame, tracer, np.ones(count))
 
 
-def evenly_spaced(points: np.ndarray, angles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points evenly spaced by length along closed curves, whose last point repeats the first.
+def evenly_spaced(
+    points: np.ndarray, angles: np.ndarray, count: int, *, closed: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points evenly spaced by length along curves.
 
     Parameters
     ----------
@@ -132,6 +134,8 @@ def evenly_spaced(points: np.ndarray, angles: np.ndarray, count: int) -> tuple[n
     angles : ndarray (m, n) [rad]
         Rising parameter of the points.
     count : int
+    closed : bool
+        The last point of a curve repeats the first, and is left out.
 
     Returns
     -------
@@ -141,13 +145,13 @@ def evenly_spaced(points: np.ndarray, angles: np.ndarray, count: int) -> tuple[n
     length = np.zeros(points.shape)
     np.cumsum(np.abs(np.diff(points, axis=1)), axis=1, out=length[:, 1:])
     total = length[:, -1:]
-    wanted = total * np.arange(count) / count
+    at = total * np.arange(count) / (count if closed else count - 1)
     # all rows in one search: each row is shifted behind the one before it
     shift = 2.0 * np.arange(points.shape[0])[:, None]
     flat = (length / total + shift).ravel()
-    index = np.searchsorted(flat, (wanted / total + shift).ravel(), side="right") - 1
+    index = np.searchsorted(flat, (at / total + shift).ravel(), side="right") - 1
     index = np.minimum(index, flat.size - 2)
-    part = ((wanted / total + shift).ravel() - flat[index]) / np.where(
+    part = ((at / total + shift).ravel() - flat[index]) / np.where(
         flat[index + 1] > flat[index], flat[index + 1] - flat[index], 1.0
     )
     z, a = points.ravel(), angles.ravel()

@@ -123,19 +123,17 @@ def synthesise(task: Task) -> Synthesis:
     if not answers:
         raise DesignError([Fault(task.kind, MISSING, "no linkage can be assembled for the task", kind.remedy)])
     answers = ranked(answers, kind.size(task))
-    if task.kind == PATH:
-        answers = _with_cognates(answers, task)
+    answers = [replace(answer, cognates=_cognates(answer, task)) for answer in answers]
     dyads = poses.pose_dyads(task).all if task.kind == POSES else ()
     return Synthesis(tuple(answers), sum(answer.is_good for answer in answers), dyads, kind.complete(task))
 
 
-def _with_cognates(answers: list[Answer], task: Task) -> list[Answer]:
-    """Answers with their cognates, without those that are a cognate of a better one."""
-    result: list[Answer] = []
-    for answer in answers:
-        if any(is_same(answer, cognate) for other in result for cognate in other.cognates):
-            continue
+def _cognates(answer: Answer, task: Task) -> tuple[Answer, ...]:
+    """Other linkages with the path of an answer, without itself and repetitions."""
+    cognates = [answer]
+    for driven in answer.candidate.cognates:
         checkpoint()
-        judged = (best_driven(driven, task) for driven in path.cognates(answer.candidate))
-        result.append(replace(answer, cognates=tuple(cognate for cognate in judged if cognate is not None)))
-    return result
+        cognate = best_driven(driven, task)
+        if cognate is not None and not any(is_same(cognate, other) for other in cognates):
+            cognates.append(cognate)
+    return tuple(cognates[1:])
