@@ -43,7 +43,7 @@ class MouseTarget:
     path     path of the field that a click opens, or empty
     explain  channel whose value can be explained, or empty
     value    text that is copied; if empty, the value of the field
-    profile  has a profile that can be exported
+    export   key of the menu entry that exports its shape, or empty
     point    name of the point of a linkage, whose path can be shown
     """
 
@@ -51,7 +51,7 @@ class MouseTarget:
     path: str
     explain: str = ""
     value: str = ""
-    profile: bool = False
+    export: str = ""
     point: str = ""
 
 
@@ -115,7 +115,7 @@ def _copy(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
 
 
 def _export(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
-    return ("Export profile...", lambda: host.do("exports.profile")) if target.profile else None
+    return (EXPORTS[target.export], lambda: host.do(target.export)) if target.export else None
 
 
 def _copy_picture(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
@@ -126,6 +126,8 @@ def _fit(target: MouseTarget, view: View, host: ViewHost) -> MenuEntry | None:
     return None if type(view).fit is View.fit else ("Fit", view.fit)
 
 
+EXPORTS = {"exports.profile": "Export profile...", "exports.surfaces": "Export solid and surfaces..."}
+"""Key of a menu entry that exports a shape -> its text in a context menu."""
 MENU_ENTRIES = (_edit, _find, _vary, _explain, _copy, _export, _copy_picture, _fit)
 """Functions that return the entry of the menu for a part, None if it does not apply."""
 

@@ -11,7 +11,7 @@ from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_p
 from core.followers.dimensions import FACE as FACE_PLACE
 from core.followers.dimensions import SECOND as SECOND_ROLLER
 from core.followers.dimensions import reach_of
-from core.followers.direct import oscillating, oscillating_flat, output, translating
+from core.followers.direct import oscillating, oscillating_flat, output, pointer_mm, translating
 from core.mechanism.mechanism import Mechanism, ReferencePoint, mechanism_of
 
 
@@ -54,7 +54,7 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
         Rocker: Builder(_reach, _rocker),
         Pushrod: Builder(_reach, _pushrod),
         Linkage: Builder(_at_unit_speed, mechanism_of),
-        Output: Builder(lambda part, cam: (part, None), output),
+        Output: Builder(lambda part, cam: (part, pointer_mm(cam)), output),
     }
 )
 

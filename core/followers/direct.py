@@ -29,6 +29,7 @@ from core.design import (
     si,
 )
 from core.design.parts import SIDES
+from core.design.spatial import GloboidalCam
 from core.errors import NoAssembly, NoCam, angle_ranges
 from core.followers.dimensions import SECOND, angle_at_pivot, rounded, second_on_arm
 from core.mechanism.mechanism import Mechanism, Names, ReferencePoint
@@ -148,11 +149,18 @@ POINTER_MM = 50.0
 """Distance from the pivot to the point that shows the rotation in a drawing."""
 
 
-def output(part: Output, _: Any) -> Mechanism:
+def pointer_mm(cam: Any) -> float:
+    """Length of the output's arm in a drawing [mm]: of a cam in space up to its roller."""
+    if isinstance(cam, GloboidalCam):
+        return cam.roller_inner_mm
+    return getattr(cam, "arm_mm", None) or POINTER_MM
+
+
+def output(part: Output, pointer_mm: float) -> Mechanism:
     """Mechanism of a motion alone: a link that slides by y in x direction, or turns by the angle y."""
     pivot = () if part.unit == "mm" else (LinkPoint("pivot", 0.0, 0.0),)
     sliders = (Slider(link=OUTPUT, on=FRAME_LINK),) if part.unit == "mm" else ()
-    pointer = tuple(LinkPoint("pointer", POINTER_MM, 0.0) for _ in pivot)
+    pointer = tuple(LinkPoint("pointer", pointer_mm, 0.0) for _ in pivot)
     links = Link(FRAME_LINK, pivot), Link(OUTPUT, (*pivot, *pointer))
     linkage = Linkage(links, sliders, Driver(OUTPUT, "motion"))
     return Mechanism(linkage, OUTPUT_NAMES)

@@ -410,6 +410,8 @@ def _on_link(path: str, link: int) -> Callable[[Design, Kinematics, complex], Ch
 
 def _joints(design: Design) -> Mapping[str, Drag]:
     drags = DRAGS.get(type(design.drive.mechanism))
+    if design.drive.is_alone:
+        return {}
     if not drags:
         return {name: Drag(f"joint {name}", path, _point(name)) for name, path in movable_points(design).items()}
     noun, has_second = design.drive.face.noun, getattr(design.drive.mechanism, "second", None) is not None

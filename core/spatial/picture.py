@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from core.design.spatial import SpatialCam
 from core.spatial.contact import AHEAD, BEHIND, MotionRows, flank, turned
-from core.spatial.kinds import Machine, roller_axis
-from core.spatial.shape import RollerAt, rollers_at, turret_limit
+from core.spatial.kinds import MM, Machine, roller_axis
+from core.spatial.shape import RollerAt, SpatialShape, rollers_at, turret_limit
 
 TURN = 2.0 * np.pi
 AROUND = 20  # facets around a roller
@@ -176,9 +177,53 @@ def _radial(grid: np.ndarray) -> np.ndarray:
     return np.stack((grid[0], grid[1], np.zeros_like(grid[2])))
 
 
-def cam_facets(
-    machine: Machine, state: State, sense: float, outer: float, bore: float, middle: float, angles: int
-) -> Facets:
+class Blank(NamedTuple):
+    """Blank of a cam: radius of a barrel, radius of the bore, and height of its middle [m]."""
+
+    outer: float
+    bore: float
+    middle: float
+
+    def ends(self, machine: Machine, flanks: Iterable[FlankPatch]) -> tuple[float, float]:
+        """Least and greatest height of a barrel with one roller [m]; at least so that its flanks are inside."""
+        reach = max(
+            0.5 * (machine.length or 0.0),
+            *(abs(patch.point[2] - self.middle).max() + machine.radius for patch in flanks),
+        )
+        return self.middle - reach, self.middle + reach
+
+
+def blank_of(shape: SpatialShape, cam: SpatialCam) -> Blank:
+    """Blank of a design's cam; where its radius is not known, up to the roller's outer end."""
+    y = shape.motion.y
+    return Blank(
+        MM * cam.outer_radius_mm if cam.outer_radius_mm else shape.machine.outer,
+        0.5 * MM * (cam.bore_mm or 0.0),
+        0.5 * float(y.min() + y.max()) if shape.machine.slides else 0.0,
+    )
+
+
+def greatest_elevation(machine: Machine, state: State) -> float:
+    """Greatest height on a barrel of a turret [m], or angle about the turret's axis on a globoidal blank [rad]."""
+    limit = turret_limit(machine)
+    if not machine.is_turret and machine.length is None:
+        largest = float(np.abs(state(np.linspace(0.0, TURN, AROUND * AROUND)).y).max())
+        limit = largest + 2.0 * float(np.arcsin(min(1.0, machine.radius / machine.inner)))
+    limit = min(limit, 0.45 * np.pi)
+    return machine.lever * float(np.sin(limit)) if machine.kind == "barrel" else limit
+
+
+def with_run_out(machine: Machine) -> Machine:
+    """Machine of a turret whose rollers count until they have left the blank, as the cutter does."""
+    if not machine.is_turret:
+        return machine
+    is_barrel = machine.kind == "barrel"
+    beyond = float(np.arcsin(min(1.0, machine.radius / (machine.lever if is_barrel else machine.inner))))
+    limit = min(turret_limit(machine) + beyond, 0.49 * np.pi)
+    return replace(machine, length=2.0 * (machine.lever if is_barrel else machine.middle) * float(np.sin(limit)))
+
+
+def cam_facets(machine: Machine, state: State, sense: float, blank: Blank, angles: int) -> Facets:
     """Facets of the cam in its own frame.
 
     Parameters
@@ -187,10 +232,7 @@ def cam_facets(
     state : callable
         Motion at cam angles.
     sense : float
-    outer, bore : float
-        Radius of a barrel's blank and radius of the bore [m].
-    middle : float
-        Height of the middle of the blank [m].
+    blank : Blank
     angles : int
         Number of steps around the turn.
 
@@ -199,15 +241,32 @@ def cam_facets(
     Facets
     """
     if machine.kind == "barrel":  # the roller may reach out of the blank
-        machine = replace(machine, outer=min(machine.outer, outer))
-    patches = list(flank_patches(machine, state, sense, angles, 3, beyond=1))
+        machine = replace(machine, outer=min(machine.outer, blank.outer))
+    wide = with_run_out(machine)
+    patches = list(flank_patches(wide, state, sense, angles, 3, beyond=1))
     parts = [_quads(patch.point, -patch.normal, FLANK, patch.pressure_angle) for patch in patches]
-    if machine.is_turret:
-        blank = _TurretBlank(machine, outer, bore)
-        inside = [np.abs(part.corners[..., 2].mean(axis=1)) <= blank.height for part in parts]
-        parts = [Facets(*(row[kept] for row in part)) for part, kept in zip(parts, inside, strict=True)]
-        return joined([*parts, *blank.floor(angles), *blank.lands(state(np.linspace(0.0, TURN, angles + 1)), sense)])
-    return joined([*parts, *_blank_of_barrel(machine, {patch.side: patch for patch in patches}, outer, bore, middle)])
+    if machine.kind == "barrel" and not machine.is_turret:
+        return joined([*parts, *_blank_of_barrel(machine, {patch.side: patch for patch in patches}, blank)])
+    body = _TurretBlank(wide, blank, greatest_elevation(machine, state))
+    inside = [body.contains(np.moveaxis(part.corners.mean(axis=1), -1, 0)) for part in parts]
+    parts = [Facets(*(row[kept] for row in part)) for part, kept in zip(parts, inside, strict=True)]
+    return joined([*parts, *body.floor(angles), *body.lands(state(np.linspace(0.0, TURN, angles + 1)), sense)])
+
+
+def elevation(machine: Machine, points: np.ndarray) -> np.ndarray:
+    """Height of points on a barrel, or their angle about the turret's axis on a globoidal blank.
+
+    Parameters
+    ----------
+    machine : Machine
+    points : ndarray (3, ...) [m]
+
+    Returns
+    -------
+    ndarray (...) [m or rad]
+    """
+    x, y, z = points
+    return np.asarray(z if machine.kind == "barrel" else np.arctan2(z, machine.lever - np.hypot(x, y)))
 
 
 class _TurretBlank:
@@ -216,27 +275,25 @@ class _TurretBlank:
     A point of it has a polar angle, and an elevation: its height on a cylinder, on a torus its angle about the turret.
     """
 
-    def __init__(self, machine: Machine, outer: float, bore: float) -> None:
-        self._machine, self._outer, self._bore = machine, outer, bore
+    def __init__(self, machine: Machine, blank: Blank, limit: float) -> None:
+        self._machine, self._outer, self._bore = machine, blank.outer, blank.bore
         self._is_barrel = machine.kind == "barrel"
-        limit = min(turret_limit(machine), 0.45 * np.pi)
-        self._limit = machine.lever * float(np.sin(limit)) if self._is_barrel else limit
+        self._limit = limit
 
-    @property
-    def height(self) -> float:
-        """Height of the ends of the floor above the middle [m]."""
-        return self._limit if self._is_barrel else self._machine.outer * float(np.sin(self._limit))
+    def contains(self, points: np.ndarray) -> np.ndarray:
+        """Whether points (3, n) [m] are between the ends of the blank."""
+        return np.asarray(np.abs(elevation(self._machine, points)) <= self._limit)
 
-    def _point(self, polar: np.ndarray, elevation: np.ndarray, on_floor: bool) -> tuple[np.ndarray, np.ndarray]:
+    def _point(self, polar: np.ndarray, at: np.ndarray, on_floor: bool) -> tuple[np.ndarray, np.ndarray]:
         """Point (3, ...) [m] of the surface or of the floor, and the direction (3, ...) out of the body."""
         machine = self._machine
         if self._is_barrel:
-            radius, height = (machine.inner if on_floor else self._outer) + 0.0 * elevation, elevation
-            out = np.ones_like(elevation), np.zeros_like(elevation)
+            radius, height = (machine.inner if on_floor else self._outer) + 0.0 * at, at
+            out = np.ones_like(at), np.zeros_like(at)
         else:
             u = machine.outer if on_floor else machine.inner
-            radius, height = machine.lever - u * np.cos(elevation), u * np.sin(elevation)
-            out = np.cos(elevation), -np.sin(elevation)
+            radius, height = machine.lever - u * np.cos(at), u * np.sin(at)
+            out = np.cos(at), -np.sin(at)
         cos, sin = np.cos(polar), np.sin(polar)
         return np.stack((radius * cos, radius * sin, height + 0.0 * cos)), np.stack(
             (out[0] * cos, out[0] * sin, out[1] + 0.0 * cos)
@@ -244,8 +301,8 @@ class _TurretBlank:
 
     def floor(self, angles: int) -> Iterator[Facets]:
         """Floor that the ends of the rollers sweep, and the flat ends down to the bore."""
-        polar, elevation = np.linspace(0.0, TURN, angles + 1), np.linspace(-self._limit, self._limit, 9)[:, None]
-        grid, out = self._point(polar + 0.0 * elevation, elevation + 0.0 * polar, on_floor=True)
+        polar, heights = np.linspace(0.0, TURN, angles + 1), np.linspace(-self._limit, self._limit, 9)[:, None]
+        grid, out = self._point(polar + 0.0 * heights, heights + 0.0 * polar, on_floor=True)
         yield _quads(grid, out, BLANK)
         for row, way in ((0, -1.0), (8, 1.0)):
             rim = grid[:, row]
@@ -256,7 +313,7 @@ class _TurretBlank:
 
     def lands(self, motion: MotionRows, sense: float) -> Iterator[Facets]:
         """Surface between the flanks of neighbouring rollers, and between the outermost flanks and the ends."""
-        rollers = rollers_at(self._machine, motion.y)
+        rollers = _passing(self._machine, motion.y)
         nowhere = RollerAt(rollers[0].number, rollers[0].offset, np.zeros(motion.y.size, dtype=bool))
         for lower, upper in pairwise((nowhere, *rollers, nowhere)):
             low, high = (self._edge(motion, sense, roller, side) for roller, side in ((lower, AHEAD), (upper, BEHIND)))
@@ -272,9 +329,10 @@ class _TurretBlank:
         """Polar angle and elevation (n,) of the edge of a flank at the surface of the blank."""
         machine = self._machine
         u = machine.outer if self._is_barrel else machine.inner
-        x, y, z = flank(machine, motion.shifted(roller.offset), np.array([[u]]), sense, side).cam_point[:, 0]
-        elevation = z if self._is_barrel else np.arctan2(z, machine.lever - np.hypot(x, y))
-        return np.unwrap(np.arctan2(y, x)), np.clip(elevation, -self._limit, self._limit)
+        points = flank(machine, motion.shifted(roller.offset), np.array([[u]]), sense, side).cam_point[:, 0]
+        return np.unwrap(np.arctan2(points[1], points[0])), np.clip(
+            elevation(machine, points), -self._limit, self._limit
+        )
 
     def _land(self, low: tuple[np.ndarray, np.ndarray], high: tuple[np.ndarray, np.ndarray]) -> Iterator[Facets]:
         """Surface between two edges, and the wall of the blank where one of them is its end."""
@@ -282,12 +340,24 @@ class _TurretBlank:
         turn = np.mod(high[0] - low[0] + np.pi, TURN) - np.pi
         grid, out = self._point(low[0] + part * turn, low[1] + part * (high[1] - low[1]), on_floor=False)
         yield _quads(grid, out, BLANK)
-        for row, elevation, way in ((0, low[1], -1.0), (-1, high[1], 1.0)):
-            if np.all(elevation == way * self._limit):
+        for row, level, way in ((0, low[1], -1.0), (-1, high[1], 1.0)):
+            if np.all(level == way * self._limit):
                 polar = (low, high)[row][0]
-                below, _ = self._point(polar, elevation, on_floor=True)
+                below, _ = self._point(polar, level, on_floor=True)
                 wall = np.stack((grid[:, row], below), axis=1)
                 yield _quads(wall, np.broadcast_to(np.array([0.0, 0.0, way])[:, None, None], wall.shape), BLANK)
+
+
+def _passing(machine: Machine, y: np.ndarray) -> tuple[RollerAt, ...]:
+    """Rollers that pass the blank over the turn, the lowest first, each one of them all the time."""
+    if not machine.is_turret:
+        return rollers_at(machine, y)
+    pitch, limit = machine.pitch, turret_limit(machine)
+    first, last = np.ceil((-limit - y.max()) / pitch), np.floor((limit - y.min()) / pitch)
+    return tuple(
+        RollerAt(np.full(y.size, k % machine.rollers + 1), np.full(y.size, k * pitch), np.abs(y + k * pitch) <= limit)
+        for k in range(int(first), int(last) + 1)
+    )
 
 
 def _bore_wall(radius: float, low: float, high: float, angles: int) -> Facets:
@@ -297,13 +367,10 @@ def _bore_wall(radius: float, low: float, high: float, angles: int) -> Facets:
     return _quads(grid, -_radial(grid), BLANK)
 
 
-def _blank_of_barrel(
-    machine: Machine, flanks: dict[str, FlankPatch], outer: float, bore: float, middle: float
-) -> Iterator[Facets]:
+def _blank_of_barrel(machine: Machine, flanks: dict[str, FlankPatch], blank: Blank) -> Iterator[Facets]:
     """Lands, floor and ends of a barrel, whose edges are those of its flanks."""
-    half = 0.5 * (machine.length or 0.0)
-    reach = max(half, max(abs(patch.point[2] - middle).max() for patch in flanks.values()) + machine.radius)
-    ends = middle - reach, middle + reach
+    outer, bore, middle = blank
+    ends = blank.ends(machine, flanks.values())
     ahead, behind = flanks[AHEAD].point, flanks[BEHIND].point
     low, high = (
         (ahead, behind) if machine.is_rib else (behind, ahead)
@@ -346,4 +413,26 @@ def roller_facets(machine: Machine, y: float) -> Facets:
             parts.append(
                 _quads(np.concatenate((rim, centre), axis=1), np.broadcast_to(way * a, (3, 2, around.size)), ROLLER)
             )
+    if machine.is_turret:
+        parts += _turret_disc(machine)
     return joined(parts)
+
+
+def _turret_disc(machine: Machine) -> Iterator[Facets]:
+    """Disc that carries the rollers of a turret: about +y inside them, or about +x at their outer ends."""
+    around, radius = np.linspace(0.0, TURN, 2 * AROUND + 1), machine.radius
+    if machine.kind == "barrel":
+        rim, (low, high) = machine.lever + radius, (machine.outer, machine.outer + radius)
+        centre, axis, across = (0.0, -machine.lever, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    else:
+        rim, (low, high) = machine.inner, (-0.6 * radius, 0.6 * radius)
+        centre, axis, across = (machine.lever, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    along, first = (np.array(row)[:, None, None] for row in (axis, across))
+    out = np.cos(around) * first + np.sin(around) * np.cross(along, first, axis=0)
+    wall = np.array(centre)[:, None, None] + np.array([low, high])[:, None] * along + rim * out
+    yield _quads(wall, np.broadcast_to(out, wall.shape), ROLLER)
+    for k, way in ((0, -1.0), (1, 1.0)):
+        edge = wall[:, k : k + 1]
+        middle = edge - rim * out
+        rings = np.concatenate([middle + part * (edge - middle) for part in (0.0, 0.5, 1.0)], axis=1)
+        yield _quads(rings, np.broadcast_to(way * along, rings.shape), ROLLER)

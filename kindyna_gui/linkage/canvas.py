@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt, Signal
@@ -26,11 +27,15 @@ from core.errors import KindynaError
 from core.mechanism.kinematics import FRAME
 from core.study import Study
 from kindyna_gui.pictures.drawing.assembly import Assembly
+from kindyna_gui.pictures.drawing.geometry import space_views
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.shapes import joined, outline
+from kindyna_gui.pictures.shapes import curve, joined, outline
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import nearest
 from kindyna_gui.rebuilt import single_shot
+
+if TYPE_CHECKING:
+    from core.spatial.views import CamViews
 
 NOTCH, STEP = 120.0, 1.25  # angle of a notch of the wheel, and its zoom factor
 FURTHEST, CLOSEST = 0.05, 400.0  # zoom limits relative to the scale that fits the mechanism
@@ -367,6 +372,14 @@ class PinnedOutline:
         assert self.study.shape is not None
         return joined(*(outline(MM * flank.profile) for flank in self.study.shape.flanks))
 
+    @cached_property
+    def _views(self) -> CamViews | None:
+        """Views of a cam in space."""
+        try:
+            return space_views(self.study) if self.study.has_surface else None
+        except KindynaError:
+            return None
+
     def path(self, theta: float) -> QPainterPath:
         """Outline of cam and follower face, links as lines between their points; empty if there is no solution."""
         path = QPainterPath()
@@ -381,6 +394,20 @@ class PinnedOutline:
             ]
             if name != FRAME and len(points) > 1:
                 path.addPolygon(_polygon(points + points[:1]))
+        if self._views is not None:
+            angle = self.study.sense * float(self.study.theta[at])
+            centre, radius = MM * self._views.end_origin, MM * self._views.radii[0]
+            path.addEllipse(QPointF(centre.real, centre.imag), radius, radius)
+            lines = [
+                self._views.outline(angle),
+                *(edge for is_visible, edge in self._views.edges_at(angle) if is_visible),
+            ]
+            lines += [
+                np.append(roller.side, roller.side[:1])
+                for roller in self._views.rollers(float(self.study.surface.motion.y[at]))
+            ]
+            for line in lines:
+                path.addPath(curve(MM * line))
         if shape is not None:
             rotation = QTransform().rotate(self.study.sense * float(np.rad2deg(self.study.theta[at])))
             path.addPath(rotation.map(self._outline))

@@ -37,6 +37,7 @@ LINK_FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "rod": ("follower.rod_mm",),
         "slider": ("follower.guide_height_mm",),
         "follower": ("follower.offset_mm",),
+        "output": ("loads.mass_kg", "loads.inertia_kg_m2"),
     }
 )
 """Body of a follower -> fields of its size; the first that a design has is used."""
@@ -85,12 +86,16 @@ def _link(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, ge
     design = geometry.study.design
     number = next((n for n, body in geometry.study.mechanism.bodies.items() if body == name), 0)
     fields = [
-        row.path for section in ("follower", "linkage") if section in design.tables for row in entries(design, section)
+        row.path
+        for section in ("follower", "linkage", "loads")
+        if section in design.tables
+        for row in entries(design, section)
     ]
     links = design.drive.linkage.links if design.drive.links else ()
     points = tuple(f"linkage.links[{i}].points" for i, link in enumerate(links) if link.number == number)[:1]
     path = next((path for path in LINK_FIELDS.get(name, ()) if path in fields), "")
-    path = path or next((path for path in fields if path.startswith(points)), "linkage" if links else "follower")
+    table = "linkage" if links else "loads" if design.drive.is_alone else "follower"
+    path = path or next((path for path in fields if path.startswith(points)), table)
     return MouseTarget(f"Link {number}" if links else name[:1].upper() + name[1:], path)
 
 
@@ -98,10 +103,26 @@ def _cam(canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geo
     if not on_cam(geometry, scene.index, at):
         return None
     sized = hasattr(geometry.study.design.drive.cam, "base_radius_mm")
-    return MouseTarget("Cam", "cam.base_radius_mm" if sized else "cam", "pitch_curvature", profile=True)
+    return MouseTarget("Cam", "cam.base_radius_mm" if sized else "cam", "pitch_curvature", export="exports.profile")
 
 
-HIT_TESTS = (_pin, _load, _face, _link, _cam)
+def _in_space(
+    canvas: Canvas, scene: MechanismScene, picker: Picker, at: complex, geometry: Geometry
+) -> MouseTarget | None:
+    if geometry.space is None:
+        return None
+    from core.spatial.kinds import KINDS  # few designs have a cam in space
+    from kindyna_gui.pictures.drawing.spatial_parts import part_at
+
+    name, cam = part_at(geometry, scene.index, at), geometry.study.design.drive.cam
+    if name == "cam":
+        return MouseTarget(cam.label, KINDS[cam.kind].size, "pressure_angle", export="exports.surfaces")
+    if name == "turret":
+        return MouseTarget("Turret", "cam.rollers", "displacement")
+    return MouseTarget(name.capitalize(), "cam.roller_radius_mm", "contact_force") if name else None
+
+
+HIT_TESTS = (_pin, _load, _face, _link, _in_space, _cam)
 """Hit tests of the parts, the uppermost first."""
 
 
@@ -155,13 +176,13 @@ class DrivesMouse:
         ahead = (
             -figure.shaft_position.rotation_sign * figure.geometry.rotation_sign * (-1.0 if figure.mirrored else 1.0)
         )
-        last, angle = at - figure.corner, 0.0
+        last, angle = at - figure.axis, 0.0
 
         def run(to: complex) -> None:
             nonlocal last, angle
             if self._drag is None and not self._start_drag(number):
                 return
-            arm = to - figure.corner
+            arm = to - figure.axis
             factor = FINE if QApplication.keyboardModifiers() & Qt.KeyboardModifier.ControlModifier else 1.0
             angle += ahead * degrees(phase(arm / last)) * factor if arm and last else 0.0
             last = arm

@@ -415,7 +415,7 @@ class MechanismView(MechanismMouseView):
             return f"Showing the last version that can be assembled. {misfit_sentences(self.session)[0]}"
         text = ""
         try:
-            _ = study.cam if study.has_disk else None
+            _ = study.cam if "cam" in study.stages else None
             text = why_no_pressure(study) if self._layer_states["stress_colours"] and study.has_disk else ""
         except NoSolution as error:
             text = f"No cam: {reason(study.design, error)}"

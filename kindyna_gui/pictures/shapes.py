@@ -53,7 +53,14 @@ def circle(radius: float, centre: complex = 0j) -> QPainterPath:
 
 
 def outline(points: np.ndarray) -> QPainterPath:
-    """Closed curve through points (n,) complex, copied as one block of memory, which saves milliseconds."""
+    """Closed curve through points (n,) complex."""
+    path = curve(points)
+    path.closeSubpath()
+    return path
+
+
+def curve(points: np.ndarray) -> QPainterPath:
+    """Open curve through points (n,) complex, copied as one block of memory, which saves milliseconds."""
     polygon = QPolygonF()
     polygon.resize(points.size)
     if points.size:
@@ -61,8 +68,14 @@ def outline(points: np.ndarray) -> QPainterPath:
         np.frombuffer(memory, dtype=complex)[:] = points
     path = QPainterPath()
     path.addPolygon(polygon)
-    path.closeSubpath()
     return path
+
+
+def keyed_bore(keyway: Sequence[complex]) -> QPainterPath:
+    """Bore with a keyway: an arc from the last corner of the keyway to its first."""
+    first, last = keyway[0], keyway[-1]
+    span = float(np.mod(np.angle(first / last), 2.0 * np.pi))
+    return outline(np.append(last * np.exp(1j * np.linspace(0.0, span, 360)), keyway[:-1]))
 
 
 def joined(*paths: QPainterPath) -> QPainterPath:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
@@ -15,54 +15,33 @@ from kindyna_gui.spatial.colours import shaded_brushes
 
 MARGIN = 26.0  # pixels
 OBLIQUE = (35.0, 25.0)  # turn and tilt [deg] with which it opens
-SIDE, END = (0.0, 0.0), (0.0, 90.0)
 LIGHT = np.array([-0.35, 0.55, 0.76])  # towards the light: right, up, towards the viewer
 MM = 1e3
 
 
 class SolidCanvas(TurnedByMouse, QWidget):
-    """One picture, or several from fixed directions next to each other; cam and rollers are those of a cam angle.
+    """Picture of the cam and its rollers at a cam angle, which a drag turns."""
 
-    Attributes
-    ----------
-    views : list of (str, (float, float))
-        Heading, turn and tilt [deg] of each picture.
-    turns : bool
-        Whether a drag turns the picture.
-    """
+    turn, tilt = first_view = OBLIQUE
 
-    first_view = OBLIQUE
-
-    def __init__(self, name: str, views: list[tuple[str, tuple[float, float]]], turns: bool) -> None:
-        super().__init__(accessibleName=name)
-        self.views, self.turns = views, turns
-        self.turn, self.tilt = views[0][1]
+    def __init__(self) -> None:
+        super().__init__(accessibleName="Cam in space")
         self.cam: Facets | None = None
         self.rollers: Facets | None = None
         self.angle = 0.0  # of the cam about z [rad]
         self.limit = np.pi / 4.0  # pressure angle whose colour is the last one [rad]
         self.setMinimumSize(1, 1)
-        if turns:
-            self.setCursor(Qt.CursorShape.OpenHandCursor)
-            self.setToolTip("Drag to turn; double-click for the first view")
-
-    def look(self, turn: float, tilt: float) -> None:
-        """Set rotation and tilt [deg] of the picture."""
-        super().look(turn, tilt)
-        self.views = [(self.views[0][0], (self.turn, self.tilt))]
+        self.setCursor(Qt.CursorShape.OpenHandCursor)
+        self.setToolTip("Drag to turn; double-click for the first view")
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(SCREEN.paper))
         if self.cam is not None and self.rollers is not None:
-            width = self.width() / len(self.views)
-            for k, (heading, view) in enumerate(self.views):
-                self._paint(painter, QRectF(k * width, 0.0, width, float(self.height())), view)
-                painter.setPen(QPen(QColor(SCREEN.ink)))
-                painter.drawText(QPointF(k * width + 10.0, 20.0), heading)
+            self._paint(painter)
         painter.end()
 
-    def _paint(self, painter: QPainter, room: QRectF, view: tuple[float, float]) -> None:
+    def _paint(self, painter: QPainter) -> None:
         """Paint the facets that face the viewer, the farthest first."""
         assert self.cam is not None
         assert self.rollers is not None
@@ -71,7 +50,7 @@ class SolidCanvas(TurnedByMouse, QWidget):
         normals = np.concatenate((cam.normals, self.rollers.normals))
         sort = np.concatenate((cam.sort, self.rollers.sort))
         pressure = np.concatenate((cam.pressure_angle, self.rollers.pressure_angle))
-        directions = [seen_from(axis, *view) for axis in np.eye(3)[:, None]]
+        directions = [seen_from(axis, self.turn, self.tilt) for axis in np.eye(3)[:, None]]
         right, up = (
             np.array([complex(d[0]).real for d in directions]),
             np.array([complex(d[0]).imag for d in directions]),
@@ -80,7 +59,7 @@ class SolidCanvas(TurnedByMouse, QWidget):
         facing = normals @ towards > 1e-6
         corners, normals, sort, pressure = corners[facing], normals[facing], sort[facing], pressure[facing]
         order = np.argsort((corners @ towards).mean(axis=1), kind="stable")
-        pixels = self._pixels(corners.reshape(-1, 3), room, view).reshape(-1, 4)
+        pixels = self._pixels(corners.reshape(-1, 3)).reshape(-1, 4)
         brightness = np.clip(normals @ (LIGHT[0] * right + LIGHT[1] * up + LIGHT[2] * towards), 0.0, 1.0)
         colours = shaded_brushes(sort == FLANK, sort == ROLLER, pressure / self.limit, brightness)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
@@ -93,13 +72,13 @@ class SolidCanvas(TurnedByMouse, QWidget):
                 last = brush
             painter.drawPolygon(QPolygonF([QPointF(z.real, z.imag) for z in pixels[k].tolist()]))
 
-    def _pixels(self, points: np.ndarray, room: QRectF, view: tuple[float, float]) -> np.ndarray:
+    def _pixels(self, points: np.ndarray) -> np.ndarray:
         """Pixels (n,) complex of points (n, 3) [mm], of the same size in any direction and at any cam angle."""
         assert self.cam is not None
         assert self.rollers is not None
         both = np.concatenate((self.cam.corners, self.rollers.corners)).reshape(-1, 3) * MM
         reach, low, high = float(np.hypot(both[:, 0], both[:, 1]).max()), both[:, 2].min(), both[:, 2].max()
-        half = max(reach, 0.5 * float(high - low)) if not self.turns else float(np.hypot(reach, 0.5 * (high - low)))
-        scale = max(min(room.width(), room.height()) / 2.0 - MARGIN, 1.0) / half
-        seen = seen_from(points - np.array([0.0, 0.0, 0.5 * (low + high)]), *view)
-        return np.asarray(complex(room.center().x(), room.center().y()) + scale * seen.conj())
+        half = float(np.hypot(reach, 0.5 * (high - low)))
+        scale = max(min(self.width(), self.height()) / 2.0 - MARGIN, 1.0) / half
+        seen = seen_from(points - np.array([0.0, 0.0, 0.5 * (low + high)]), self.turn, self.tilt)
+        return np.asarray(0.5 * complex(self.width(), self.height()) + scale * seen.conj())

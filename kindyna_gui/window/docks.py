@@ -163,7 +163,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             "Path in &space", "Show the path of the part that all drives move, in three dimensions", least=(240, 212), picture=True,
             help="camshaft#Path in space", short="Space"),
         "surface": ViewRow("Cam in space", lazily("spatial.view", "SpatialView"), CENTRE,
-            "Cam in sp&ace", "Show a barrel or globoidal cam: shaded, from side and end, and its unrolled flanks", least=(420, 300),
+            "Cam in sp&ace", "Show a barrel or globoidal cam shaded, and its unrolled flanks", least=(420, 300),
             picture=True, help="spatial#What is computed", short="Cam"),
         "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE,
             "&Law table", "Compare the motion laws: curves and peak values",

@@ -476,7 +476,7 @@ class Layouts(QObject):
         pages, front = self._centre.open_pages
         others = tuple(name for name in pages if name != "surface")
         if is_in_space:
-            self._set_pages((*others, "surface"), "surface")
+            self._set_pages((*others, "surface"), front)
         elif "surface" in pages:
             self._set_pages(others, "mechanism" if front == "surface" else front)
 

@@ -505,6 +505,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
                  "Export profile, kinematics and dynamics as CSV tables", "export"),
             Item("Export pr&ofile...", "exports.profile", None, "Ctrl+Shift+E",
                  "Export the cam profile, or the path of a cutter, as DXF, SVG, CSV or G-code"),
+            Item("Export sol&id and surfaces...", "exports.surfaces", None, "",
+                 "Export the solid cam or its flanks as STEP, STL or CSV, or the G-code of a barrel cam's groove"),
         ),
     ),
     (

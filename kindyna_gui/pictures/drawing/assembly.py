@@ -40,7 +40,7 @@ from kindyna_gui.pictures.style import BALANCE, SCREEN, TEXT, Theme, rgb
 if TYPE_CHECKING:
     from core.study.clearances import Clearances
 
-BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
+BUILDERS = (cam_parts.cam, parts.roller, parts.linkage, cam_parts.in_space)
 
 
 def vector_parts(layer: str, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -125,6 +125,15 @@ class DriveFigure:
     def on_cam(self, point: complex) -> bool:
         """Whether a point of the scene [mm] is on the drive's cam."""
         return on_cam(self.geometry, self.index, self.local(point))
+
+    def scene_point(self, point: complex) -> complex:
+        """Transform a point of the drive's frame [mm] into the scene."""
+        return self.corner + (-point.conjugate() if self.mirrored else point)
+
+    @property
+    def axis(self) -> complex:
+        """Axis of the drive's cam in the scene [mm]."""
+        return self.scene_point(self.geometry.axis)
 
     @property
     def rect(self) -> QRectF:
@@ -358,10 +367,10 @@ class Assembly(QGraphicsScene):
             x += width
 
     def _corners(self) -> list[complex]:
-        """Positions of the shafts [mm]: all at the origin, or in as many rows as make the drawing largest."""
+        """Positions of the drives [mm]: all axes at the origin, or in as many rows as make the drawing largest."""
         cells = self._cells
         if self.about_shaft or not cells:
-            return [0j] * len(cells)
+            return [figure.corner - figure.axis for figure in self.figures.values()]
         layouts = [_grid([cell.rect for cell in cells], columns) for columns in range(1, len(cells) + 1)]
         return min(layouts, key=lambda layout: max(layout[1].real / self._aspect, layout[1].imag))[0]
 

@@ -6,7 +6,7 @@ Lengths are in mm, angles in degrees. Curves of the cam are given in the frame o
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -24,7 +24,7 @@ from core.study.extremes import has_undercut
 from core.study.limits import limit_of
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
 from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, standing_at, text_size, turning
-from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
+from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, keyed_bore, outline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush, no_pen, rgb
 from kindyna_gui.pictures.units import number, readable_text, short
 
@@ -44,7 +44,7 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         yield DrawnPart("cam", item, ("cam",), Z_CAM, turning(item, geometry.cam_rotation))
         yield from _zero_mark(geometry, theme)
         for name, radius in geometry.known_circles:
-            path = _bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius)
+            path = keyed_bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius)
             edge = Outline(path, theme.pen(theme.cam_line, THIN))
             yield DrawnPart(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.cam_rotation))
         for flank in geometry.other_flanks:
@@ -56,13 +56,6 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         "base", Outline(circle(geometry.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
     )
     yield from _shaft(geometry, theme)
-
-
-def _bore(keyway: Sequence[complex]) -> QPainterPath:
-    """Bore with a keyway: an arc from the last corner of the keyway to its first."""
-    first, last = keyway[0], keyway[-1]
-    span = float(np.mod(np.angle(first / last), 2.0 * np.pi))
-    return outline(np.append(last * np.exp(1j * np.linspace(0.0, span, 360)), keyway[:-1]))
 
 
 def _groove(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -138,6 +131,14 @@ def _shaft(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     yield DrawnPart(
         "sense.head", Outline(tip, theme.pen(theme.cam_line, THIN), brush(theme.cam_line)), ("cam",), Z_SHAFT
     )
+
+
+def in_space(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
+    """Side view and end view of a cam in space."""
+    if geometry.surface is not None:
+        from kindyna_gui.pictures.drawing.spatial_parts import cam_in_space  # few designs have a cam in space
+
+        yield from cam_in_space(geometry, theme)
 
 
 def contact(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -470,7 +471,11 @@ class ProfileReading:
 
 
 def on_cam(geometry: Geometry, index: int, point: complex) -> bool:
-    """Whether a point of the global frame [mm] is on the cam at a sample."""
+    """Whether a point of the global frame [mm] is on the cam at a sample, of a cam in space on its end view."""
+    if geometry.space is not None:
+        from kindyna_gui.pictures.drawing.spatial_parts import on_end_view  # as in ``in_space``
+
+        return on_end_view(geometry, point)
     if not geometry.profile.size:
         return False
     local = point * np.exp(-1j * np.deg2rad(geometry.cam_rotation[index]))

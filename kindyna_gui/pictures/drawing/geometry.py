@@ -9,6 +9,7 @@ import cmath
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,10 @@ from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
 from kindyna_gui.pictures.units import nearest
 from kindyna_gui.requirements import lists_links
+
+if TYPE_CHECKING:
+    from core.spatial.shape import SpatialShape
+    from core.spatial.views import CamViews
 
 MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
@@ -141,6 +146,7 @@ class Geometry:
         self.study = study
         self.kinematics: Kinematics = study.linkage
         self.shape: CamShape | None = _shape(study)
+        self.surface: SpatialShape | None = _surface(study)
         self.rotation_sign = study.sense
         self.has_numbered_links, self.has_cam = lists_links(study.design), study.has_disk
         self.cam_angle = np.rad2deg(study.theta)
@@ -176,7 +182,7 @@ class Geometry:
     @property
     def keyway(self) -> tuple[complex, ...]:
         """Corners of the keyway in the cam's frame [mm]; empty where it is not given."""
-        return keyway_corners(self.study.design.drive.cam) if self.has_cam else ()
+        return keyway_corners(self.study.design.drive.cam) if self.has_cam or self.space is not None else ()
 
     def nearest(self, theta: float) -> int:
         """Index of the sample nearest to an angle [rad]."""
@@ -324,6 +330,21 @@ class Geometry:
             if self.shape is not None and flank.reference is not self.shape.reference
         )
 
+    @cached_property
+    def space(self) -> CamViews | None:
+        """Side view and end view of a cam in space; None without one, or where it has no solution."""
+        return None if self.surface is None else space_views(self.study)
+
+    @cached_property
+    def view_boxes(self) -> tuple[tuple[complex, complex], ...]:
+        """Lower left and upper right corner of a cam in space in the side view and the end view [mm]; empty without one."""
+        return () if self.space is None else tuple((low * MM, high * MM) for low, high in self.space.boxes)
+
+    @cached_property
+    def axis(self) -> complex:
+        """Axis of the cam where it is seen from its end [mm]; a disk cam turns about the origin."""
+        return 0j if self.space is None else self.space.end_origin * MM
+
     def cam_turn(self, index: int) -> complex:
         """Unit vector of the cam's x axis at a sample."""
         return cmath.rect(1.0, math.radians(self.cam_rotation[index]))
@@ -360,6 +381,10 @@ class Geometry:
         sweep = float(np.abs(widest).max()) if widest.size else self.base_radius
         sweep = max([sweep, *(float(np.abs(flank.profile).max()) * MM for flank in self.other_flanks)])
         boxes = [(-sweep, -sweep, sweep, sweep)] if self.has_cam else []
+        boxes += [(low.real, low.imag, high.real, high.imag) for low, high in self.view_boxes]
+        if self.space is not None and self.space.machine.is_turret:
+            reach = self.space.turret_reach * MM
+            boxes.append((-reach, -reach, reach, reach))
         corners = tuple(self.face_outline[:-1]) if self.face_outline.size and not self.face_radius else ()
         turn = self.face_turn
         rounds = (
@@ -403,6 +428,7 @@ class Geometry:
         return (
             self.kinematics is other.kinematics
             and self.shape is other.shape
+            and self.surface is other.surface
             and (self.rotation_sign, self.base_radius, self.known_circles)
             == (other.rotation_sign, other.base_radius, other.known_circles)
             and (self.keyway, self.has_spring) == (other.keyway, other.has_spring)
@@ -463,6 +489,24 @@ class Geometry:
             np.abs(q.imag - (low + high).imag / 2) < (high - low).imag / 2 + room
         )
         return q[inside]
+
+
+def space_views(study: Study) -> CamViews:
+    """Side view and end view of a study with a cam in space. Raises NoCam where none is possible."""
+    from core.spatial.picture import blank_of  # few designs have a cam in space
+    from core.spatial.views import cam_views
+
+    shape = study.surface
+    return cam_views(shape.machine, study.motion_rows, shape.sense, blank_of(shape, study.design.drive.cam))
+
+
+def _surface(study: Study) -> SpatialShape | None:
+    if not study.has_surface:
+        return None
+    try:
+        return study.surface
+    except NoSolution:
+        return None
 
 
 def _shape(study: Study) -> CamShape | None:

@@ -126,6 +126,10 @@ def labels_of(geometry: Geometry) -> Iterator[Label]:
         yield Label("roller", geometry.study.design.drive.face.noun, geometry.reference, geometry.face_radius, "roller")
     for name, track, radius in geometry.other_rollers:
         yield Label(f"roller.{name}", f"{name} roller", track, radius, "roller")
+    if geometry.space is not None:
+        machine = geometry.space.machine
+        track = geometry.space.roller_track(geometry.study.surface.motion.y) * MM
+        yield Label("roller", "roller 1" if machine.rollers > 1 else "roller", track, machine.radius * MM, "roller")
     slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
     for body in geometry.moving.values():
         points = list(geometry.nodes(body).values())
@@ -278,6 +282,9 @@ def drawing_dots(
         radius, begin, span = rotation_arc(geometry)
         arc = radius * np.exp(1j * np.deg2rad(begin + span * np.linspace(0.0, 1.0, 16)))
         rows.append((np.tile(arc, (samples.size, 1)), 0.4 * unit, 0.8))
+    for low, high in geometry.view_boxes:
+        for start, end in pairwise((low, complex(high.real, low.imag), high, complex(low.real, high.imag), low)):
+            dots(start + 0.0 * samples, end + 0.0 * samples, 0.0, 0.9)
     for joint in geometry.joints:
         track = joint.track[samples]
         if joint.pair.kind == SLIDING:

@@ -146,6 +146,7 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
     parts.wheels,
     parts.linkage,
     cam_parts.contact,
+    cam_parts.in_space,
 )
 
 

@@ -126,6 +126,7 @@ LOAD_LAYERS = ("loads", "masses")
 """Layers that depend on the loads only."""
 
 _CAM_LAYERS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOUR_LAYERS)
+_SPATIAL_LAYERS = {"cam", "roller"}
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
 
 
@@ -139,7 +140,7 @@ def available_layers(study: Study) -> tuple[str, ...]:
     """Layers that apply to a design."""
     shaft = study.design.shaft
     omitted = {
-        *(() if study.has_disk else _CAM_LAYERS),
+        *(() if study.has_disk else set(_CAM_LAYERS) - (_SPATIAL_LAYERS if study.has_surface else set())),
         *(() if has_advance(study) else (MODULO,)),
         *(() if study.design.outlines else ("outlines",)),
         *(() if shaft is not None and shaft.elastic is not None else (TWIST,)),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.spatial import AHEAD, Machine, MotionRows, flank_patches, roller_tracks
-from core.spatial.picture import Facets, cam_facets, roller_facets
+from core.spatial.picture import Blank, Facets, cam_facets, roller_facets
 
 GROOVE = Machine("barrel", "mm", 0.008, 0.0, 0.04, 0.052, 1, 0.0, 0.0002, 0.0, 0.08, False)
 RIB = replace(GROOVE, distance=0.03, play=0.0, is_rib=True)
@@ -33,7 +33,7 @@ def volume(facets: Facets) -> float:
 @pytest.mark.parametrize(("machine", "between", "width"), [(GROOVE, 0.04, 0.0162), (RIB, OUTER, 0.014)])
 def test_a_blank_has_the_volume_of_its_rings(machine: Machine, between: float, width: float) -> None:
     """Of a dwell: a ring of the width of groove or rib, and the rest of the length with the other radius."""
-    facets = cam_facets(machine, still, 1.0, OUTER, BORE, 0.0, ANGLES)
+    facets = cam_facets(machine, still, 1.0, Blank(OUTER, BORE, 0.0), ANGLES)
     outside = OUTER if machine is GROOVE else machine.inner
     polygon = np.sin(2.0 * np.pi / ANGLES) / (2.0 * np.pi / ANGLES)  # area of a polygon over that of its circle
     ring = np.pi * polygon * ((0.08 - width) * (outside**2 - BORE**2) + width * (between**2 - BORE**2))

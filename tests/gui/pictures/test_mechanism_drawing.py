@@ -147,6 +147,7 @@ def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> Non
         "omega": study.omega,
         "stages": study.stages,
         "has_disk": study.has_disk,
+        "has_surface": False,
         "sense": study.sense,
         "loading": study.loading,
     }
@@ -257,6 +258,7 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
         "omega": study.omega,
         "stages": study.stages,
         "has_disk": study.has_disk,
+        "has_surface": False,
         "sense": study.sense,
         "loading": study.loading,
     }
@@ -598,6 +600,7 @@ class Quick:
             name="quick", shaft=SimpleNamespace(sense=1.0), drive=drive, outlines=(), clearances=()
         )
         self.stages, self.has_disk, self.sense, self.loading = ("linkage", "cam"), True, 1.0, Loading()
+        self.has_surface = False
         end = 0.3 + 0.1 * np.exp(1j * self.theta)
         rocker = np.angle(end - (0.3 - 0.3j))
         bodies = {

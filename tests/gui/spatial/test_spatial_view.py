@@ -53,9 +53,9 @@ def test_a_new_cam_in_space_is_complete_and_has_no_finding(user: User, entry: st
 
 def test_a_drag_turns_the_shaded_picture_and_a_double_click_turns_it_back(open_user: Open) -> None:
     view = view_of(open_user(example("barrel_feeder")))
-    first, before = view.solid.views, image_of(view.solid)
+    (turn_before, tilt_before), before = (view.solid.turn, view.solid.tilt), image_of(view.solid)
     drag(view.solid, QPointF(100.0, 100.0), QPointF(160.0, 130.0))
-    (_, (turn, tilt)), (_, (turn_before, tilt_before)) = view.solid.views[0], first[0]
+    turn, tilt = view.solid.turn, view.solid.tilt
     assert (turn_before - turn) % 360.0 == pytest.approx(30.0)
     assert tilt - tilt_before == pytest.approx(15.0)
     assert (image_of(view.solid) != before).mean() > 0.02
@@ -132,9 +132,9 @@ def test_the_page_opens_with_a_cam_in_space_and_closes_with_it(user: User) -> No
     window = user.window
     window.show_task("kine")
     user.choose("File", "New by type", "Barrel cam")
-    assert window.centre.open_pages == (("mechanism", "surface"), "surface")
+    assert window.centre.open_pages == (("mechanism", "surface"), "mechanism")
     window.show_task("compo")
-    assert window.centre.open_pages[1] == "surface"
+    assert window.centre.open_pages[0] == ("mechanism", "surface")
     user.choose("File", "New by type", "Translating follower")
     assert window.centre.open_pages == (("mechanism",), "mechanism")
 
