@@ -17,12 +17,11 @@ from core.design import (
     add_drive,
     as_list,
     copy_drive,
-    edited,
     move_drive,
     only,
     remove_drive,
     slug,
-    with_only,
+    with_mechanism,
     with_shaft,
 )
 from core.errors import KindynaError, NoSolution
@@ -96,10 +95,7 @@ def copy(session: Session) -> bool:
 
 def replace_chosen(session: Session, design: Design, label: str) -> bool:
     """Replace the mechanism of the selected drive, which keeps its name and its position on the shaft."""
-    single = replace(design, name=session.design.name, shaft=session.design.shaft)
-    full_design = with_only(session.full_design, session.chosen, single)
-    speed = session.full_design.camshaft.speed_rpm  # a linkage's driver turns at the speed of the shaft
-    return _put(session, edited(full_design, "shaft.speed_rpm", speed), label, session.chosen)
+    return _put(session, with_mechanism(session.full_design, session.chosen, design), label, session.chosen)
 
 
 def remove(session: Session) -> bool:

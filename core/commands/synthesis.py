@@ -12,9 +12,9 @@ from typing import Any
 from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, Painter
 from core.commands.common import as_json, drive_name, out_folder
-from core.design import only
+from core.design import faults, only, with_mechanism
 from core.design.fields import flag, whole
-from core.errors import KindynaError
+from core.errors import DesignError, KindynaError
 from core.frozen import frozen
 from core.number_text import result_text
 from core.output.load_text import part_names
@@ -25,7 +25,7 @@ from core.requests import option, text_option
 from core.synthesis import Answer, Dyad, Synthesis, Task, load_task, synthesise
 from core.synthesis.chosen import answer_of_dyads, driven_by_other_link
 from core.synthesis.results import ANSWER_COLUMNS, answer_data, design_names, synthesis_data
-from core.synthesis.takeover import put_in_list, taken_over, under_motion
+from core.synthesis.takeover import taken_over, under_motion
 
 EXACT = 1e-9
 """Error, of the size or in degrees, that is rounding."""
@@ -145,7 +145,10 @@ def _write_one(
     number = number_of(machine, arguments.drive)
     present = only(machine, number)
     takeover = under_motion(answer, task, present) if arguments.under_motion else taken_over(answer, present)
-    save(put_in_list(machine, number, takeover.design), arguments.into)
+    design = with_mechanism(machine, number, takeover.design)
+    if wrong := faults(design):
+        raise DesignError(wrong)
+    save(design, arguments.into)
     return answer, part_names(present, takeover.left_out)
 
 

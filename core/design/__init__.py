@@ -36,6 +36,7 @@ from core.design.camshaft import (
     slug,
     slugs,
     strokes,
+    with_mechanism,
     with_only,
     with_phase,
     with_phase_value,

@@ -149,6 +149,22 @@ def with_only(design: Design, index: int, single: Design) -> Design:
     return _renamed(replace(changed, assumed=(*marks[:at], *new, *marks[at:])), before.name, single.name)
 
 
+def with_mechanism(design: Design, index: int, single: Design) -> Design:
+    """Design with one drive's mechanism replaced by that of ``single``; name, engine, and the speed of the shaft stay.
+
+    What the drive carries stays where its motion has a known ratio to it. A design without a list of drives is replaced.
+    """
+    if not design.listed:
+        return single
+    present = only(design, index)
+    placed = replace(single, name=present.name, shaft=present.shaft, engine=present.engine)
+    changed = with_only(design, index, placed)
+    if placed.drive.carried_per_motion is None:
+        row = replace(changed.drives[index], carries=())
+        changed = with_drives(changed, (*changed.drives[:index], row, *changed.drives[index + 1 :]))
+    return turning_together(changed)
+
+
 def with_drives(design: Design, drives: Sequence[Drive]) -> Design:
     """Design with other drives."""
     return replace(design, drives=tuple(drives))

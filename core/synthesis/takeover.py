@@ -25,11 +25,8 @@ from core.design import (
     Segment,
     all_paths,
     faults,
-    only,
     with_drive,
-    with_only,
 )
-from core.design.camshaft import turning_together
 from core.design.edits import with_levels
 from core.design.limits import NO_LIMITS
 from core.design.motion_edits import require_motion
@@ -112,25 +109,6 @@ def under_motion(answer: Answer, task: Task, present: Design) -> Takeover:
     )
     driven = _driven(driven, _of_driver(replace(motion.typed, follows=None), answer, task))
     return _fitted(driven, present.name, present)
-
-
-def put_in_list(machine: Design, number: int, single: Design) -> Design:
-    """Design with another mechanism of one drive; one of several drives keeps its name, and the shaft its speed.
-
-    Raises
-    ------
-    DesignError
-        The other drives, or the sequence conditions, do not fit it.
-    """
-    if not machine.listed:
-        return single
-    present = only(machine, number)
-    placed = replace(single, name=present.name, shaft=present.shaft, engine=present.engine)
-    rows = [replace(drive, carries=()) if i == number else drive for i, drive in enumerate(machine.drives)]
-    result = turning_together(with_only(replace(machine, drives=tuple(rows)), number, placed))
-    if wrong := faults(result):
-        raise DesignError(wrong)
-    return result
 
 
 # -- motion of the driver -------------------------------------------------------------------------------------

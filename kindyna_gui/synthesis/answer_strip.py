@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from core.design import Design
 from core.frozen import frozen
 from core.synthesis import Answer, Synthesis, Task, synthesise
-from core.synthesis.judge import joint_positions
+from core.synthesis.judge import is_same, joint_positions
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import described
 from kindyna_gui.pictures.units import brief, readable_text, short
-from kindyna_gui.rebuilt import connect_all, fill, single_shot
+from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
 from kindyna_gui.studies.board import Board, Card
 from kindyna_gui.synthesis.sheet_painting import AnswerPicture, Positions
 from kindyna_gui.synthesis.task_form import BOUNDED
 
 FRAME_MS, STEPS = 40, 120
+CHOSEN = "chosen dyads"
+UNDER_MOTION = (
+    "Let the present motion drive the selected linkage, as one undo step: its lowest position is the first pose of the task, its highest "
+    "one the last"
+)
 FAINT_MS = 300  # from the start of a search until the cards of the last one are grey
 
 
@@ -27,6 +36,7 @@ FAINT_MS = 300  # from the start of a search until the cards of the last one are
 class Proposals:
     """Result of a task, and the positions of the points of each answer."""
 
+    task: Task
     synthesis: Synthesis
     positions: tuple[Positions, ...]
 
@@ -40,7 +50,7 @@ class Proposals:
 def propose(task: Task) -> Proposals:
     """Linkages for a task, with the positions of their points."""
     synthesis = synthesise(task)
-    return Proposals(synthesis, tuple(positions_of(answer) for answer in synthesis.answers))
+    return Proposals(task, synthesis, tuple(positions_of(answer) for answer in synthesis.answers))
 
 
 def positions_of(answer: Answer) -> Positions:
@@ -51,16 +61,27 @@ def positions_of(answer: Answer) -> Positions:
     return {name: np.concatenate((z, z[-2:0:-1])) for name, z in positions.items()}
 
 
+@frozen(eq=False)
+class ShownAnswer:
+    """An answer with a card: the positions of its points, and what distinguishes it from those of the search."""
+
+    answer: Answer
+    positions: Positions
+    mark: str = ""
+
+
 class AnswerStrip(QWidget):
     """Cards of linkages under the drawing.
 
-    Signals: ``shown`` (Positions) when another card is selected; ``stepped`` (int) as the linkage moves; ``taken`` (Answer);
-    ``stopped`` when the user stops the search.
+    Signals: ``shown`` (Positions) when another card is selected; ``stepped`` (int) as the linkage moves; ``taken``, ``taken_under_motion``,
+    ``changed_over`` (Answer) for *Take over*, *Under the motion*, *Drive by the other link*; ``stopped`` when the user stops the search.
     """
 
     shown = Signal(object)
     stepped = Signal(int)
     taken = Signal(object)
+    taken_under_motion = Signal(object)
+    changed_over = Signal(object)
     stopped = Signal()
 
     def __init__(self) -> None:
@@ -72,30 +93,55 @@ class AnswerStrip(QWidget):
         self.put_button = described(
             QPushButton("&Take over", autoDefault=False), tip="Make the selected linkage the design, as one undo step"
         )
+        self.motion_button = QPushButton("Under the &motion", autoDefault=False)
         self.proposals: Proposals | None = None
+        self._rows: dict[Card, ShownAnswer] = {}
+        self._why_no_motion = ""
         self._step = 0
         self._clock = QTimer(self, interval=FRAME_MS)
         self._faint = single_shot(self, self._show_faint, FAINT_MS)
         self.board.keep.hide()
         self.board.sort.setSizeAdjustPolicy(WordBox.SizeAdjustPolicy.AdjustToContents)
         self.board.list.setToolTip("Click a card to see it move over the task; double-click to take it over")
-        self.board.set_header(fill(QHBoxLayout(), (self.found, 1), self.stop), self.put_button)
+        buttons = widget_with(fill(QHBoxLayout(), self.motion_button, self.put_button, margins=0))
+        self.board.set_header(fill(QHBoxLayout(), (self.found, 1), self.stop), buttons)
+        actions = (
+            ("Under the motion", self.taken_under_motion, self.motion_button.isEnabled),
+            ("Drive by the other link", self.changed_over, self.put_button.isEnabled),
+        )
+        for text, signal, is_enabled in actions:
+            action = QAction(text, self.board.list)
+            action.triggered.connect(partial(self._emit, signal, is_enabled))
+            self.board.list.addAction(action)
         fill(QVBoxLayout(self), self.board, margins=(6, 2, 6, 4))
         self.stop.hide()
-        self.put_button.setEnabled(False)
+        self.show_motion("")
+        self.set_ready(False)
         connect_all(
             (self._clock.timeout, self._turn),
             (self.board.list.currentItemChanged, self._show_card),
-            (self.board.reopened, lambda *_: self.take()),
-            (self.put_button.clicked, lambda *_: self.take()),
+            (self.board.reopened, self._take_design),
+            (self.put_button.clicked, partial(self._emit, self.taken, self.put_button.isEnabled)),
+            (self.motion_button.clicked, partial(self._emit, self.taken_under_motion, self.motion_button.isEnabled)),
             (self.stop.clicked, self.stopped),
         )
+
+    def set_ready(self, on: bool) -> None:
+        """Let the selected linkage be taken over, or not: the task has changed since."""
+        self.put_button.setEnabled(on)
+        self.motion_button.setEnabled(on and not self._why_no_motion)
+
+    def show_motion(self, why_not: str) -> None:
+        """Offer *Under the motion*, or say why the present design has none."""
+        self._why_no_motion = why_not
+        self.motion_button.setToolTip(why_not or UNDER_MOTION)
+        self.set_ready(self.put_button.isEnabled())
 
     # -- a search -----------------------------------------------------------------------------------------
 
     def begin(self) -> None:
         """Show that a search is running; the last cards stay, grey after a moment."""
-        self.put_button.setEnabled(False)
+        self.set_ready(False)
         if not self._faint.isActive() and self.stop.isHidden():
             self._faint.start()
 
@@ -115,29 +161,38 @@ class AnswerStrip(QWidget):
         """Show that there is no linkage for the task."""
         self.end()
         self.proposals = None
-        self._show_cards()
+        self._show_rows([])
 
     def show_proposals(self, proposals: Proposals) -> None:
-        """Show the linkages that were found."""
+        """Show the linkages that were found, with the same place selected as before, at first the best."""
         self.end(_summary(proposals))
         self.proposals = proposals
-        self._show_cards()
+        rows = [ShownAnswer(*row) for row in zip(proposals.answers, proposals.positions, strict=False)]
+        self._show_rows(rows, max(0, self.board.list.currentRow()))
 
-    def _show_cards(self) -> None:
-        """Show the cards, with the same place selected as before, at first the best."""
-        row = max(0, self.board.list.currentRow())
-        proposals = self.proposals
-        answers = proposals.answers if proposals is not None else ()
-        positions = proposals.positions if proposals is not None else ()
-        self.board.show_cards(
-            [
-                Card(answer.candidate.design, card_values(answer), AnswerPicture(z))
-                for answer, z in zip(answers, positions, strict=False)
-            ]
-        )
-        self.put_button.setEnabled(bool(answers))
-        if answers:
-            self.board.list.setCurrentRow(min(row, len(answers) - 1))
+    def add_chosen(self, answer: Answer) -> None:
+        """Show the linkage of two chosen dyads as the first card, and select it."""
+        others = [row for row in self._rows.values() if not is_same(row.answer, answer)]
+        self._show_rows([ShownAnswer(answer, positions_of(answer), CHOSEN), *others])
+
+    def replace_selected(self, answer: Answer) -> None:
+        """Show another linkage on the selected card: the same one, with the other side link as its driver."""
+        selected, rows = self._selected, list(self._rows.values())
+        if selected is not None:
+            row = rows.index(selected)
+            rows[row] = ShownAnswer(answer, positions_of(answer), selected.mark)
+            self._show_rows(rows, row)
+
+    def _show_rows(self, rows: Sequence[ShownAnswer], selected: int = 0) -> None:
+        cards = [
+            Card(row.answer.candidate.design, card_values(row.answer, row.mark), AnswerPicture(row.positions))
+            for row in rows
+        ]
+        self._rows = dict(zip(cards, rows, strict=True))
+        self.board.show_cards(cards)
+        self.set_ready(bool(rows))
+        if rows:
+            self.board.list.setCurrentRow(min(selected, len(rows) - 1))
         else:
             self._clock.stop()
             self.shown.emit({})
@@ -145,26 +200,26 @@ class AnswerStrip(QWidget):
     # -- the selected card --------------------------------------------------------------------------------
 
     @property
-    def _index(self) -> int | None:
+    def _selected(self) -> ShownAnswer | None:
         item = self.board.list.currentItem()
         index = None if item is None else item.data(Qt.ItemDataRole.UserRole)
-        return (
-            index if self.proposals is not None and index is not None and index < len(self.proposals.answers) else None
-        )
+        if index is None or index >= len(self.board.cards):
+            return None
+        return self._rows.get(self.board.cards[index])
 
     @property
     def answer(self) -> Answer | None:
         """The answer whose card is selected."""
-        return None if self._index is None or self.proposals is None else self.proposals.answers[self._index]
+        return None if self._selected is None else self._selected.answer
 
     def _show_card(self, *_: object) -> None:
-        if self._index is not None and self.proposals is not None:
-            self.shown.emit(self.proposals.positions[self._index])
+        if self._selected is not None:
+            self.shown.emit(self._selected.positions)
             self.run(True)
 
     def run(self, on: bool) -> None:
         """Let the selected linkage move over the task, or not."""
-        if on and self._index is not None:
+        if on and self._selected is not None:
             self._clock.start()
         else:
             self._clock.stop()
@@ -173,11 +228,15 @@ class AnswerStrip(QWidget):
         self._step += 1
         self.stepped.emit(self._step)
 
-    def take(self) -> None:
-        """Take the selected linkage over, unless the task has changed since."""
-        answer = self.answer
-        if answer is not None and self.put_button.isEnabled():
-            self.taken.emit(answer)
+    def _take_design(self, design: Design) -> None:
+        """Take the linkage of a card over, unless the task has changed since."""
+        row = next((row for card, row in self._rows.items() if card.design is design), None)
+        if row is not None and self.put_button.isEnabled():
+            self.taken.emit(row.answer)
+
+    def _emit(self, signal: Any, is_enabled: Callable[[], bool], *_: object) -> None:
+        if self.answer is not None and is_enabled():
+            signal.emit(self.answer)
 
 
 def _summary(proposals: Proposals) -> str:
@@ -190,14 +249,16 @@ def _summary(proposals: Proposals) -> str:
     return f"{text}; {synthesis.hidden} with defects or beyond limits are hidden" if synthesis.hidden else text
 
 
-def card_values(answer: Answer) -> Mapping[str, tuple[float, str]]:
+def card_values(answer: Answer, mark: str = "") -> Mapping[str, tuple[float, str]]:
     """Name -> value and text of the figures on a card."""
     error = max(answer.error_mm / answer.size_mm, answer.error_deg)
     exact = answer.error_mm <= 1e-9 * answer.size_mm and answer.error_deg <= 1e-9
     texts = [brief(answer.error_mm, "mm", 3)] if answer.error_mm > 0.0 else []
     texts += [f"{short(answer.error_deg, 3)}°"] if answer.error_deg > 1e-9 else []
     transmission, ratio = (", beyond its limit" if name in answer.violated else "" for name in BOUNDED)
-    kind = ", ".join([answer.candidate.kind.capitalize(), *(f"{defect} defect" for defect in answer.defects)])
+    kind = ", ".join(
+        [answer.candidate.kind.capitalize(), *filter(None, [mark]), *(f"{defect} defect" for defect in answer.defects)]
+    )
     return {
         answer.candidate.kind: (0.0, kind),
         "error": (error, "exact" if exact else f"error {', '.join(texts)}"),

@@ -15,9 +15,12 @@ from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QPushButton, QVBoxLayout
 from core.design import Design
 from core.errors import DesignError, KindynaError
 from core.numerics.lazy import Cancelled
+from core.output.load_text import part_names
 from core.study import Study
-from core.synthesis import Answer, PathPoint, Task, TracedPath, load_task, save_task
+from core.synthesis import Answer, Dyad, PathPoint, Task, TracedPath, load_task, save_task
+from core.synthesis.chosen import answer_of_dyads, driven_by_other_link
 from core.synthesis.path import with_points
+from core.synthesis.takeover import Takeover, taken_over, under_motion
 from core.synthesis.task import PATH, POSES, checked
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
@@ -33,7 +36,8 @@ from kindyna_gui.view import View, ViewHost
 PAUSE_MS, DRAG_PAUSE_MS = 150, 30  # from an edit to the search, and from a move of the mouse
 TASK_FILES, CURVES = "Tasks (*.toml)", "Curves (*.csv *.dxf)"
 NAME = "find_linkage"
-STEP = "Take over a linkage"
+STEP, MOTION_STEP = "Take over a linkage", "Take over a linkage under the motion"
+NO_MOTION = "The present design has no motion: its crank turns at constant speed"
 FIELD_NAMES: Mapping[str, str] = {
     "poses": "pose",
     "pivots": "pivot",
@@ -43,6 +47,7 @@ FIELD_NAMES: Mapping[str, str] = {
     "rocker.swing_deg": "swing",
     "rocker.time_ratio": "time ratio",
     "rocker.frame_mm": "frame",
+    "linkage.driver.link": "driver",
 }
 """Key of a task's file -> its name in a sentence."""
 
@@ -84,7 +89,10 @@ class FindLinkageView(View):
             (self._search.result, self._show_result),
             (self.strip.shown, self.sheet.show_answer),
             (self.strip.stepped, self.sheet.show_step),
-            (self.strip.taken, self._take),
+            (self.strip.taken, self._take_over),
+            (self.strip.taken_under_motion, self._take_under_motion),
+            (self.strip.changed_over, self._change_over),
+            (self.sheet.dyads.paired, self._pair),
             (self.strip.stopped, self._search.cancel),
         )
         self.form.show_task(replace(Task(kind=POSES), poses=FIRST_POSES))
@@ -125,6 +133,7 @@ class FindLinkageView(View):
 
     def refresh(self, study: Study) -> None:
         self.form.show_units()
+        self.strip.show_motion("" if self.session.design.drive.motion is not None else NO_MOTION)
 
     @property
     def busy(self) -> bool:
@@ -165,7 +174,7 @@ class FindLinkageView(View):
         self._request(DRAG_PAUSE_MS if self.sheet.is_dragging else PAUSE_MS)
 
     def _request(self, pause_ms: int) -> None:
-        self.strip.put_button.setEnabled(False)
+        self.strip.set_ready(False)
         if self._search.busy and self.sheet.is_dragging:
             self._is_awaited = True  # its cards are shown, then the next search starts
             return
@@ -216,31 +225,78 @@ class FindLinkageView(View):
             self._refuse(result)
         else:
             self.strip.show_proposals(result)
-            self.strip.put_button.setEnabled(not self._is_awaited)
+            self.sheet.dyads.show_dyads(result.synthesis.dyads, next(iter(result.task.poses), None))
+            self.strip.set_ready(not self._is_awaited)
             if not self._is_fitted and not self.sheet.is_dragging:
                 self._is_fitted = True
                 self.sheet.fit()
         if self._is_awaited:
             self._start()
 
-    # -- taking over, and files ---------------------------------------------------------------------------
+    # -- taking over ---------------------------------------------------------------------------
 
-    def _take(self, answer: Answer) -> None:
-        if self._put(answer.candidate.design):
-            self.status_message.emit("The linkage is the design now; Compo > Find a linkage shows its task again")
+    def _take_over(self, answer: Answer) -> None:
+        self._take(STEP, lambda: taken_over(answer, self.session.design))
+
+    def _take_under_motion(self, answer: Answer) -> None:
+        self._take(MOTION_STEP, lambda: under_motion(answer, self.task, self.session.design))
+
+    def _take(self, step: str, takeover: Callable[[], Takeover]) -> None:
+        """Make a linkage the design; say which parts of the present design do not fit it."""
+        present = self.session.design
+        try:
+            result = takeover()
+        except KindynaError as error:
+            self._tell(error)
+            return
+        if self._put(result.design, step):
+            left_out = part_names(present, result.left_out)
+            without = f" without {', '.join(left_out)}, which do not fit it" if left_out else ""
+            self.status_message.emit(
+                f"The linkage is the design now{without}; Compo > Find a linkage shows its task again"
+            )
             self._leave_sheet()
 
-    def _put(self, design: Design) -> bool:
+    def _put(self, design: Design, step: str) -> bool:
         """Put a design in place as one undo step; where the session refuses it, show why."""
         if self.session.has_several_drives:
-            return replace_chosen(self.session, design, STEP)
+            return replace_chosen(self.session, design, step)
         with self.session.one_step() as refusals:
-            is_done = self.session.put(design, STEP)
+            is_done = self.session.put(design, step)
         if not is_done:
             self.session.withdraw("")
             reasons = [f"{name}: {text}" for refusal in refusals for _, name, text in refusal.reasons]
             self.form.message.show_refusal(sentence("; ".join(reasons)))
         return bool(is_done)
+
+    def _tell(self, error: KindynaError) -> None:
+        self.form.message.show_refusal(sentence(_reason(error)))
+
+    # -- composed linkages --------------------------------------------------------------------------------
+
+    def _pair(self, first: Dyad, second: Dyad) -> None:
+        """Show the linkage of two dyads that were clicked as the first card, unless the task has changed since."""
+        if self.busy:
+            return
+        try:
+            answer = answer_of_dyads(self.task, first, second)
+        except KindynaError as error:
+            self._tell(error)
+        else:
+            self.form.message.show_refusal("")
+            self.strip.add_chosen(answer)
+
+    def _change_over(self, answer: Answer) -> None:
+        """Drive the selected linkage by its other side link, and judge it again."""
+        try:
+            changed = driven_by_other_link(answer, with_points(self.task))
+        except KindynaError as error:
+            self._tell(error)
+        else:
+            self.form.message.show_refusal("")
+            self.strip.replace_selected(changed)
+
+    # -- files --------------------------------------------------------------------------------------------
 
     def _open_task(self) -> None:
         name, _ = QFileDialog.getOpenFileName(self, "Open a task", "", f"{TASK_FILES};;All files (*)")

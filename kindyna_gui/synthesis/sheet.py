@@ -25,6 +25,7 @@ from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import typed
 from kindyna_gui.rebuilt import add_entry, fill
 from kindyna_gui.synthesis import task_parts
+from kindyna_gui.synthesis.dyad_points import HINT, DyadPoints
 from kindyna_gui.synthesis.sheet_painting import ARM, Positions, SheetPainter, paint_answer, paint_stroke
 from kindyna_gui.synthesis.task_parts import (
     AREA,
@@ -51,7 +52,7 @@ CLOSES = 0.12  # of the size: a path whose end is nearer to its start is closed
 LEAST_MM = 20.0  # size of a region that is shown
 ROOM = 0.72  # of the canvas, for the task
 FIRST_KEYS = "0123456789.-+("  # characters that open the boxes of values
-STROKE, POINTS = "stroke", "points"
+STROKE, POINTS, DYADS = "stroke", "points", "dyads"
 
 # -- tools -------------------------------------------------------------------------------------------------------
 
@@ -74,6 +75,7 @@ TOOLS: Mapping[str, tuple[SheetTool, ...]] = MappingProxyType(
             SheetTool(PIVOT, "Pivot", "Press where a pivot of the linkage is fixed; Shift and a press do this with any tool",
                       "Press: puts a fixed pivot"),
             SheetTool(LINE, "Line", "Drag a line on which a pivot lies", "Press and drag: a line on which a pivot lies"),
+            SheetTool(DYADS, "Dyads", "Show the dyads of the poses; click two of them for their linkage", HINT),
             SheetTool(AREA, "Area", "Drag a rectangle in which the fixed pivots lie", "Press and drag: the area of the fixed pivots"),
         ),
         PATH: (
@@ -154,6 +156,8 @@ class TaskSheet(QObject):
         self.bar.chosen.connect(self.choose_tool)
         self.marks: Callable[[], Mapping[str, complex]] = dict
         self.tool: SheetTool | None = TOOLS[POSES][0]
+        self.dyads = DyadPoints(self)
+        self.dyads.changed.connect(self._update)
         self.canvas: Canvas | None = None
         self._boxes: TypedBoxes | None = None
         self._grip: Grip | None = None
@@ -279,6 +283,18 @@ class TaskSheet(QObject):
                 return Grip(Part(AREA), MOVE, at)
         return None
 
+    @property
+    def _shows_dyads(self) -> bool:
+        return self.tool is not None and self.tool.name == DYADS
+
+    def _dyad_at(self, point: QPointF) -> bool:
+        """Whether a press would choose a dyad."""
+        return (
+            self._shows_dyads
+            and self.canvas is not None
+            and self.dyads.dyad_at(point, self.canvas.pixel_at) is not None
+        )
+
     def _snap_at(self, point: QPointF, free: bool, start: complex | None = None) -> Snap:
         """Snap of the mouse to other parts, to the joints of the mechanism, to the underlay, and to the grid."""
         canvas = self.canvas
@@ -328,12 +344,15 @@ class TaskSheet(QObject):
         self._mouse = self._pressed = event.position()
         self._before, self._is_far, self._offset = self.task, False, 0j
         is_shift = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        grip = None if is_shift else self.grip_at(event.position())
+        grip = None if is_shift or self._dyad_at(event.position()) else self.grip_at(event.position())
         if grip is not None and self._adds_points and grip.part.index == 0 and len(self._points) > 2:
             self._end_points(closed=True)
         elif grip is not None:
             self._grip, self.selected = grip, grip.part
             self._offset = grip.at - self.canvas.position_at(event.position())
+        elif self._shows_dyads:
+            self.selected = None
+            self.dyads.click(event.position(), self.canvas.pixel_at)
         elif self.tool is not None and self.tool.name == STROKE:
             self._stroke = [self.canvas.position_at(event.position())]
         else:
@@ -397,8 +416,10 @@ class TaskSheet(QObject):
     def _hover(self, event: QMouseEvent, free: bool) -> None:
         """Show what a press would drag, or where it would put something."""
         assert self.canvas is not None
-        over = self.grip_at(event.position())
-        draws = self.tool is not None and self.tool.name != STROKE
+        if self._shows_dyads:
+            self.dyads.hover(event.position(), self.canvas.pixel_at)
+        over = self._dyad_at(event.position()) or self.grip_at(event.position())
+        draws = self.tool is not None and self.tool.name not in (STROKE, DYADS)
         self._snap = self._snap_at(event.position(), free) if over is None and draws else None
         shape = Qt.CursorShape.SizeAllCursor if over is not None else Qt.CursorShape.CrossCursor
         if self.canvas.cursor().shape() != shape:
@@ -480,6 +501,8 @@ class TaskSheet(QObject):
             self.released.emit()
         elif self._adds_points:
             self._end_points()
+        elif self._shows_dyads and self.dyads.release():
+            pass
         elif self.selected is not None:
             self.selected = None
             self._update()
@@ -558,6 +581,8 @@ class TaskSheet(QObject):
         if self._answer:
             paint_answer(painter, canvas.pixel_at, self._answer, self._step)
         SheetPainter(canvas.pixel_at, canvas.visible, self.selected).paint(painter, self.task)
+        if self._shows_dyads:
+            self.dyads.paint(painter, canvas.pixel_at, canvas.visible)
         if self._stroke:
             paint_stroke(painter, canvas.pixel_at, self._stroke)
         if self._adds_points and self._snap is not None and self._points and self._grip is None:

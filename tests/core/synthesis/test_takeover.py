@@ -20,13 +20,14 @@ from core.design import (
     edited,
     only,
     with_drive,
+    with_mechanism,
 )
 from core.design.motion_edits import of_motion
 from core.errors import DesignError
 from core.project import load, save
 from core.synthesis import Answer, BodyPose, Dyad, Swing, Task, save_task, synthesise
 from core.synthesis.chosen import answer_of_dyads, driven_by_other_link
-from core.synthesis.takeover import put_in_list, taken_over, under_motion
+from core.synthesis.takeover import taken_over, under_motion
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 POSES = ((0.0, 0.0, 0.0), (60.0, 20.0, 30.0), (110.0, 10.0, 60.0))
@@ -172,7 +173,7 @@ def test_a_driver_that_turns_fully_is_a_crank() -> None:
 def test_a_drive_of_a_shaft_is_replaced_and_the_others_stay(answers: tuple[Answer, ...]) -> None:
     machine = load(EXAMPLES / "transfer_unit.toml")
     index = next(i for i, drive in enumerate(machine.drives) if drive.name == "Lift")
-    changed = put_in_list(machine, index, under_motion(answers[0], TASK, only(machine, index)).design)
+    changed = with_mechanism(machine, index, under_motion(answers[0], TASK, only(machine, index)).design)
     assert [drive.name for drive in changed.drives] == [drive.name for drive in machine.drives]
     assert changed.drives[index].linkage.links == answers[0].candidate.linkage.links
     assert changed.drives[index].linkage.driver.kind == "motion"
