@@ -185,7 +185,8 @@ def relative_motion(kinematics: Kinematics, rotation_sign: float) -> Derivatives
     def row(order: int) -> np.ndarray:
         total = r[order]
         for k, c in enumerate(BINOMIAL[order][:-1]):
-            total = total + c * (-1j * rotation_sign) ** (order - k) * r[k]
+            term = c * (-1j * rotation_sign) ** (order - k) * r[k]
+            total = np.add(total, term, out=term if term.shape == total.shape else None)
         return np.asarray(total)
 
     return Derivatives(row)
@@ -259,7 +260,10 @@ def curvature(motion: Derivatives, rotation_sign: float) -> np.ndarray:
     Curvature of a plane curve, κ_p = -d (t × w)/|t|³.
     """
     speed = np.abs(motion[1])
-    return -rotation_sign * cross(motion[1], motion[2]) / (speed * speed * speed)
+    result = cross(motion[1], motion[2])
+    result *= -rotation_sign
+    result /= speed * speed * speed
+    return result
 
 
 def curvature_slope(motion: Derivatives, rotation_sign: float) -> np.ndarray:

@@ -114,7 +114,7 @@ class Element:
         -------
         ndarray (n,) [W]
         """
-        return np.zeros(kinematics.theta.shape[-1])
+        return np.zeros(kinematics.count)
 
 
 # -- masses -----------------------------------------------------------------------------------------------------
@@ -156,7 +156,7 @@ class Mass(Element):
         z, a = pose.fixed_point(part.centre), pose.turn
         zero, weight = not rate.speed and not rate.acceleration, part.mass * self.gravity
         if zero:
-            force = spread(np.atleast_1d(weight), kinematics.theta.shape[-1])
+            force = spread(np.atleast_1d(weight), kinematics.count)
         else:
             inertia = rate.second(z, part.mass)
             # with many designs the weight is a column, which may have more values
@@ -480,7 +480,7 @@ class Spring(SpringDamper):
         -------
         first, second : ndarray (n,) complex [m]
         """
-        n = kinematics.theta.shape[-1]
+        n = kinematics.count
         first, second = self._points(kinematics)
         return spread(first[order], n), spread(second[order], n)
 
@@ -502,7 +502,7 @@ class Spring(SpringDamper):
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         """The tension k (l - l0) + c l̇ on the two bodies."""
         first, second = self._points(kinematics)
-        d = spread(second[0] - first[0], kinematics.theta.shape[-1])
+        d = spread(second[0] - first[0], kinematics.count)
         size = np.abs(d)
         safe = np.where(size > 0.0, size, 1.0)
         pull = self.rate * (1.0 - self.length / safe if self.length else 1.0) * d
@@ -560,7 +560,7 @@ class Torsion(SpringDamper):
         ndarray (n,) [rad]
         """
         body, on = (body_pose(kinematics, name).turn[order] for name in (self.body, self.on))
-        return spread(body - on - (0.0 if order else self.free), kinematics.theta.shape[-1])
+        return spread(body - on - (0.0 if order else self.free), kinematics.count)
 
     def elongation_rate(self, kinematics: Kinematics) -> np.ndarray:
         """Derivative φ' of the angle by cam angle.
@@ -579,7 +579,7 @@ class Torsion(SpringDamper):
         for body, couple in ((self.body, -torque), (self.on, torque)):
             if body != FRAME:
                 at = kinematics.bodies[body].origin[0]
-                yield Load(body, at, np.zeros(kinematics.theta.shape[-1], dtype=complex), couple)
+                yield Load(body, at, np.zeros(kinematics.count, dtype=complex), couple)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' and V'' of V = k (φ - φ0)²/2 by cam angle.

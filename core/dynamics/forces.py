@@ -200,7 +200,7 @@ def newton_euler(
     links, balance of the camshaft; virtual power, F_c = Q/l; Coulomb friction, friction in closed form.
     """
     rate = Rate(omega, acceleration)
-    n, cam_friction = kinematics.theta.shape[-1], loading.contact_friction
+    n, cam_friction = kinematics.count, loading.contact_friction
     flanks = () if shape is None else shape.flanks
     if units is None:
         units = unit_loads(kinematics, shape, cam_friction, tuple(f.pair for f in loading.frictions))
@@ -381,7 +381,7 @@ def _with_friction(
         return {name: _normal(kinematics, name, forces[name]) for name in signed}
 
     def guide() -> GuideReaction:
-        n, name = kinematics.theta.shape[-1], loading.guide
+        n, name = kinematics.count, loading.guide
         normal, friction = (
             _normal(kinematics, name, reactions().pairs[name]),
             -signed[name] if name in signed else _ZERO,
@@ -442,7 +442,7 @@ def _sizes(
 
     A slide of finite length has friction at both edges, each with its share of the reaction.
     """
-    n, frictions = kinematics.theta.shape[-1], loading.frictions
+    n, frictions = kinematics.count, loading.frictions
     if not frictions:
         return {}, lambda: np.zeros(n), lambda: np.zeros(1, dtype=int)
     if len(frictions) == 1 and not frictions[0].length and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
@@ -513,7 +513,7 @@ def _edge_forces(normal: np.ndarray, couple: np.ndarray, length: float) -> list[
 def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> np.ndarray:
     """Torque T_L = -F_c (r_C × n) on the follower (24), with friction, or force -F_c n·e along its guide."""
     if not kinematics.ground:
-        return np.full(kinematics.theta.shape[-1], np.nan)
+        return np.full(kinematics.count, np.nan)
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind != REVOLUTE:
         rows = [-contact.force * dot(contact.direction, kinematics.line(pair)) for contact in contacts]

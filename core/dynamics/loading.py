@@ -508,7 +508,7 @@ class Loading:
         -------
         ndarray (orders, n) [kg m²]
         """
-        zero = np.zeros((orders, kinematics.theta.shape[-1]))
+        zero = np.zeros((orders, kinematics.count))
         return sum((mass.reduced_inertia(kinematics, orders) for mass in self.masses), zero)
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
@@ -523,5 +523,5 @@ class Loading:
         -------
         ndarray (2, n) [N m]
         """
-        zero = np.zeros((2, kinematics.theta.shape[-1]))
+        zero = np.zeros((2, kinematics.count))
         return self.acting(kinematics) * sum((element.potential(kinematics) for element in self.elements), zero)

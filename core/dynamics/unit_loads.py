@@ -135,7 +135,7 @@ def unit_loads(
             for flank, direction in zip(flanks, directions, strict=True)
         ]
     )
-    n = kinematics.theta.shape[-1]
+    n = kinematics.count
     contact_jam = np.zeros(n)
     if contact_friction and shape is not None:
         normal_load = Load(kinematics.carrier, shape.flank.contact, negated(shape.flank.normal))

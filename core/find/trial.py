@@ -213,7 +213,7 @@ def sample_designs(
     """
     from core.study.batch import is_batchable
     from core.study.quantity_requests import QuantityRequest
-    from core.study.stages_of_many import MAX_POSITIONS, DesignBlock
+    from core.study.stages_of_many import DesignBlock, equal_parts
 
     if not design.drive.has_disk:
         return
@@ -221,17 +221,16 @@ def sample_designs(
     if not rows.size or not all(is_batchable(design, paths, QuantityRequest("", name, "max", 1.0)) for name in read):
         return
     stage = "dynamics" if any(LIMITS[key].needs_forces for key in keys) else "cam"
-    size = max(1, MAX_POSITIONS // piecewise_angles(Study(design).uncut).theta.size)
-    for first in range(0, rows.shape[1], size):
+    for part in equal_parts(rows.shape[1], piecewise_angles(Study(design).uncut).theta.size):
         checkpoint()
         with_motion, fixed = design, {}
-        for path, row in zip(paths, rows[:, first : first + size], strict=True):
+        for path, row in zip(paths, rows[:, part], strict=True):
             if path.startswith(MOTION):
                 with_motion = put(with_motion, path, column(row))
             else:
                 fixed[path] = row
         motion = None if with_motion is design else with_motion.drive.motion
-        batch = DesignBlock(design, fixed, motion, rows[0, first : first + size].size)
+        batch = DesignBlock(design, fixed, motion, rows[0, part].size)
         angles = piecewise_angles(batch.program)
         try:
             linkage, curves = batch.read(
@@ -242,7 +241,7 @@ def sample_designs(
         peaks = curve_peaks(curves, batch.count, angles)
         failed = batch.failed_at(stage)
         yield from (
-            SampledDesign(first + k, None if failed[k] else peaks[k], linkage)
+            SampledDesign(part.start + k, None if failed[k] else peaks[k], linkage)
             for k in np.flatnonzero(~batch.separate).tolist()
         )
 

@@ -307,6 +307,11 @@ class Kinematics:
         return self.motion.theta
 
     @property
+    def count(self) -> int:
+        """Number n of the cam angles."""
+        return self.motion.count
+
+    @property
     def follower(self) -> Pose:
         """Pose of the follower body."""
         return self.bodies[self.follower_body]

@@ -52,7 +52,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, driver_ranges: Dr
     NoSolution
         Links do not meet at some angles, which the message names.
     """
-    plan, y, n = mechanism.plan, motion.displacement, motion.theta.shape[-1]
+    plan, y, n = mechanism.plan, motion.displacement, motion.count
     if driver_ranges is None:
         driver_ranges = driver_ranges_for(mechanism, lambda: (float(y[0].min()), float(y[0].max())))
     q = y if driver_ranges.is_swinging or driver_ranges.turns > 1 else _driver(mechanism, motion)
@@ -158,7 +158,7 @@ def _require_assembly(
         failed = ~np.isfinite(first.unit + last.unit)
         if mechanism.refuse is not None and isinstance(result, DyadSolution):
             failed = failed | ~(result.sine > 0.0)
-        failed = spread(failed, motion.theta.shape[-1])
+        failed = spread(failed, motion.count)
         if mechanism.refuse is not None:
             NoAssembly.raise_where(failed, lambda failed=failed: mechanism.refuse(motion, solution, failed))  # type: ignore[misc]
             continue

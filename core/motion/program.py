@@ -34,7 +34,7 @@ class Angles:
     Attributes
     ----------
     theta : ndarray (n,) [rad]
-        Cam angle, 0 ... 2π.
+        Cam angle, 0 ... 2π; a function that returns it is called on first use.
     piece : ndarray (n,), dimensionless
         Row of ``CompiledMotion``; at a join it selects the left or the right limit.
     cached : bool
@@ -45,11 +45,16 @@ class Angles:
         e^{iθ}, computed on first use.
     """
 
-    theta: np.ndarray
-    piece: np.ndarray
+    theta: Lazy[np.ndarray] = Lazy()
+    piece: np.ndarray  # type: ignore[misc]  # ``theta`` has no default, though mypy takes ``Lazy()`` for one
     cached: bool = False
     search: bool = False
     unit: Lazy[np.ndarray] = Lazy(lambda angles: unit(angles.theta))
+
+    @property
+    def count(self) -> int:
+        """Number n of the angles; with many designs, shape (m, n), that of each."""
+        return self.piece.shape[-1]
 
 
 @frozen(eq=False)
@@ -102,6 +107,11 @@ class MotionState:
     def theta(self) -> np.ndarray:
         """Cam angles (n,) [rad]."""
         return self.angles.theta
+
+    @property
+    def count(self) -> int:
+        """Number n of the angles."""
+        return self.angles.count
 
 
 class CompiledMotion:

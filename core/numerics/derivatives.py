@@ -209,7 +209,10 @@ def between_lines(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """
     # arctan2 takes twice as long
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.arctan(np.abs(cross(a, b) / dot(a, b))))
+        tangent = cross(a, b)
+        tangent /= dot(a, b)
+        np.abs(tangent, out=tangent)
+        return np.arctan(tangent, out=tangent)
 
 
 def negated(u: np.ndarray) -> np.ndarray:

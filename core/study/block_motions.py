@@ -110,7 +110,9 @@ class BlockMotions:
         MotionState
             Of (n,) or (m, n) positions.
         """
-        at_design = Angles(self.cam_angles(angles.theta, angles.piece, owner), owner * self.pieces + angles.piece)
+        at_design = Angles(
+            lambda: self.cam_angles(angles.theta, angles.piece, owner), owner * self.pieces + angles.piece
+        )
         if self._has_common_pieces:
             return self._stacked.state_from_curve(
                 self._plain.curve(angles), at_design, self._piece_values(angles.piece, owner)

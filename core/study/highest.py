@@ -71,7 +71,7 @@ def refined_extremes(
     if not polish:
         return {
             search: (search.side * value, np.mod(theta, TURN))
-            for search, (value, theta) in zip(searches, (_between_nodes(row, angles) for row in rows), strict=True)
+            for search, (value, theta) in zip(searches, map(partial(_between_nodes, angles), rows, tops), strict=True)
         }
     brackets = _Brackets.from_nodes(rows, tops, angles)
     values = partial(_values, brackets, searches, at)
@@ -96,14 +96,14 @@ def refined_extremes(
     return result
 
 
-def _between_nodes(row: np.ndarray, angles: Angles) -> tuple[np.ndarray, np.ndarray]:
-    """Highest value and its angle [rad], (m,) each, of values (m, n) at nodes (n,).
+def _between_nodes(angles: Angles, row: np.ndarray, highest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Highest value and its angle [rad], (m,) each, of values (m, n) at nodes (n,), of which the highest are known (m,).
 
     They are those of the parabola through the highest node and its neighbours, where the curvature of the neighbouring parabolas
     is similar, so that there is no kink.
     """
     theta, last = angles.theta, angles.theta.size - 1
-    near = row >= (row.max(axis=1) * (1.0 - np.sign(row.max(axis=1)) * SAME))[:, None]
+    near = row >= (highest * (1.0 - np.sign(highest) * SAME))[:, None]
     top = near.argmax(axis=1)
     index = np.clip(top[:, None] + np.arange(-2, 3), 0, last)
     x, y = theta[index], np.take_along_axis(row, index, axis=1)

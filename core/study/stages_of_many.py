@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
+from math import ceil
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,8 +34,8 @@ from core.study.quantities import quantity
 from core.study.quantity_requests import QuantityRequest, extreme_statistic, mean_statistic
 from core.study.study import Study
 
-MAX_POSITIONS = 180_000
-"""Positions at a time: fewer cost more calls of numpy, more exceed the memory that a process retains."""
+MAX_POSITIONS = 90_000
+"""Positions at a time: fewer cost more calls of numpy, more exceed the memory that a process retains, at twice the time."""
 PATH_SAMPLES, MIN_GAP = 97, 5e-3
 """Positions at which a linkage is followed, and the gap to a dead centre or change point, by its size, that counts as none."""
 EXTREME_ERROR = 0.02  # of an extreme between nodes
@@ -217,11 +218,6 @@ class DesignBlock:
         vars(mechanism)["plan"] = SolutionPlan(linkage=self.mechanism.plan.linkage, **_taken(plan, take, cache))
         return mechanism
 
-    def _chunks(self, angles: int) -> Iterator[slice]:
-        """Slices of the designs that are computed at a time, with this number of angles per design."""
-        size = max(1, MAX_POSITIONS // angles)
-        return (slice(first, min(first + size, self.count)) for first in range(0, self.count, size))
-
     def _solved_along(self, count: int) -> Iterator[tuple[slice, np.ndarray, Any]]:
         """Slices of designs, positions (m, count) of their drivers evenly over their path, and the solved linkages."""
         low: Any = 0.0
@@ -229,7 +225,7 @@ class DesignBlock:
         if not self.plain.by_crank:
             low, high = motion_extent(self.program) if self.motions is None else self.motions.motion_extent()
         every = np.broadcast_to(np.linspace(low, high, count, axis=-1), (self.count, count))
-        for designs in self._chunks(count):
+        for designs in equal_parts(self.count, count):
             mechanism = self._mechanism_at(repeated_values(designs, count), {})
             y = every[designs]
             q = mechanism.start + mechanism.driver_sign * y.ravel()
@@ -366,8 +362,6 @@ class DesignBlock:
     def results(self, requests: Sequence[QuantityRequest], polish: bool, loads: bool = False) -> Results:
         """Figures of quantities of all designs; with ``loads`` designs that jam are marked in any case."""
         angles, weight = clenshaw_curtis_nodes(self.program)
-        if self.motions is not None:
-            weight = weight * self.motions.span_ratios()[:, angles.piece]
         stages = {quantity(request.name).stage for request in requests}
         searches = dict.fromkeys((request.name, side) for request in requests for side in _SIDES[request.statistic])
         further = self._error_searches(stages, loads)
@@ -392,7 +386,9 @@ class DesignBlock:
             row, statistic = quantity(request.name), request.statistic
             value: Any
             if statistic in ("rms", "mean"):
-                value, theta = mean_statistic(sampled[request.name], weight, statistic), np.full(self.count, np.nan)
+                share = 1.0 if self.motions is None else self.motions.span_ratios()[:, angles.piece]
+                value = mean_statistic(sampled[request.name], weight * share, statistic)
+                theta = np.full(self.count, np.nan)
             else:
                 low, high = extremes[request.name].low, extremes[request.name].high
                 value, theta = extreme_statistic(statistic, (low.value, low.theta), (high.value, high.theta))
@@ -487,7 +483,7 @@ class DesignBlock:
     def _error(self, search: Search, sampled: np.ndarray) -> np.ndarray:
         """Error (m,) of an extreme between nodes: the fall from the highest node to its neighbours, and a part of its value."""
         row, last = search.side * sampled, sampled.shape[1] - 1
-        design, top = np.arange(len(row)), np.where(np.isnan(row), -np.inf, row).argmax(axis=1)
+        design, top = np.arange(len(row)), replace_nan(row, nan=-np.inf).argmax(axis=1)
         highest = row[design, top]
         neighbour = np.minimum(row[design, np.maximum(top - 1, 0)], row[design, np.minimum(top + 1, last)])
         return replace_nan(highest - neighbour, nan=np.inf) + EXTREME_ERROR * np.abs(highest)
@@ -536,10 +532,8 @@ class DesignBlock:
         -------
         dict of str -> ndarray (m, n) [SI unit of the quantity]
         """
-        parts, size = [], max(1, MAX_POSITIONS // angles.theta.size)
-        for first in range(0, designs.size, size):
-            owner = designs[first : first + size, None]
-            parts.append(self.values(names, self._state_at(angles, owner), owner))
+        owners = [designs[part, None] for part in equal_parts(designs.size, angles.theta.size)]
+        parts = [self.values(names, self._state_at(angles, owner), owner) for owner in owners]
         return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
     def _state_at(self, angles: Angles, owner: np.ndarray) -> MotionState:
@@ -644,6 +638,12 @@ class DesignBlock:
             pair = None if not frictions or contact >= dynamics.JAMS else frictions[int(most)]
             codes[k] = dynamics.jam_finding(Extreme(1.0, 0.0), pair).code
         return codes
+
+
+def equal_parts(count: int, angles: int) -> list[slice]:
+    """Slices of designs with this number of angles each, of equal size, for at most MAX_POSITIONS positions at a time."""
+    size = ceil(count / ceil(count / max(1, MAX_POSITIONS // angles)))
+    return [slice(first, min(first + size, count)) for first in range(0, count, size)]
 
 
 def _taken(part: tuple[Any, Any], take: ColumnMap, cache: dict[int, Any]) -> Any:
