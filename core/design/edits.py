@@ -51,7 +51,8 @@ from core.design.parts import (
     Shaft,
     Translating,
 )
-from core.design.paths import all_paths, of_class, put, row_at, with_guesses_marked
+from core.design.paths import all_paths, of_class, put, row_at, with_assumed, with_guesses_marked
+from core.design.spatial import Rib
 from core.errors import DesignError, Fault
 from core.laws import find_law
 from core.number_text import result_text
@@ -335,6 +336,8 @@ def edited(design: Design, path: str, value: Any, typed: Typed = ()) -> Design:
     if design.drive.has_disk and path == f"cam.{FORM}":
         return with_form(design, value)
     changed = put(design, path, value)
+    if design.drive.has_surface and path == f"cam.{FORM}":
+        return _with_rollers_apart(changed)
     if changed.drive.is_linkage and changed.shaft is not None:
         return _at_one_speed(changed, path)
     return changed
@@ -413,6 +416,20 @@ def with_face(design: Design, word: str) -> Design:
     new = [path for path in after if path not in before and path.endswith("_mm") and ".face_" not in path]
     assumed = [*new, *(path for path in design.assumed if path in after)]
     return replace(changed, assumed=tuple(sorted(assumed, key=after.index)))
+
+
+def _with_rollers_apart(design: Design) -> Design:
+    """Design whose rib of a slide has a distance of its rollers, by default three radii, marked as assumed."""
+    cam, path = design.drive.cam, "cam.roller_distance_mm"
+    motion = design.drive.motion
+    if (
+        not isinstance(cam.form, Rib)
+        or cam.form.roller_distance_mm is not None
+        or motion is None
+        or motion.unit != "mm"
+    ):
+        return design
+    return with_assumed(put(design, path, 3.0 * cam.roller_radius_mm), path, True)
 
 
 def with_form(design: Design, word: str) -> Design:

@@ -1,7 +1,7 @@
 """Dialogs that choose a mechanism, or a circuit of a linkage, from images.
 
-The gallery has a group for each kind of follower, with one image for each face and form of cam, and one for the linkages
-among the examples.
+The gallery has a group for each kind of follower, with one image for each face and form of cam, one for each kind of cam in space, and
+one for the linkages among the examples.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
+from core.design.follower_kinds import KIND_LABELS
 from core.design.topology import driver_turns
 from core.followers.cam_slider import LAYOUT_LENGTHS, in_layout
 from core.frozen import frozen
@@ -39,6 +40,7 @@ from core.project import load
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.files.beginnings import beginning, dwell_first, with_previous_motion
+from kindyna_gui.files.space_beginnings import SPACE_BEGINNINGS, SpaceBeginning
 from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import thumbnail
@@ -114,6 +116,22 @@ def kinds() -> Iterator[tuple[str, list[GalleryChoice]]]:
         yield row.label, [*letters, *(_variant(kind, path, word) for path, word in words)]
 
 
+def in_space() -> Iterator[tuple[str, list[GalleryChoice]]]:
+    """Yield each kind of cam in space with its choices."""
+    for label, rows in SPACE_BEGINNINGS.items():
+        yield label, [_space_choice(label, row) for row in rows]
+
+
+def _space_choice(label: str, row: SpaceBeginning) -> GalleryChoice:
+    title = f"{label}, {row.name[:1].lower()}{row.name[1:]}"
+    design = partial(_named, row.design, title)
+    return GalleryChoice(row.name, title, design, title, keeps_motion=not row.indexes, ordered=not row.indexes)
+
+
+def _named(make: Callable[[], Design], title: str) -> Design:
+    return replace(make(), name=title)
+
+
 def _variant(kind: str, path: str, word: str) -> GalleryChoice:
     text = choice_text(word)
     title = f"{FOLLOWER_KINDS[kind].label}, {text}"
@@ -164,6 +182,7 @@ def presets() -> tuple[GalleryChoice, ...]:
 def groups() -> Iterator[tuple[str, Sequence[GalleryChoice]]]:
     """Yield all groups with their choices."""
     yield from kinds()
+    yield from in_space()
     yield LINKAGES, presets()
 
 
@@ -331,8 +350,8 @@ class Gallery(QDialog):
 
 def ask_mechanism(window: Window, asks_order: bool = False) -> GalleryChoice | None:
     """Ask for a mechanism, showing the group of the current one first; None where the user cancels."""
-    row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
-    dialog = Gallery(window, first=row.label if row else LINKAGES, asks_order=asks_order)
+    label = KIND_LABELS.get(window.session.design.drive.kind, LINKAGES)
+    dialog = Gallery(window, first=label, asks_order=asks_order)
     choice = dialog.choice if dialog.exec() == QDialog.DialogCode.Accepted else None
     dialog.deleteLater()
     return choice

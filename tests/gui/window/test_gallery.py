@@ -41,6 +41,8 @@ def open_user(same_window: Open) -> Open:
             "Cam-driven slider",
             "Valve rocker",
             "Pushrod train",
+            "Barrel cam",
+            "Globoidal cam",
             "Linkages",
         ],
         1,
@@ -57,6 +59,8 @@ def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkage
         "Oscillating follower": [*FACES, *FORMS],
         "Valve rocker": ["Roller", "Curved shoe", *FORMS],
         "Pushrod train": [*FACES, *FORMS],
+        "Barrel cam": ["Slide in a groove", "Slide on a rib", "Arm in a groove", "Indexing turret"],
+        "Globoidal cam": ["Indexing turret", "Arm in a groove"],
         "Linkages": [choice.name for choice in gallery.presets()],
     }
     dialog.show_group(title)
@@ -83,6 +87,29 @@ def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(c
     assert [f for f in findings_of(Study(design, 180)) if f.severity != "note"] == []
     if not choice.name.startswith("Layout"):
         assert [segment.span_deg for segment in design.drive.motion.segments] == [120.0, 60.0, 120.0, 60.0]
+
+
+@pytest.mark.parametrize(
+    "choice",
+    spread([each for _, choices in gallery.in_space() for each in choices], 3),
+    ids=lambda each: each.step_name,
+)
+def test_each_picture_of_a_cam_in_space_begins_a_design_without_faults_or_findings(
+    choice: gallery.GalleryChoice,
+) -> None:
+    design = choice.design()
+    assert faults(design) == []
+    assert findings_of(Study(design, 720)) == ()
+    assert design.drive.label == choice.title.partition(",")[0]
+    own = load(example("tappet_flat")).drive.motion
+    kept = choice.with_motion(own).drive.motion
+    assert (len(kept.segments) == len(own.segments)) == choice.keeps_motion
+
+
+def test_a_rib_of_a_slide_begins_with_a_distance_of_its_rollers_that_is_assumed() -> None:
+    rib = next(c for _, choices in gallery.in_space() for c in choices if c.name == "Slide on a rib").design()
+    assert rib.drive.cam.form.roller_distance_mm == 3.0 * rib.drive.cam.roller_radius_mm
+    assert "cam.roller_distance_mm" in rib.assumed
 
 
 def test_the_motion_that_is_there_goes_on_under_another_follower_as_far_as_it_suits() -> None:
