@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from core.design.linkage import FRAME_LINK, Linkage
@@ -229,15 +229,23 @@ def paint_grid(painter: QPainter, to: PixelFunction, scale: float, visible: QRec
     step = grid_step(scale)
     if max(visible.width(), visible.height()) / step > MOST_LINES:
         return
+    lines: dict[str, list[QLineF]] = {SCREEN.hair: [], SCREEN.dwell: [], SCREEN.line: []}
+    origin, pitch = to(0j), step * scale
+    left, right = origin.x() + visible.left() * scale, origin.x() + visible.right() * scale
+    low, high = origin.y() - visible.top() * scale, origin.y() - visible.bottom() * scale
     for i in range(math.floor(visible.left() / step), math.ceil(visible.right() / step) + 1):
-        _grid_line(painter, to, i, complex(i * step, visible.top()), complex(i * step, visible.bottom()))
+        x = origin.x() + i * pitch
+        lines[_grid_colour(i)].append(QLineF(x, low, x, high))
     for i in range(math.floor(visible.top() / step), math.ceil(visible.bottom() / step) + 1):
-        _grid_line(painter, to, i, complex(visible.left(), i * step), complex(visible.right(), i * step))
+        y = origin.y() - i * pitch
+        lines[_grid_colour(i)].append(QLineF(left, y, right, y))
+    for colour, rows in lines.items():
+        painter.setPen(QPen(QColor(colour), 1.0))
+        painter.drawLines(rows)
 
 
-def _grid_line(painter: QPainter, to: PixelFunction, number: int, first: complex, second: complex) -> None:
-    painter.setPen(QPen(QColor(SCREEN.line if not number else SCREEN.dwell if number % 5 == 0 else SCREEN.hair), 1.0))
-    painter.drawLine(to(first), to(second))
+def _grid_colour(number: int) -> str:
+    return SCREEN.line if not number else SCREEN.dwell if number % 5 == 0 else SCREEN.hair
 
 
 def paint_snap(painter: QPainter, to: PixelFunction, snap: Snap, start: complex | None = None) -> None:

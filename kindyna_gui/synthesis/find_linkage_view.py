@@ -341,10 +341,11 @@ def _reason(error: KindynaError) -> str:
     """The first fault of a task, with the names of the form for its fields."""
     text = str(error).splitlines()[0]
     for key, name in FIELD_NAMES.items():
-        text = re.sub(rf"\b{re.escape(key)}(\[(\d+)\])?", partial(_numbered, name), text)
+        text = re.sub(rf"\b{re.escape(key)}\[(\d+)\]", partial(_numbered, name), text)
+        text = text.replace(key, name) if "." in key else text
     return text
 
 
 def _numbered(name: str, match: re.Match[str]) -> str:
-    """Name of a field, with the number of its row, which counts from 1."""
-    return f"{name} {int(match[2]) + 1}" if match[2] else name
+    """Name of a field with the number of its row, which counts from 1."""
+    return f"{name} {int(match[1]) + 1}"

@@ -109,6 +109,7 @@ class SheetBar(QWidget):
                 row.addWidget(button)
         self.prompt = QLabel()
         self.prompt.setMinimumWidth(1)
+        row.addSpacing(8)
         row.addWidget(self.prompt, 1)
 
     def show_kind(self, kind: str) -> None:
@@ -280,7 +281,7 @@ class TaskSheet(QObject):
             x = at.real - area.low_x_mm, area.high_x_mm - at.real
             y = at.imag - area.low_y_mm, area.high_y_mm - at.imag
             if min(*x, *y) * scale >= -0.5 * REACH and min(map(abs, (*x, *y))) * scale <= 0.5 * REACH:
-                return Grip(Part(AREA), MOVE, at)
+                return Grip(Part(AREA), MOVE, complex(area.low_x_mm, area.low_y_mm))
         return None
 
     @property
@@ -579,7 +580,7 @@ class TaskSheet(QObject):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         paint_grid(painter, canvas.pixel_at, canvas.scale_now, canvas.visible)
         if self._answer:
-            paint_answer(painter, canvas.pixel_at, self._answer, self._step)
+            paint_answer(painter, canvas.viewportTransform(), self._answer, self._step)
         SheetPainter(canvas.pixel_at, canvas.visible, self.selected).paint(painter, self.task)
         if self._shows_dyads:
             self.dyads.paint(painter, canvas.pixel_at, canvas.visible)

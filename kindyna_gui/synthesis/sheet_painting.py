@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF, QTransform
 
 from core.frozen import frozen
 from core.synthesis import Task
 from core.synthesis.task import MOVING, PATH
 from kindyna_gui.linkage.snapping import PixelFunction
+from kindyna_gui.pictures.shapes import curve, fit_transform
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.synthesis.task_parts import (
     AREA,
@@ -29,6 +29,7 @@ from kindyna_gui.synthesis.task_parts import (
 
 ARM = 42.0  # length of a frame's arm, pixels
 DOT = 2.0  # radius of a point of a path, pixels
+MARGIN = 5.0  # around the small image of a linkage, pixels
 MOST_DOTS = 400  # a path of more points is drawn without them
 LINKS = (("O2", "A"), ("A", "B"), ("B", "O4"))
 Positions = Mapping[str, np.ndarray]
@@ -149,13 +150,22 @@ def paint_stroke(painter: QPainter, to: PixelFunction, stroke: Sequence[complex]
 # -- an answer ---------------------------------------------------------------------------------------------------
 
 
-def paint_answer(painter: QPainter, to: PixelFunction, positions: Positions, step: int, small: bool = False) -> None:
-    """Paint a linkage at one of its positions, with the path of its point P; ``small``: with thin lines, for a card."""
+def paint_answer(painter: QPainter, view: QTransform, positions: Positions, step: int, small: bool = False) -> None:
+    """Paint a linkage at one of its positions, with the path of its point P; ``small``: with thin lines, for a card.
+
+    ``view`` maps mm to pixels.
+    """
     ink, quiet, chosen = (QColor(colour) for colour in (SCREEN.ink, SCREEN.quiet, SCREEN.chosen))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
     if "P" in positions:
         painter.setPen(QPen(chosen, 1.0, Qt.PenStyle.SolidLine if small else Qt.PenStyle.DotLine))
-        painter.drawPolyline([to(complex(z)) for z in positions["P"][:: 3 if small else 1]])
-    now = {name: to(complex(z[step % z.size])) for name, z in positions.items()}
+        painter.drawPath(view.map(curve(positions["P"])))
+    if "B" in positions and "O4" not in positions:  # the line on which its block slides
+        z = positions["B"]
+        painter.setPen(QPen(quiet, 1.0, Qt.PenStyle.DashLine))
+        painter.drawPath(view.map(curve(np.array([z[0], max(z, key=lambda p: abs(p - z[0]))]))))
+    points = {name: z[step % z.size] for name, z in positions.items()}
+    now = {name: view.map(QPointF(z.real, z.imag)) for name, z in points.items()}
     painter.setPen(QPen(ink if small else quiet, 1.5 if small else 3.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
     for first, second in LINKS:
         if first in now and second in now:
@@ -178,29 +188,16 @@ class AnswerPicture:
     """Small image of a linkage at any of its positions."""
 
     def __init__(self, positions: Positions) -> None:
-        self.positions = positions
-
-    @cached_property
-    def _box(self) -> tuple[complex, complex]:
-        """Middle and size [mm] of all positions."""
-        z = np.concatenate(list(self.positions.values()))
-        size = complex(np.ptp(z.real), np.ptp(z.imag))
-        return complex(z.real.min(), z.imag.min()) + 0.5 * size, size
+        self._positions = positions
 
     def __call__(self, size: QSize, ratio: float, step: int) -> QImage:
         """Image of this size in pixels at one position."""
         image = QImage(size * ratio, QImage.Format.Format_RGB32)
         image.setDevicePixelRatio(ratio)
         image.fill(QColor(SCREEN.paper))
-        middle, extent = self._box
-        scale = min((size.width() - 10) / (extent.real or 1.0), (size.height() - 10) / (extent.imag or 1.0))
-
-        def to(z: complex) -> QPointF:
-            d = (z - middle) * scale
-            return QPointF(0.5 * size.width() + d.real, 0.5 * size.height() - d.imag)
-
+        view = fit_transform(np.concatenate(list(self._positions.values())), size, MARGIN)
         painter = QPainter(image)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        paint_answer(painter, to, self.positions, step, small=True)
+        paint_answer(painter, view, self._positions, step, small=True)
         painter.end()
         return image

@@ -37,7 +37,7 @@ from kindyna_gui.look import bold_label, described, scrolled, text_button
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.synthesis import task_parts
-from kindyna_gui.synthesis.task_parts import PARTS, PIVOT, new_part
+from kindyna_gui.synthesis.task_parts import DEG, MM, PARTS, PIVOT, new_part
 
 FIRST_POSES = (BodyPose(0.0, 0.0, 0.0), BodyPose(60.0, 20.0, 30.0), BodyPose(110.0, 10.0, 60.0))
 FIRST_PAIRS = (AnglePair(45.0, 30.0), AnglePair(75.0, 55.0), AnglePair(105.0, 75.0))
@@ -48,6 +48,7 @@ DIRECTION = Info("Direction", "empty: the pivot is at this position; a number: i
 DYADS: Mapping[int, str] = {0: "both", 1: "dyad 1", 2: "dyad 2"}
 OF: Mapping[str, str] = {FIXED: "fixed", MOVING: "moving"}
 NO_PATH = "Draw the path on the drawing, or open a file with its points"
+INDENT = 14  # of the numbers of a pivot, pixels
 Boxes = list[LiveBox]
 
 
@@ -70,7 +71,7 @@ class PivotRow(QWidget):
         fill_choices(self.dyad, DYADS)  # type: ignore[arg-type]
         fill_choices(self.of, OF)
         self.boxes = _boxes(Pivot, "x_mm", "y_mm", suffix=f" of pivot {number}")
-        self.direction = LiveBox(DIRECTION, split_unit("angle_deg")[1], f"Direction of pivot {number}")
+        self.direction = LiveBox(DIRECTION, DEG, f"Direction of pivot {number}")
         for box, tip in zip(self.all_boxes, ("x of the pivot", "y of the pivot", DIRECTION.help), strict=True):
             box.setToolTip(sentence(tip))
             box.changed.connect(self.changed)
@@ -81,7 +82,7 @@ class PivotRow(QWidget):
             (self.of.activated, lambda *_: self.changed.emit()),
         )
         words = fill(QHBoxLayout(), QLabel(str(number)), self.of, self.dyad, STRETCH, cross, margins=0, spacing=4)
-        values = fill(QHBoxLayout(), *((box, 1) for box in self.all_boxes), margins=(14, 0, 0, 0), spacing=4)
+        values = fill(QHBoxLayout(), *((box, 1) for box in self.all_boxes), margins=(INDENT, 0, 0, 0), spacing=4)
         fill(QVBoxLayout(self), words, values, margins=0, spacing=2)
 
     @property
@@ -134,7 +135,7 @@ class TaskForm(QWidget):
         self.message = RefusalLine((0, 2, 0, 2))
         self._pose_grid, self._pair_grid, self._pivot_column = QGridLayout(), QGridLayout(), QVBoxLayout()
         self._headings: list[tuple[QLabel, str, Unit]] = []
-        self._area_form = QWidget()
+        self._pivot_headings, self._area_form = (bold_label("Pivots"), QWidget()), QWidget()
         self._path = TracedPath()
         self._folder = Path()
         self._shows = False
@@ -165,12 +166,11 @@ class TaskForm(QWidget):
         curve = _button("Points from a &file...", self.curve_requested.emit)
         more = fill(QHBoxLayout(), self.add_pose, self.add_pivot, self.add_area, STRETCH, margins=0)
         pages = {
-            POSES: (self._pose_grid, self._pivot_column, self._area_layout(), more),
+            POSES: (self._pose_grid, self._pivot_layout(), self._area_layout(), more),
             PATH: (self.about_path, self.closed, fill(QHBoxLayout(), curve, STRETCH, margins=0)),
             ANGLES: (self._angle_form(), self._pair_grid, fill(QHBoxLayout(), add_pair, STRETCH, margins=0), self.free),
             ROCKER: (_form(self.swing),),
         }
-        self._pivot_column.setSpacing(6)
         for name, parts in pages.items():
             page = widget_with(fill(QVBoxLayout(), *parts, STRETCH, margins=(0, 0, 4, 0), spacing=8))
             self.pages[name] = scrolled(page, sideways=False)
@@ -185,6 +185,14 @@ class TaskForm(QWidget):
             self.order,
         )
         fill(QVBoxLayout(self), *rows, margins=0, spacing=6)
+
+    def _pivot_layout(self) -> QVBoxLayout:
+        row = fill(QHBoxLayout(self._pivot_headings[1]), margins=(INDENT, 0, 0, 0), spacing=4)
+        for info in (field_info(Pivot, "x_mm"), field_info(Pivot, "y_mm"), DIRECTION):
+            heading = described(QLabel(), tip=sentence(info.help))
+            self._headings.append((heading, info.label, DEG if info is DIRECTION else MM))
+            row.addWidget(heading, 1)
+        return fill(self._pivot_column, *self._pivot_headings, spacing=4)
 
     def _area_layout(self) -> QWidget:
         grid = QGridLayout()
@@ -254,9 +262,9 @@ class TaskForm(QWidget):
         self.kind.setCurrentIndex(self.kind.findData(task.kind))
         if task.kind == POSES:
             self._show_poses(task)
-        if task.path is not None:
-            self._path = task.path
-            self.closed.setChecked(task.path.closed)
+        if task.kind == PATH or task.path is not None:
+            self._path = task.path or TracedPath()
+            self.closed.setChecked(self._path.closed)
         if task.angles is not None or not self.pairs:
             angles = task.angles or AnglePairs(pairs=FIRST_PAIRS, frame_mm=100.0)
             self._show_pairs(angles.pairs)
@@ -289,6 +297,8 @@ class TaskForm(QWidget):
             self._pivot_column.addWidget(row)
         for row, pivot in zip(self.pivots, task.pivots, strict=True):
             row.show_pivot(pivot)
+        for heading in self._pivot_headings:
+            heading.setVisible(bool(self.pivots))
         area = task.area
         self._area_form.setVisible(area is not None)
         self.add_area.setVisible(area is None)

@@ -1,0 +1,311 @@
+"""The sheet of Compo > Find a linkage: lines, area, points, moving pivots; snapping, typed values, taking back, leaving."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QContextMenuEvent, QMouseEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
+from window_user import Open, User, plain, settle, wait_for
+
+from core.synthesis import Area, BodyPose, PathPoint, Pivot, Task, TracedPath, load_task, save_task
+from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "four_bar.toml"
+LEFT = Qt.MouseButton.LeftButton
+NONE, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier
+POSES = (BodyPose(0.0, 0.0, 0.0), BodyPose(60.0, 20.0, 30.0), BodyPose(110.0, 10.0, 60.0))
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window(EXAMPLE)
+
+
+class Sheet:
+    """The mouse and the keys on the sheet."""
+
+    def __init__(self, user: User, task: Task) -> None:
+        user.choose("Compo", "Find a linkage")
+        view = user.window.view("find_linkage")
+        assert isinstance(view, FindLinkageView)
+        self.view = view
+        view.show_task(task)
+        assert view.sheet.canvas is not None
+        self.canvas = view.sheet.canvas
+        wait_for(lambda: not view.busy)
+        self.canvas.show_region(QPointF(40.0, 0.0), 2.0)  # the grid has cells of 10 mm
+        settle()
+
+    @property
+    def viewport(self) -> QWidget:
+        return self.canvas.viewport()
+
+    @property
+    def task(self) -> Task:
+        return self.view.task
+
+    def tool(self, name: str) -> None:
+        QTest.mouseClick(self.view.sheet.bar.buttons[name], LEFT)
+
+    def pixel(self, z: complex) -> QPoint:
+        return self.view.sheet.pixel(z).toPoint()
+
+    def drag(self, *places: complex, modifier: Qt.KeyboardModifier = NONE, release: bool = True) -> None:
+        pixels = [self.pixel(z) for z in places]
+        QTest.mousePress(self.viewport, LEFT, modifier, pixels[0])
+        for at in pixels[1:]:
+            move(self.viewport, at, modifier)
+        if release:
+            QTest.mouseRelease(self.viewport, LEFT, modifier, pixels[-1])
+        settle()
+
+    def click(self, z: complex) -> None:
+        QTest.mouseClick(self.viewport, LEFT, NONE, self.pixel(z))
+        settle()
+
+    def key(self, key: Qt.Key) -> None:
+        QTest.keyClick(self.canvas, key)
+        settle()
+
+    def type(self, *texts: str) -> None:
+        """Numbers from the first digit on, in the boxes that it opens."""
+        QTest.keyClicks(self.canvas, texts[0][0])
+        for i, text in enumerate(texts):
+            box = QApplication.focusWidget()
+            assert isinstance(box, QLineEdit)
+            QTest.keyClicks(box, text[1:] if not i else text)
+            QTest.keyClick(box, Qt.Key.Key_Tab if i < len(texts) - 1 else Qt.Key.Key_Return)
+        settle()
+
+    def menu(self, z: complex) -> QMenu:
+        at = self.pixel(z)
+        event = QContextMenuEvent(QContextMenuEvent.Reason.Mouse, at, self.viewport.mapToGlobal(at))
+        QApplication.sendEvent(self.viewport, event)
+        settle()
+        menu = QApplication.activePopupWidget()
+        assert isinstance(menu, QMenu)
+        return menu
+
+    def choose(self, z: complex, entry: str) -> None:
+        menu = self.menu(z)
+        next(action for action in menu.actions() if plain(action.text()) == entry).trigger()
+        menu.close()
+        settle()
+
+    def answered(self) -> None:
+        wait_for(self.view.strip.put_button.isEnabled)
+
+
+def move(viewport: QWidget, at: QPoint, modifier: Qt.KeyboardModifier) -> None:
+    place = QPointF(at)
+    event = QMouseEvent(QEvent.Type.MouseMove, place, viewport.mapToGlobal(place), LEFT, LEFT, modifier)
+    QApplication.sendEvent(viewport, event)
+
+
+def poses_task(*pivots: Pivot, area: Area | None = None) -> Task:
+    return Task(kind="poses", poses=POSES, pivots=pivots, area=area)
+
+
+# -- lines and area --------------------------------------------------------------------------------------
+
+
+def test_a_line_is_dragged_turned_and_holds_the_pivot(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.tool("line")
+    sheet.drag(-40.0 - 60.0j, 0.0 - 60.0j, 40.0 - 60.0j)
+    (pivot,) = sheet.task.pivots
+    assert pivot.line == (-40.0, -60.0, 0.0)
+    assert [box.number for box in sheet.view.form.pivots[0].all_boxes] == [-40.0, -60.0, 0.0]
+    arm = 42.0 / sheet.canvas.scale_now
+    sheet.drag(-40.0 + arm - 60.0j, -40.0 + 30.0 - 30.0j)
+    assert sheet.task.pivots[0].line == (-40.0, -60.0, 45.0)
+    sheet.answered()
+    answer = sheet.view.strip.answer
+    assert answer is not None
+    fixed = answer.candidate.linkage.by_number[1].places.values()
+    distances = [abs(((z + 40.0 + 60.0j) * np.exp(-0.25j * np.pi)).imag) for z in fixed]
+    assert min(distances) < 1e-6
+
+
+def test_an_area_is_dragged_moved_and_resized_and_holds_the_fixed_pivots(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.tool("area")
+    sheet.drag(100.0 + 60.0j, 0.0 + 0.0j, -20.0 - 60.0j)  # from the upper right corner to the lower left one
+    assert sheet.task.area == Area(-20.0, -60.0, 100.0, 60.0)
+    sheet.drag(100.0 + 60.0j, 120.0 + 80.0j)
+    assert sheet.task.area == Area(-20.0, -60.0, 120.0, 80.0)
+    sheet.drag(50.0 - 60.0j, 60.0 - 80.0j)
+    assert sheet.task.area == Area(-10.0, -80.0, 130.0, 60.0)
+    assert [box.number for box in sheet.view.form.area] == [-10.0, -80.0, 130.0, 60.0]
+    sheet.answered()
+    for answer in sheet.view.strip.proposals.answers:  # type: ignore[union-attr]
+        places = answer.candidate.linkage.by_number[1].places
+        pins = [places[name] for name in ("O2", "O4") if name in places]
+        assert all(-10.0 <= z.real <= 130.0 and -80.0 <= z.imag <= 60.0 for z in pins)
+    sheet.click(50.0 + 60.0j)
+    sheet.key(Qt.Key.Key_Delete)
+    assert sheet.task.area is None
+
+
+def test_lines_area_and_moving_pivots_of_a_file_are_shown_and_edited(user: User, tmp_path: Path) -> None:
+    task = poses_task(
+        Pivot(dyad=1, of="fixed", line=(0.0, -60.0, 90.0)),
+        Pivot(dyad=2, of="moving", x_mm=10.0, y_mm=20.0),
+        area=Area(-60.0, -100.0, 120.0, 60.0),
+    )
+    save_task(task, tmp_path / "task.toml")
+    sheet = Sheet(user, load_task(tmp_path / "task.toml"))
+    assert sheet.task.pivots == task.pivots
+    assert sheet.task.area == task.area
+    row = sheet.view.form.pivots[1]
+    assert (row.of.currentText(), row.dyad.currentText()) == ("moving", "dyad 2")
+    sheet.drag(10.0 + 20.0j, 10.0 + 40.0j)  # drawn at the first pose
+    assert sheet.task.pivots[1] == Pivot(dyad=2, of="moving", x_mm=10.0, y_mm=40.0)
+    box = row.direction
+    box.setFocus()
+    QTest.keyClicks(box, "90")
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    assert sheet.task.pivots[1] == Pivot(dyad=2, of="moving", line=(10.0, 40.0, 90.0))
+    save_task(sheet.task, tmp_path / "again.toml")
+    assert load_task(tmp_path / "again.toml").pivots == sheet.task.pivots
+
+
+def test_the_menu_of_a_pivot_makes_it_a_moving_one_at_the_same_position(user: User) -> None:
+    poses = (BodyPose(10.0, 20.0, 90.0), *POSES[1:])
+    sheet = Sheet(user, Task(kind="poses", poses=poses, pivots=(Pivot(dyad=1, of="fixed", x_mm=40.0, y_mm=-40.0),)))
+    sheet.choose(40.0 - 40.0j, "Moving pivot, on the body")
+    (pivot,) = sheet.task.pivots
+    assert (pivot.of, pivot.x_mm, pivot.y_mm) == ("moving", pytest.approx(-60.0), pytest.approx(-30.0))
+    sheet.choose(40.0 - 40.0j, "For both dyads")
+    assert sheet.task.pivots[0].dyad is None
+    sheet.choose(40.0 - 40.0j, "Remove")
+    assert not sheet.task.pivots
+
+
+# -- a path by points ------------------------------------------------------------------------------------
+
+
+def test_a_path_is_clicked_point_by_point(user: User) -> None:
+    sheet = Sheet(user, Task(kind="path"))
+    sheet.tool("points")
+    for z in (0.0, 60.0, 60.0 + 40.0j, 90.0 + 90.0j):
+        sheet.click(z)
+    sheet.key(Qt.Key.Key_Backspace)
+    sheet.click(0.0 + 40.0j)
+    sheet.key(Qt.Key.Key_Return)
+    path = sheet.task.path
+    assert path is not None
+    assert [(p.x_mm, p.y_mm) for p in path.points] == [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)]
+    assert not path.closed
+    sheet.drag(60.0 + 40.0j, 70.0 + 50.0j)
+    path = sheet.task.path
+    assert path is not None
+    assert (path.points[2].x_mm, path.points[2].y_mm) == (70.0, 50.0)
+
+
+def test_a_click_on_the_first_point_closes_the_path(user: User) -> None:
+    sheet = Sheet(user, Task(kind="path"))
+    sheet.tool("points")
+    for z in (0.0, 60.0, 60.0 + 40.0j, 0.0):
+        sheet.click(z)
+    path = sheet.task.path
+    assert path is not None
+    assert len(path.points) == 3
+    assert path.closed
+    assert sheet.view.form.closed.isChecked()
+
+
+# -- snapping, typing, taking back -----------------------------------------------------------------------
+
+
+def test_the_mouse_snaps_to_a_joint_of_the_mechanism_and_ctrl_leaves_it(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    joint = sheet.view.sheet.marks()["B"]
+    assert joint == pytest.approx(87.86 + 68.94j, abs=0.01)
+    near = joint + (3.0 + 2.0j) / sheet.canvas.scale_now
+    sheet.drag(60.0 + 20.0j, near)
+    assert sheet.task.poses[1].z == pytest.approx(joint, abs=1e-6)
+    sheet.drag(joint, joint + 5.0, near, modifier=CTRL)
+    assert 1.0 < abs(sheet.task.poses[1].z - joint) * sheet.canvas.scale_now < 6.0
+
+
+def test_values_are_typed_during_a_drag_and_for_a_new_pose(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.drag(60.0 + 20.0j, 70.0 + 30.0j, release=False)
+    sheet.type("61.5", "22", "33.25")
+    assert sheet.task.poses[1] == BodyPose(61.5, 22.0, 33.25)
+    sheet.key(Qt.Key.Key_Escape)  # nothing is selected any more
+    sheet.type("150", "-12.5", "80")
+    assert sheet.task.poses[3] == BodyPose(150.0, -12.5, 80.0)
+
+
+def test_escape_takes_a_drag_back_then_leaves_the_sheet(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.drag(60.0 + 20.0j, 80.0 + 50.0j, release=False)
+    assert sheet.task.poses[1].z == 80.0 + 50.0j
+    sheet.key(Qt.Key.Key_Escape)
+    QTest.mouseRelease(sheet.viewport, LEFT)
+    assert sheet.task.poses == POSES
+    assert sheet.view.isVisible()
+    sheet.key(Qt.Key.Key_Escape)
+    sheet.key(Qt.Key.Key_Escape)
+    assert user.window.docks["find_linkage"].isHidden()
+    assert not sheet.view.sheet.bar.isVisible()
+
+
+def test_drawing_links_leaves_the_sheet_and_the_task_stays(user: User) -> None:
+    sheet = Sheet(user, poses_task(area=Area(-200.0, -300.0, 300.0, 200.0)))
+    user.choose("Compo", "Draw")
+    assert user.window.docks["find_linkage"].isHidden()
+    assert not sheet.view.strip.isVisible()
+    user.choose("Compo", "Draw")
+    user.choose("Compo", "Find a linkage")
+    assert sheet.view.strip.isVisible()
+    assert sheet.task.area == Area(-200.0, -300.0, 300.0, 200.0)
+
+
+def test_a_design_that_is_a_motion_alone_has_a_sheet_too(open_user: Open) -> None:
+    user = open_user(EXAMPLE.with_name("barrel_feeder.toml"))
+    sheet = Sheet(user, poses_task())
+    sheet.answered()
+    sheet.drag(60.0 + 20.0j, 80.0 + 50.0j)
+    assert sheet.task.poses[1].z == 80.0 + 50.0j
+
+
+# -- errors and the search -------------------------------------------------------------------------------
+
+
+def test_a_fault_is_shown_at_its_field(user: User) -> None:
+    sheet = Sheet(
+        user,
+        poses_task(Pivot(dyad=1, of="fixed", x_mm=0.0, y_mm=-50.0), Pivot(dyad=1, of="moving", x_mm=0.0, y_mm=5.0)),
+    )
+    wait_for(lambda: bool(sheet.view.form.message.text()))
+    assert "3 poses leave 2" in sheet.view.form.message.text()
+    first, second = sheet.view.form.pivots
+    assert all(box.is_refused for box in second.all_boxes)
+    assert not any(box.is_refused for box in first.all_boxes)
+    sheet.choose(0.0 + 5.0j, "For dyad 2")
+    sheet.answered()
+    assert not sheet.view.form.message.text()
+    assert not any(box.is_refused for box in second.all_boxes)
+
+
+def test_a_long_search_greys_the_cards_and_can_be_stopped(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.answered()
+    count = sheet.view.strip.board.list.count()
+    points = tuple((round(50 * np.cos(a), 3), round(30 * np.sin(a), 3)) for a in np.linspace(0.0, 6.0, 30))
+    strip = sheet.view.strip
+    sheet.view.show_task(Task(kind="path", path=TracedPath(points=tuple(PathPoint(*p) for p in points), closed=True)))
+    wait_for(lambda: not strip.stop.isHidden() or strip.put_button.isEnabled())
+    if not strip.put_button.isEnabled():
+        assert strip.board.list.count() == count
+        assert not strip.board.list.isEnabled()
+        QTest.mouseClick(strip.stop, LEFT)
+        wait_for(strip.stop.isHidden)
+        assert strip.board.list.isEnabled()
+        assert not sheet.view.busy
