@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 
@@ -38,4 +39,25 @@ def volumes(shape: Any, accuracy: float) -> list[float]:
         BRepGProp.VolumeProperties_s(solids.Current(), properties, accuracy)
         result.append(float(properties.Mass()))
         solids.Next()
+    return result
+
+
+def face_points(shape: Any, count: int) -> list[np.ndarray]:
+    """Random points (n, 3) [mm] of each face, between the limits of its parameters."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepTools import BRepTools
+    from OCP.TopAbs import TopAbs_FACE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    generator, result = np.random.default_rng(11), []
+    faces = TopExp_Explorer(shape, TopAbs_FACE)
+    while faces.More():
+        face = TopoDS.Face_s(faces.Current())
+        low_u, high_u, low_v, high_v = BRepTools.UVBounds_s(face)
+        surface = BRep_Tool.Surface_s(face)
+        u, v = generator.uniform((low_u, low_v), (high_u, high_v), (count, 2)).T
+        points = [surface.Value(*at) for at in zip(u.tolist(), v.tolist(), strict=True)]
+        result.append(np.array([(p.X(), p.Y(), p.Z()) for p in points]))
+        faces.Next()
     return result

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kernel_reader import is_valid, kernel_shape
+from kernel_reader import face_points, is_valid, kernel_shape
+from sampled import stressed
 from step_reader import Face, StepFile, check_topology
 from surface_command import run, written
 
@@ -41,7 +42,7 @@ def barrel_motion(theta: np.ndarray) -> np.ndarray:
     return STROKE * cycloidal(np.minimum(x, 2.0 - x))
 
 
-def indexer(folder: Path) -> Path:
+def indexer(folder: Path, rotation: str = "ccw", taper: float = 0.0) -> Path:
     """A globoidal indexer of six stops: a dwell of 240°, and a cycloidal step of 60° in 120°."""
     path = folder / "indexer.toml"
     path.write_text(
@@ -50,48 +51,77 @@ def indexer(folder: Path) -> Path:
         '[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 120.0\nrise_deg = 60.0\n'
         f'[cam]\nkind = "globoidal"\ncentre_distance_mm = {DISTANCE}\nform = "rib"\nroller_radius_mm = {RADIUS}\n'
         f"roller_length_mm = {LENGTH}\nroller_inner_mm = {INNER}\nrollers = {TURNS}\nlength_mm = 82.0\n"
-        '[shaft]\nrotation = "ccw"\nspeed_rpm = 60.0\n[loads]\n',
+        f'roller_taper_deg = {taper}\n[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n',
         "utf-8",
     )
     return path
 
 
+Axis = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""Point and direction (k, 3) of a roller's axis at cam angles (k,), in the global frame."""
+
+
 def turned(points: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Points (n, 3) rotated about z by angles (k,): (n, k, 3)."""
+    """Points (n, 3) rotated about z by angles that broadcast to (n, k): (n, k, 3)."""
     x, y, z = (points[:, i, None] for i in range(3))
     c, s = np.cos(angle), np.sin(angle)
     return np.stack((c * x - s * y, s * x + c * y, z + 0.0 * c), axis=-1)
 
 
-def least_distance(
-    points: np.ndarray,
-    axis: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-    sense: float,
-    ends: tuple[float, float],
+def gaps(
+    points: np.ndarray, axis: Axis, sense: float, theta: np.ndarray, taper: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Least distance (n,) of points of the cam from the axis of a roller over the turn, and the vector (n, 3) from it.
+    """Distance of points (n, 3) of the cam from a conical roller at angles (n, k) or (1, k), and the vectors from its axis.
 
-    The axis at cam angles (k,) is its point and its direction (k, 3); it is only as long as the roller. The least of the
-    samples is refined by a parabola.
+    (ρ - r + (u - u_0) tan τ) cos τ at the distance ρ from the axis and u along it; the roller is only as long as it is.
     """
-    theta = 2.0 * np.pi * np.arange(14_400) / 14_400
-    origin, along = axis(theta)
-    result, vectors = np.empty(len(points)), np.empty((len(points), 3))
-    for i in range(0, len(points), 40):
-        away = turned(points[i : i + 40], sense * theta) - origin
-        u = (away * along).sum(axis=-1)
-        across = away - u[..., None] * along
-        size = np.where((u > ends[0]) & (u < ends[1]), np.linalg.norm(across, axis=-1), np.inf)
-        best = size.argmin(axis=1)
-        rows = np.arange(len(size))
-        left, middle, right = (size[rows, (best + k) % theta.size] for k in (-1, 0, 1))
-        with np.errstate(invalid="ignore"):
-            curvature = left - 2.0 * middle + right
-            drop = np.where((curvature > 0.0) & np.isfinite(curvature), (right - left) ** 2 / (8.0 * curvature), 0.0)
-        result[i : i + 40] = middle - drop
-        back = turned(across[rows, best], -sense * theta[best])[rows, rows]
-        vectors[i : i + 40] = back
-    return result, vectors
+    origin, along = (row.reshape(*theta.shape, 3) for row in axis(theta.ravel()))
+    away = turned(points, sense * theta) - origin
+    u = (away * along).sum(axis=-1)
+    across = away - u[..., None] * along
+    tan = math.tan(math.radians(taper))
+    gap = (np.linalg.norm(across, axis=-1) - RADIUS + (u - INNER) * tan) / math.hypot(1.0, tan)
+    return np.where((u > INNER - 0.5) & (u < INNER + LENGTH + 0.5), gap, np.inf), across
+
+
+def least_gap(points: np.ndarray, axis: Axis, sense: float, taper: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Least distance (n,) of points of the cam from a roller over the turn, and the vector (n, 3) from its axis then.
+
+    The least of samples of a quarter of a degree, about it of finer ones, and of the parabola through those.
+    """
+    coarse, fine = 2.0 * np.pi * np.arange(1440) / 1440, np.linspace(-1.0, 1.0, 41) * np.pi / 720.0
+    result, vectors = [], []
+    for i in range(0, len(points), 400):
+        part = points[i : i + 400]
+        best = coarse[gaps(part, axis, sense, coarse[None], taper)[0].argmin(axis=1)]
+        theta = best[:, None] + fine
+        gap, across = gaps(part, axis, sense, theta, taper)
+        rows, k = np.arange(len(part)), gap.argmin(axis=1)
+        left, middle, right = (gap[rows, (k + step).clip(0, fine.size - 1)] for step in (-1, 0, 1))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            drop = (right - left) ** 2 / (8.0 * (left - 2.0 * middle + right))
+        result.append(middle - np.where((left > middle) & (middle < right) & np.isfinite(drop), drop, 0.0))
+        vectors.append(turned(across[rows, k], -sense * theta[rows, k][:, None])[:, 0])
+    return np.concatenate(result), np.concatenate(vectors)
+
+
+def slide_axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Axis of the barrel's roller, along x at the height of the motion."""
+    zero = 0.0 * theta
+    return np.stack((zero, zero, barrel_motion(theta)), axis=-1), np.stack((zero + 1.0, zero, zero), axis=-1)
+
+
+def turret_axis(k: int) -> Axis:
+    """Axis of a roller of the indexer, k steps from the first one, which starts at 30°."""
+
+    def at(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        turn, rest = np.divmod(theta, 2.0 * np.pi)
+        x = np.clip((rest - math.radians(240.0)) / math.radians(120.0), 0.0, 1.0)
+        phi = math.radians(30.0) + 2.0 * np.pi / TURNS * (cycloidal(x) + k + turn)
+        zero = 0.0 * theta
+        return np.stack((zero + DISTANCE, zero, zero), axis=-1), np.stack((-np.cos(phi), zero, np.sin(phi)), axis=-1)
+
+    return at
 
 
 def random_points(faces: list[Face], count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -102,59 +132,72 @@ def random_points(faces: list[Face], count: int) -> tuple[np.ndarray, np.ndarray
     return np.concatenate([points for points, _ in at]), np.concatenate(normals)
 
 
-@pytest.mark.parametrize("rotation", ["ccw", "cw"])
-def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str) -> None:
-    """Points of the file are the roller's radius, with the play behind it, from its axis over the turn, and nowhere nearer."""
+def check_barrel(name: str, points: np.ndarray, sense: float, taper: float, deviation: float) -> np.ndarray:
+    """Points of a flank are the play away from the roller over the turn, and nowhere nearer; returns the vectors from its axis."""
+    gap, away = least_gap(points, slide_axis, sense, taper)
+    play = PLAY * math.cos(math.radians(taper)) if name.startswith("behind") else 0.0
+    assert np.abs(gap - play).max() <= deviation + 1e-6
+    assert np.sign(away[:, 2]).tolist() == [1.0 if name.startswith("ahead") else -1.0] * len(away)
+    return away
+
+
+def check_indexer(points: np.ndarray, sense: float, taper: float, deviation: float) -> None:
+    """No point is inside of any roller, and each touches one."""
+    nearest = np.min([least_gap(points, turret_axis(k), sense, taper)[0] for k in range(-2, 2)], axis=0)
+    assert np.abs(nearest).max() <= deviation + 1e-6
+
+
+@pytest.mark.parametrize(("rotation", "taper"), [("ccw", 0.0), ("cw", 5.0), stressed("cw", 0.0), stressed("ccw", -5.0)])
+def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str, taper: float) -> None:
+    """Points of the file are on the cylindrical or conical roller over the turn, with the play behind it, and nowhere in it."""
     out = tmp_path / "cam.step"
-    facts = written(barrel(tmp_path, rotation), out)
+    facts = written(barrel(tmp_path, rotation, taper), out)
     assert 0.0 < facts["deviation_mm"] <= 0.002
-
-    def axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        zero = 0.0 * theta
-        return np.stack((zero, zero, barrel_motion(theta)), axis=-1), np.stack((zero + 1.0, zero, zero), axis=-1)
-
     shells = StepFile(out.read_bytes()).shells
     assert list(shells) == ["ahead 1", "behind 1"]
     for name, faces in shells.items():
         check_topology(faces, is_closed=False)
         assert len(faces) == 3, "a dwell, a rise and a return"
         points, normals = random_points(faces, 100)
-        distance, away = least_distance(
-            points, axis, 1.0 if rotation == "ccw" else -1.0, (INNER - 1.0, INNER + LENGTH + 1.0)
-        )
-        radius = RADIUS + (PLAY if name.startswith("behind") else 0.0)
-        assert np.abs(distance - radius).max() <= facts["deviation_mm"] + 1e-6
+        away = check_barrel(name, points, 1.0 if rotation == "ccw" else -1.0, taper, facts["deviation_mm"])
         assert (away * normals).sum(axis=1).max() < 0.0, "normals point out of the cam, towards the roller"
-        assert np.sign(away[:, 2]).tolist() == [1.0 if name.startswith("ahead") else -1.0] * len(away)
 
 
-@pytest.mark.stress
-def test_an_indexers_flanks_touch_its_rollers(tmp_path: Path) -> None:
-    """The six-stop globoidal indexer, 2 µm true: no point is nearer to any roller than its radius, and each is that near to one."""
+@pytest.mark.parametrize(("rotation", "taper"), [("cw", 8.0), stressed("ccw", 0.0)])
+def test_an_indexers_flanks_touch_its_rollers(tmp_path: Path, rotation: str, taper: float) -> None:
+    """The six-stop globoidal indexer, 2 µm true: no point is in any roller, and each is on one."""
     out = tmp_path / "cam.step"
-    facts = written(indexer(tmp_path), out)
+    facts = written(indexer(tmp_path, rotation, taper), out)
     assert facts["deviation_mm"] <= 0.002
-    step = 2.0 * np.pi / TURNS
-
-    def axis(k: int) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        def at(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            x = np.clip((theta - math.radians(240.0)) / math.radians(120.0), 0.0, 1.0)
-            phi = math.radians(30.0) + step * (cycloidal(x) + k)
-            zero = 0.0 * theta
-            return np.stack((zero + DISTANCE, zero, zero), axis=-1), np.stack(
-                (-np.cos(phi), zero, np.sin(phi)), axis=-1
-            )
-
-        return at
-
     shells = StepFile(out.read_bytes()).shells
     assert {name.split()[0] for name in shells} == {"ahead", "behind"}
     for faces in shells.values():
         check_topology(faces, is_closed=False)
-        points, _ = random_points(faces, 40)
-        ends = (INNER - 0.5, INNER + LENGTH + 0.5)
-        nearest = np.min([least_distance(points, axis(k), 1.0, ends)[0] for k in range(-2, 2)], axis=0)
-        assert np.abs(nearest - RADIUS).max() <= facts["deviation_mm"] + 1e-6
+        points, _ = random_points(faces, 10)
+        check_indexer(points, 1.0 if rotation == "ccw" else -1.0, taper, facts["deviation_mm"])
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+@pytest.mark.parametrize("taper", [0.0, 8.0, -5.0])
+@pytest.mark.parametrize("kind", ["barrel", "indexer"])
+def test_ten_thousand_points_of_a_kernel_are_within_the_deviation(
+    tmp_path: Path, kind: str, taper: float, rotation: str
+) -> None:
+    """OpenCASCADE finds the flanks of cylinders and cones valid, and its points on the faces are on the rollers."""
+    out, sense = tmp_path / "cam.step", 1.0 if rotation == "ccw" else -1.0
+    design = indexer(tmp_path, rotation, taper) if kind == "indexer" else barrel(tmp_path, rotation, taper)
+    deviation = written(design, out)["deviation_mm"]
+    shape = kernel_shape(out)
+    assert is_valid(shape)
+    names = [name for name, faces in StepFile(out.read_bytes()).shells.items() for _ in faces]
+    faces = face_points(shape, 10_000 // len(names) + 1)
+    assert len(faces) == len(names)
+    for name, points in zip(names, faces, strict=True):
+        if kind == "barrel":
+            check_barrel(name, points, sense, taper, deviation)
+        else:
+            check_indexer(points, sense, taper, deviation)
 
 
 def test_a_rib_of_a_slide_has_one_flank_a_roller(tmp_path: Path) -> None:
@@ -183,8 +226,7 @@ def test_a_table_of_a_barrel_in_closed_form(tmp_path: Path) -> None:
     size = np.hypot(u, slope)
     e = np.stack((0.0 * u, slope / size, u / size), axis=-1)
     at = np.stack((u, 0.0 * u, y), axis=-1) + RADIUS * e
-    rows = np.arange(theta.size)
-    point, normal = turned(at, -theta)[rows, rows], turned(e, -theta)[rows, rows]
+    point, normal = (turned(v, -theta[:, None])[:, 0] for v in (at, e))
     assert np.abs(point - np.stack([column[f"{k}_mm"] for k in "xyz"], axis=-1)).max() < 1e-6
     assert np.abs(normal - np.stack([column[f"n{k}"] for k in "xyz"], axis=-1)).max() < 1e-7
     assert np.abs(np.rad2deg(np.arctan(np.abs(slope) / u)) - column["pressure_angle_deg"]).max() < 1e-5
@@ -214,13 +256,8 @@ def test_stl_of_flanks_keeps_its_tolerance(tmp_path: Path) -> None:
     rows = np.frombuffer(content, dtype=[("n", "<f4", 3), ("p", "<f4", (3, 3)), ("a", "<u2")], offset=84)
     corners = rows["p"].astype(float)[::37]
     middles = (0.5 * (corners + np.roll(corners, 1, axis=1))).reshape(-1, 3)[:400]
-
-    def axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        zero = 0.0 * theta
-        return np.stack((zero, zero, barrel_motion(theta)), axis=-1), np.stack((zero + 1.0, zero, zero), axis=-1)
-
-    distance, _ = least_distance(middles, axis, 1.0, (INNER - 1.0, INNER + LENGTH + 1.0))
-    assert np.abs(distance - RADIUS).max() <= facts["deviation_mm"] <= 0.02
+    gap, _ = least_gap(middles, slide_axis, 1.0)
+    assert np.abs(gap).max() <= facts["deviation_mm"] <= 0.02
 
 
 @pytest.mark.parametrize("ending", ["step", "stl", "csv"])
