@@ -145,7 +145,9 @@ def attempt(compute: Callable[[], Any]) -> None:
 
 
 class PendingResult(QObject):
-    """The last result that was not known when a view read it; reading another one replaces it.
+    """The last result that was not known when it was read; reading another one replaces it.
+
+    ``what`` names the result, and ``tip`` says what it is for.
 
     Signals: ``changed`` when its computation starts or ends; ``known`` when views should read it again.
     """
@@ -153,8 +155,9 @@ class PendingResult(QObject):
     changed = Signal()
     known = Signal()
 
-    def __init__(self, parent: QObject) -> None:
+    def __init__(self, parent: QObject, what: str, tip: str) -> None:
         super().__init__(parent)
+        self.what, self.tip = what, tip
         self._job: Job | None = None
         self._failed: Job | None = None  # its computation raised an error
         self._is_starting = False

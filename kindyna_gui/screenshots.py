@@ -74,7 +74,7 @@ def rest(window: MainWindow, patience: float = PATIENCE) -> None:
     deadline = time.monotonic() + patience
     for _ in range(ROUNDS):
         _catch_up(window)
-    while any(view.busy for view in _catch_up(window)) and time.monotonic() < deadline:
+    while any([window.session.laws.busy, *(view.busy for view in _catch_up(window))]) and time.monotonic() < deadline:
         time.sleep(BREATH)  # for the other threads
     window.status.count_findings()
     QApplication.processEvents()

@@ -524,6 +524,7 @@ class View(ThemedPart):
         self._preparing.stop()
         self._shown, self._shown_parts = self.session.study, None
         try:
+            self.session.require_laws()
             with postponing(self._later):
                 self.refresh(self._shown)
                 self._shown_parts = self.shown_parts(self._shown)
@@ -641,7 +642,7 @@ class View(ThemedPart):
 
     def _pull_prepared(self) -> None:
         """Refresh once the slow part is calculated."""
-        compute = self.preparation()
+        compute = self.preparation() if self.session.has_laws else None
         if compute is None:
             self.pull()
         elif not self._preparing.busy:

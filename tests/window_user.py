@@ -222,6 +222,10 @@ class User:
         assert isinstance(editor, NumberBox)
         return editor
 
+    def wait_for_laws(self) -> None:
+        """Wait until the optimal laws of what is typed are known."""
+        wait_for(lambda: not self.session.laws.busy)
+
     def enter(self, path: str, text: str) -> None:
         """Type a text into a field, and Enter."""
         box = self.number(path)

@@ -13,10 +13,10 @@ from dataclasses import replace
 from itertools import chain, count
 from math import fsum
 
-from core.design.curves import nose_deg
+from core.design.curves import nose_deg, unsolved_segment
 from core.design.design import SHARED, Design, Drive, TimingRow
 from core.design.engine import CRANK_PER_CAM, HALF_CYCLE
-from core.design.motions import Motion
+from core.design.motions import Motion, NamedCurve, OptimalCurve
 from core.design.outlines import FREE, ClearanceRow, Outline
 from core.design.paths import all_paths, followed, row_at
 from core.errors import DesignError, Fault
@@ -526,3 +526,28 @@ def excess(design: Design, cycle: Sequence[int]) -> float:
     """Angle that a cycle of contradicting conditions requires beyond a full turn [deg]."""
     rows = distances(design)
     return fsum(-rows[i].spare_deg for i in cycle)
+
+
+# -- optimal laws of all drives ---------------------------------------------------------------------------------
+
+
+def unsolved_motions(design: Design) -> tuple[Motion, ...]:
+    """Motions of a design with optimal laws that are not solved yet: reading them takes long."""
+    motions = dict.fromkeys(drive.motion for drive in design.drives if drive.motion is not None)
+    return tuple(motion for motion in motions if unsolved_segment(motion) is not None)
+
+
+def with_plain_laws(design: Design) -> Design:
+    """Design with a cycloidal law in place of every optimal one, whose motion is known at once."""
+
+    def plain(motion: Motion) -> Motion:
+        if not any(isinstance(segment.curve, OptimalCurve) for segment in motion.segments):
+            return motion
+        rows = (
+            replace(s, curve=NamedCurve("cycloidal")) if isinstance(s.curve, OptimalCurve) else s
+            for s in motion.segments
+        )
+        return replace(motion, segments=tuple(rows), follows=None)
+
+    drives = (d if d.motion is None else replace(d, motion=plain(d.motion)) for d in design.drives)
+    return replace(design, drives=tuple(drives))

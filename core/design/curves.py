@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from math import ceil, comb, floor, log10
@@ -29,7 +31,7 @@ from core.design.motions import (
     TableCurve,
     is_joined,
 )
-from core.errors import MISSING, DesignError, Fault
+from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.frozen import frozen
 from core.laws import NoSpline, Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, scca, trimmed
 from core.numerics.derivatives import QUARTER
@@ -157,7 +159,35 @@ def _interpolation(curve: SplineCurve, segment: Segment, whole_turn: bool, at_en
 ORDERS_LIMITED = ("velocity", "acceleration", "jerk")
 
 
+# -- optimal laws -----------------------------------------------------------------------------------------------
+
+MAX_SOLVED = 256  # optimal laws that are cached
+_solved: OrderedDict[tuple[Segment, bool], CurveShape | NoOptimalLaw | DesignError] = OrderedDict()
+"""Segment with resolved ends, and whether the motion has no other -> its curve, or why no law is optimal."""
+
+
 def _optimal(curve: OptimalCurve, segment: Segment, whole_turn: bool, path: str) -> CurveShape:
+    from core.laws.optimal import NoOptimalLaw  # imported here to save start-up time
+
+    key = segment, whole_turn
+    result = _solved.get(key)
+    if result is None:
+        result = _solved[key] = _optimal_shape(curve, segment, whole_turn, path)
+        if len(_solved) > MAX_SOLVED:
+            _solved.popitem(last=False)
+    else:
+        with suppress(KeyError):  # another thread removed it just now
+            _solved.move_to_end(key)
+    if isinstance(result, NoOptimalLaw):
+        raise DesignError([_no_optimal_law(result, curve, path)])
+    if isinstance(result, DesignError):
+        raise DesignError(result.faults)
+    return result
+
+
+def _optimal_shape(
+    curve: OptimalCurve, segment: Segment, whole_turn: bool, path: str
+) -> CurveShape | NoOptimalLaw | DesignError:
     from core.laws.optimal import NoOptimalLaw, optimal_law  # imported here to save start-up time
 
     try:
@@ -165,10 +195,35 @@ def _optimal(curve: OptimalCurve, segment: Segment, whole_turn: bool, path: str)
             pieces = machine_law(segment, whole_turn, path).pieces
         else:
             pieces = optimal_law(optimal_task(curve, segment, whole_turn)).pieces
-    except NoOptimalLaw as error:
-        raise DesignError([_no_optimal_law(error, curve, path)]) from None
+    except (NoOptimalLaw, DesignError) as error:
+        return error.with_traceback(None)
     shape = _split_at_reversals(pieces)
     return CurveShape(shape.pieces, segment.rise, tuple(w * np.sign(segment.rise) for w in shape.velocity_signs))
+
+
+def unsolved_segment(motion: Motion) -> int | None:
+    """Number of the first segment whose curve depends on an optimal law that is not solved yet; None where there is none."""
+    segments, count = motion.segments, len(motion.segments)
+
+    def is_solved(segment: Segment, whole_turn: bool) -> bool:
+        return not isinstance(segment.curve, OptimalCurve) or (segment, whole_turn) in _solved
+
+    for i, segment in enumerate(segments):
+        joined = [side for end, side in (("start", -1), ("end", 1)) if is_joined(segment.curve, end) and count > 1]
+        if not all(is_solved(segments[(i + side) % count], False) for side in joined):
+            return i
+        with suppress(KindynaError):  # a neighbour without a solution: nothing is computed
+            if not is_solved(with_joined_ends(motion, i) if joined else segment, count == 1):
+                return i
+    return None
+
+
+def solve_laws(motions: Iterable[Motion]) -> None:
+    """Solve all optimal laws of motions, so that reading them later computes none, whether they have a solution or not."""
+    for motion in motions:
+        for i in range(len(motion.segments)):
+            with suppress(KindynaError):
+                segment_shape(with_joined_ends(motion, i), len(motion.segments) == 1, f"motion.segments[{i}]")
 
 
 MachineSolver = Callable[[Segment, bool], "LocalLaw"]

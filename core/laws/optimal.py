@@ -22,6 +22,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.laws.knots import Knots, OptimalTask, Points
 from core.laws.pieces import Piece
+from core.numerics.lazy import checkpoint
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -88,19 +89,23 @@ def optimal_law(task: OptimalTask) -> OptimalLaw:
     trials += [(k, limits[:k]) for k in reversed(range(len(limits)))]
     for k, others in trials:
         order = limits[k][0]
-        least = least_limit(replace(peak, limits=(*others, limits[k])), order, knots)
+        least = least_limit(replace(peak, limits=(*others, limits[k])), order)
         if least is not None:
             raise NoOptimalLaw(order, least)
     raise NoOptimalLaw(0, 0.0)
 
 
-def least_limit(task: OptimalTask, order: int, knots: Knots | None = None) -> float | None:
+def least_limit(task: OptimalTask, order: int) -> float | None:
     """Least limit of a derivative that a law keeps together with the other limits; None where no law keeps these."""
     others = tuple(limit for limit in task.limits if limit[0] != order)
-    peak = replace(task, rms=False, order=order, limits=others, least_straight=task.straight)
-    knots = knots or Knots(peak)
-    solution = least_peak(peak, knots)
-    return None if solution is None else knots.peak(solution.states, order)
+    return _peak_of_law(replace(task, rms=False, order=order, limits=others, least_straight=task.straight))
+
+
+@lru_cache(maxsize=64)
+def _peak_of_law(task: OptimalTask) -> float | None:
+    knots = Knots(task)
+    solution = least_peak(task, knots)
+    return None if solution is None else knots.peak(solution.states, task.order)
 
 
 @frozen(eq=False)
@@ -186,6 +191,7 @@ def least_peak(task: OptimalTask, knots: Knots) -> Solution | None:
     """Law of least peak; None where there is none."""
     rows = limit_rows(task, knots)
     for k in range(ROUNDS):
+        checkpoint()
         solution = _linear_program(knots, rows)
         if solution is None:
             return None

@@ -96,12 +96,16 @@ class IncompleteDesign:
     """Everything typed while it does not fit together.
 
     ``design`` has every drive as typed, each value within its range; ``path`` is that of the value typed last, or '';
-    ``reasons`` are path in the full design and sentence of what does not fit.
+    ``reasons`` are path in the full design and sentence of what does not fit. ``waits``: whether it fits is not known until the
+    optimal laws of its motions are solved. ``stands_for`` is the valid design where its own laws are not solved yet, and a
+    design with other laws stands in for it.
     """
 
     design: Design
     path: str = ""
     reasons: Texts = ()
+    waits: bool = False
+    stands_for: Design | None = None
 
     def refusal(self, chosen: int) -> Refusal:
         """Return the path typed last and the reasons, as the forms of the selected drive name them."""
@@ -120,14 +124,16 @@ class IncompleteDesign:
 
     def state(self) -> dict[str, Any]:
         """Return a plain dictionary of text and lists."""
-        return {"design": dumps(self.design), "path": self.path, "reasons": [list(row) for row in self.reasons]}
+        reasons = [list(row) for row in self.reasons]
+        return {"design": dumps(self.design), "path": self.path, "reasons": reasons, "waits": self.waits}
 
     @classmethod
     def from_state(cls, state: Mapping[str, Any]) -> IncompleteDesign:
         """Return the incomplete design of a dictionary. Raises DesignError where it has no design."""
         try:
             reasons = tuple((str(path), str(text)) for path, text in state["reasons"])
-            return cls(loads(str(state["design"]), unfinished=True), str(state["path"]), reasons)
+            waits = bool(state.get("waits", False))
+            return cls(loads(str(state["design"]), unfinished=True), str(state["path"]), reasons, waits)
         except (KeyError, TypeError, ValueError) as error:
             raise DesignError(
                 [Fault("draft", str(error), "cannot be read", "what IncompleteDesign.state() gives")]

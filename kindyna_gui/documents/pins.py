@@ -11,10 +11,12 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from core.design import Design, only
+from core.design.camshaft import unsolved_motions
+from core.design.curves import solve_laws
 from core.errors import KindynaError, NoSolution
 from core.frozen import frozen
 from core.study import Camshaft, Quantity, Study
-from kindyna_gui.background import Background
+from kindyna_gui.background import Background, PendingResult
 from kindyna_gui.documents.edits import SAMPLES
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
@@ -195,6 +197,10 @@ class Pins(QObject):
         self._number = 0
         self._studies: dict[tuple[int, int], Study] = {}
         self._lacking: dict[tuple[object, ...], str] = {}  # study and quantities -> why it has no curve of them
+        self._laws = PendingResult(
+            self, "the laws of a pinned variant", "Calculating the optimal laws of a pinned variant"
+        )
+        self._laws.known.connect(self.changed)
         self._note_file()
         session.file_changed.connect(self._note_file)
         session.started.connect(self._leave)
@@ -243,6 +249,7 @@ class Pins(QObject):
         self.rows = rows
         self._studies.clear()
         self._lacking.clear()
+        self._laws.drop()
         self.changed.emit()
 
     def reference(self, rows: Sequence[Quantity]) -> tuple[Study | None, str]:
@@ -276,14 +283,25 @@ class Pins(QObject):
             return []
 
     @property
+    def _has_laws(self) -> bool:
+        """Whether there is a variant whose optimal laws are solved; else they are, in the background."""
+        if self.front is None:
+            return False
+        motions = unsolved_motions(self.front.design)
+        return not motions or not self._laws.later(motions, partial(solve_laws, motions))
+
+    @property
     def full_study(self) -> Study | None:
-        """The study of the full design of the variant; computed when it is read."""
-        return None if self.front is None else self._study(-1)
+        """The study of the full design of the variant, once its laws are known; computed when it is read."""
+        return self._study(-1) if self._has_laws else None
 
     @property
     def study(self) -> Study | None:
-        """The study of the variant's drive with the number of the selected one; None where it has no such drive."""
-        if self.front is None:
+        """The study of the variant's drive with the number of the selected one, once its laws are known.
+
+        None where it has no such drive.
+        """
+        if self.front is None or not self._has_laws:
             return None
         if not self.front.design.listed:
             return self._study(-1) if not self._session.has_several_drives else None

@@ -24,6 +24,7 @@ from core.design import (
     with_only,
     with_value,
 )
+from core.design.camshaft import unsolved_motions
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.cam_slider import LAYOUT, in_layout
 from core.project import dumps, loads
@@ -82,9 +83,9 @@ class Session(SessionState):
 
     def _choose_layout(self, plain: Design, letter: str, label: str) -> bool:
         """Change the layout of a cam slider, with guide and fixed angle where it cannot be assembled otherwise."""
-        if refusal_reasons(Study(plain, SAMPLES), ("linkage",)):
+        if not unsolved_motions(plain) and refusal_reasons(Study(plain, SAMPLES), ("linkage",)):
             adjusted = in_layout(self.design, letter)
-            if not refusal_reasons(Study(adjusted, SAMPLES), ("linkage",)):
+            if not unsolved_motions(adjusted) and not refusal_reasons(Study(adjusted, SAMPLES), ("linkage",)):
                 return self.lay_out(adjusted, f"{label}, with guide height and fixed angle", LAYOUT)
         return self.lay_out(plain, label, LAYOUT)
 
@@ -129,15 +130,27 @@ class Session(SessionState):
         if typed == self.typed_full_design:
             self.clear_refusal(path)
             return True
+        if self._waits_for_laws(typed):
+            return self._change(self._waiting(typed, path), label, path)
         wrong = self._misfits(typed, self.full_design)
         if not wrong:
             return self._change((typed, None, self.chosen), label, path)
         if impossible := blunders(typed):
             return self._refuse(path, typed, fault_texts(typed, impossible))
         valid = self.full_design if self.incomplete is None else merged(self.typed_full_design, self.full_design, typed)
-        if self._misfits(valid, self.full_design):
+        if unsolved_motions(valid) or self._misfits(valid, self.full_design):
             valid = self.full_design
         return self._change((valid, IncompleteDesign(typed, self._full_path(path), wrong), self.chosen), label, path)
+
+    def _waits_for_laws(self, design: Design) -> bool:
+        """Whether it is not known yet if a design without faults fits, since its laws are being solved."""
+        return bool(unsolved_motions(design)) and not faults(design) and bool(self._solve_laws(design))
+
+    def _waiting(self, typed: Design, path: str) -> Work:
+        """Return the state in which the last valid design is shown until the laws of the typed one are solved."""
+        stands_for = None if self.incomplete is None else self.incomplete.stands_for
+        waiting = IncompleteDesign(typed, self._full_path(path), waits=True, stands_for=stands_for)
+        return self.full_design, waiting, self.chosen
 
     def close_motion(self) -> bool:
         """Close the motion with a return, as one step; False where no single return closes it."""
@@ -151,6 +164,8 @@ class Session(SessionState):
     def drop_incomplete(self, motion_alone: bool = False) -> None:
         """Restore the last valid design, or only its motion, as one step."""
         self.end_gesture()
+        if not self.has_laws:
+            return
         if motion_alone and self.incomplete is not None:
             self.lay_out(with_motion(self.typed, require_motion(self.design)), "Back to the last valid motion", MOTION)
         else:
@@ -165,6 +180,9 @@ class Session(SessionState):
         if self.is_on_balancer:
             return self._refuse_balancer(path)
         changed = with_only(self.full_design, self.chosen, design)
+        if self._waits_for_laws(changed):
+            typed = merged(self.full_design, self.typed_full_design, changed)
+            return self._change(self._waiting(typed, path), label, path)
         return self._put(changed, self._misfits(changed, self.full_design), label, path, self.chosen)
 
     def put_full_design(self, design: Design, label: str, path: str = "", chosen: int | None = None) -> bool:
@@ -173,7 +191,8 @@ class Session(SessionState):
         Returns False where it is refused. Several drives are refused for faults only, since one drive that cannot be
         assembled does not affect the others.
         """
-        wrong = fault_texts(design, faults(design)) if design.listed else self._misfits(design, self.full_design)
+        checks_faults = design.listed or self._waits_for_laws(design)
+        wrong = fault_texts(design, faults(design)) if checks_faults else self._misfits(design, self.full_design)
         index = self.chosen if chosen is None else chosen
         return self._put(design, wrong, label, path, min(index, len(design.drives) - (design.balancer is None)))
 
@@ -181,7 +200,9 @@ class Session(SessionState):
         if wrong:
             return self._refuse(path, design, wrong)
         typed, incomplete = merged(self.full_design, self.typed_full_design, design), None
-        if self.incomplete is not None and (reasons := self._misfits(typed, design)):
+        if self.incomplete is not None and self._waits_for_laws(typed):
+            incomplete = replace(self.incomplete, design=typed, waits=True)
+        elif self.incomplete is not None and (reasons := self._misfits(typed, design)):
             incomplete = replace(self.incomplete, design=typed, reasons=reasons)
         return self._change((typed if incomplete is None else design, incomplete, chosen), label, path)
 
@@ -227,7 +248,7 @@ class Session(SessionState):
 
         Then what is typed remains in the session, unsaved. Raises FileError; DesignError for values that no file can have.
         """
-        target, design = path or self._file(), self.full_design if last_valid else self.typed_full_design
+        target, design = path or self._file(), self.valid_full_design if last_valid else self.typed_full_design
         self._files.write(design, target)
         self.path = target
         self._is_in_file(design, target)
@@ -266,7 +287,7 @@ class Session(SessionState):
         It changes only with ``design_changed``, ``incomplete_changed`` and ``file_changed``.
         """
         return {
-            "design": dumps(self.full_design),
+            "design": dumps(self.valid_full_design),
             "drive": self.chosen,
             "path": None if self.path is None else str(self.path),
             "modified": self.modified,

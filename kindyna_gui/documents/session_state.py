@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,10 @@ from core.design import (
     path_of,
     row_at,
 )
+from core.design.camshaft import unsolved_motions, with_plain_laws
+from core.design.curves import solve_laws, unsolved_segment
 from core.design.linkage_rules import only_incomplete
-from core.errors import DesignError, KindynaError
+from core.errors import DesignError, KindynaError, NoSolution
 from core.motion.program import ShaftPosition
 from core.study import Camshaft, Study
 from kindyna_gui.background import PendingResult
@@ -67,7 +69,9 @@ class SessionState(QObject):
         The selected drive as a design by itself; where the file has one drive, the same as ``full_design``.
     incomplete : IncompleteDesign or None
         Everything typed, while it does not fit together and ``full_design`` is the last valid design; else None.
-        ``typed`` is the selected drive as typed, ``typed_full_design`` all drives.
+        Also while optimal laws of what is typed are being solved. Those of an opened design are not known then, and
+        ``full_design`` is the same design with other laws, of which no view shows results. ``typed`` is the selected drive
+        as typed, ``typed_full_design`` all drives.
 
     Signals
     -------
@@ -123,15 +127,17 @@ class SessionState(QObject):
     def __init__(self, design: Design, path: Path | None = None) -> None:
         super().__init__()
         self.stack = QUndoStack(self)
-        self.full_design: Any = design
-        self.chosen = 0
-        self.design: Any = only(design, 0)
-        self.incomplete: IncompleteDesign | None = None
+        self.drag_source: object = None  # the widget in which something is dragged; each of its moves is a design
+        self.laws = PendingResult(self, "the laws of the motion", "Calculating the optimal laws of the motion")
+        self.laws.known.connect(self._laws_known)
+        self.full_design: Any
+        self.incomplete: IncompleteDesign | None
+        self.full_design, self.incomplete, self.chosen = self._current_state((design, None, 0))
+        self.design: Any = only(self.full_design, 0)
         self.path = path
         self.document = 0  # number of the opened design; a step of the undo stack does not change it
         self._gesture = 0
         self._has_refused = False  # since the last call of ``clear_refusal``
-        self.drag_source: object = None  # the widget in which something is dragged; each of its moves is a design
         self.stages_of_drag: tuple[str, ...] | None = None  # stages on screen at the start of a drag, once known
         self._segment = 0
         self._load = ""
@@ -144,7 +150,9 @@ class SessionState(QObject):
         self._tried: Study | None = None  # of the design that was last checked
         self._full_study: Study | None = None
         self._at: tuple[float, Study] | None = None
-        self.pending = PendingResult(self)
+        self.pending = PendingResult(
+            self, "the steady response", "Calculating the shaft's steady response for an open view"
+        )
         self._steps = single_shot(self, self.steps_ended.emit, KEYS_REST_MS)
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
@@ -229,6 +237,67 @@ class SessionState(QObject):
         assert cam is not None, "a design without [balancer]"
         return cam.design
 
+    # -- optimal laws, which are solved in the background ------------------------------------------------
+
+    @property
+    def has_laws(self) -> bool:
+        """Whether the laws of the design are solved; until then no result is known, and ``full_design`` has other laws."""
+        return self.incomplete is None or self.incomplete.stands_for is None
+
+    @property
+    def valid_full_design(self) -> Any:
+        """The full design, with its own laws while they are being solved."""
+        stands_for = None if self.incomplete is None else self.incomplete.stands_for
+        return self.full_design if stands_for is None else stands_for
+
+    def require_laws(self) -> None:
+        """Raise NoSolution while the laws of the design are not solved."""
+        if not self.has_laws:
+            assert self.incomplete is not None, "it names the laws"
+            ((path, text),) = self.incomplete.reasons
+            raise NoSolution(text, path, "the button in the status line stops or restarts the calculation")
+
+    def _solve_laws(self, *designs: Design) -> Texts:
+        """Solve the laws of designs in the background; return path and state of the first that is not solved yet."""
+        rows = [(design, motion) for design in designs for motion in unsolved_motions(design)]
+        motions = tuple(dict.fromkeys(motion for _, motion in rows))
+        if not motions:
+            self.laws.drop()
+            return ()
+        state = self.laws.later(motions, partial(solve_laws, motions))
+        if not state:
+            return ()
+        design, motion = rows[0]
+        number = next(i for i, drive in enumerate(design.drives) if drive.motion == motion)
+        path = f"motion.segments[{unsolved_segment(motion)}]"
+        return ((path_of(number, path) if design.listed else path, f"its law {state}"),)
+
+    def _current_state(self, work: Work) -> Work:
+        """Return what is shown of a state: the state itself where its laws are solved."""
+        full_design, incomplete, chosen = work
+        if incomplete is None:
+            incomplete = IncompleteDesign(full_design)
+        valid = full_design if incomplete.stands_for is None else incomplete.stands_for
+        waits = incomplete.waits or work[1] is None
+        if unsolved := self._solve_laws(valid, *((incomplete.design,) if waits else ())):
+            if unsolved_motions(valid):
+                waiting = replace(incomplete, reasons=unsolved, waits=True, stands_for=valid)
+                return _with_plain_laws(valid), waiting, chosen
+            return valid, replace(incomplete, reasons=unsolved, waits=True, stands_for=None), chosen
+        if not waits:
+            return work
+        if incomplete.design == valid:
+            return valid, None, chosen
+        if reasons := self._misfits(incomplete.design, valid):
+            return valid, IncompleteDesign(incomplete.design, incomplete.path, reasons), chosen
+        return incomplete.design, None, chosen
+
+    def _laws_known(self) -> None:
+        """Show the state whose laws are solved now, or that is no longer calculated."""
+        work = self._current_state(self.work)
+        if work != self.work:
+            self._show(work, restored=False)
+
     # -- the selection ---------------------------------------------------------------------------------
 
     def choose_step(self, step: int | None) -> None:
@@ -288,8 +357,17 @@ class SessionState(QObject):
 
     @property
     def misfit(self) -> Refusal:
-        """What does not fit together, as the forms of the selected drive name it; without reasons where all fits."""
-        return Refusal("", ()) if self.incomplete is None else self.incomplete.refusal(self.chosen)
+        """What does not fit together, as the forms of the selected drive name it; without reasons where all fits, or may fit."""
+        if self.incomplete is None or self.incomplete.waits:
+            return Refusal("", ())
+        return self.incomplete.refusal(self.chosen)
+
+    @property
+    def waits_for(self) -> Refusal:
+        """What is being solved before it is known whether what is typed fits; without reasons where that is known."""
+        if self.incomplete is None or not self.incomplete.waits:
+            return Refusal("", ())
+        return self.incomplete.refusal(self.chosen)
 
     @property
     def closing(self) -> Any:
@@ -380,7 +458,7 @@ class SessionState(QObject):
         """Push a step on the undo stack, unless nothing changes."""
         if after != self.work:
             if not path or (path, self._gesture) != self._running:
-                self.before = self.design
+                self.before = self.design if self.has_laws else None
             self._running = (path, self._gesture)
             self.stack.push(UndoStep(self._show, self.work, after, label, path, self._gesture))
         self.clear_refusal(path)
@@ -391,7 +469,7 @@ class SessionState(QObject):
         self.stack.push(UndoStep(self._show, self.work, work, text))
 
     def _show(self, work: Work, *, restored: bool, begun: bool = False) -> None:
-        full_design, incomplete, chosen = work
+        full_design, incomplete, chosen = self._current_state(work)
         is_new = begun or full_design is not self.full_design or chosen != self.chosen
         is_incomplete_new = incomplete != self.incomplete
         try:
@@ -495,6 +573,9 @@ class SessionState(QObject):
         self.withdraw(path)
         if back_to is not None and self.work != back_to:
             self.stack.undo()
+
+
+_with_plain_laws = lru_cache(maxsize=4)(with_plain_laws)  # the same object each time
 
 
 @lru_cache(maxsize=1)  # every field asks

@@ -40,6 +40,7 @@ from core.design import (
     span_gap,
     split_unit,
 )
+from core.design.curves import unsolved_segment
 from core.errors import MISSING, DesignError, KindynaError
 from core.frozen import frozen
 from core.motion import Join, program
@@ -153,6 +154,8 @@ def misfit_sentences(session: Session) -> list[str]:
         from core.mechanism.unfinished import mobility
 
         return [sentence(row) for row in mobility(session.typed.drive.linkage).sentences] or [NO_MECHANISM]
+    if reasons := session.waits_for.reasons:
+        return [sentence(f"{name}: {text}") for _, name, text in reasons]
     typed, misfit, motion = session.typed, session.misfit, motion_of(session.typed)
     rows = [] if motion is None or not misfit.reasons else _gaps(motion)
     rows += [f"{name}: {text}" for path, name, text in misfit.reasons if not (rows and path == SEGMENTS)]
@@ -162,9 +165,11 @@ def misfit_sentences(session: Session) -> list[str]:
 
 
 def waiting_text(session: Session) -> str:
-    """Return which values do not fit yet: ``Does not fit yet: Rod L2``; '' where all fit."""
+    """Return which values do not fit yet, such as ``Does not fit yet: Rod L2``, or are not in effect; '' where all fit."""
     if session.incomplete is not None and session.is_incomplete_linkage:
         return NO_MECHANISM
+    if session.waits_for.reasons:
+        return "Not in effect yet: the laws of the motion"
     names = dict.fromkeys(name for _, name, _ in session.misfit.reasons)
     return f"Does not fit yet: {', '.join(names)}" if names else ""
 
@@ -206,9 +211,9 @@ def motion_waits(session: Session) -> bool:
 
 
 def joins_of(motion: Motion) -> tuple[Join, ...]:
-    """Return the joins of an incomplete motion; none where its spans do not add up to a turn, or a curve has no solution."""
+    """Return the joins of an incomplete motion; none where its spans do not add up to a turn, or a curve is not known."""
     try:
-        return () if span_gap(motion) else program(motion).joins
+        return () if span_gap(motion) or unsolved_segment(motion) is not None else program(motion).joins
     except KindynaError:
         return ()
 

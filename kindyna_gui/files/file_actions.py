@@ -166,14 +166,14 @@ class Documents(QObject):
         """Confirm the typed field and ask what to save where the values do not fit; False where the user cancels."""
         self.settle()
         session, answer = self._session, IncompleteChoice.AS_TYPED
-        while session.incomplete is not None and not session.is_incomplete_linkage:
+        while session.misfit.reasons and not session.is_incomplete_linkage:
             as_typed = not faults(session.typed_full_design)  # a file has no faults
             answer = dialogs.ask_incomplete(self._window, misfit_sentences(session), closing_text(session), as_typed)
             if answer is not IncompleteChoice.CLOSE or not session.close_motion():
                 break
         self._saves_last_valid = answer is IncompleteChoice.LAST_VALID
         return (
-            session.incomplete is None
+            not session.misfit.reasons
             or session.is_incomplete_linkage
             or answer in (IncompleteChoice.AS_TYPED, IncompleteChoice.LAST_VALID)
         )
@@ -216,7 +216,7 @@ class Documents(QObject):
 
     def _differences(self, path: Path) -> list[str]:
         """Return a line for each difference between a file and the design."""
-        design = self._session.full_design if self._saves_last_valid else self._session.typed_full_design
+        design = self._session.valid_full_design if self._saves_last_valid else self._session.typed_full_design
         try:
             on_disk = load(path)
         except KindynaError as error:

@@ -157,7 +157,12 @@ class Recovery(QObject):
         session = self._session
         path = session.path.absolute() if session.path is not None else None
         state = (
-            (session.full_design, path, session.incomplete, session.chosen if session.incomplete is not None else 0)
+            (
+                session.valid_full_design,
+                path,
+                session.incomplete,
+                session.chosen if session.incomplete is not None else 0,
+            )
             if session.modified
             else None
         )

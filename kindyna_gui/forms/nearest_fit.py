@@ -48,7 +48,7 @@ class NearestFit(QObject):
         self._work.stop()
         self._pause.stop()
         self._bar.show_use("")
-        if self._session.incomplete is not None and not self._session.is_incomplete_linkage:
+        if self._session.misfit.reasons and not self._session.is_incomplete_linkage:
             self._pause.start()
 
     def close(self) -> None:
@@ -58,7 +58,7 @@ class NearestFit(QObject):
 
     def _search(self) -> None:
         session = self._session
-        if session.incomplete is not None:
+        if session.misfit.reasons:
             stages = tuple(session.stages_on_screen())
             self._work.start([(session.typed, partial(_nearest, session.typed, tuple(self._trials()), stages))])
 

@@ -165,7 +165,7 @@ class ParametersView(View):
     def refresh(self, study: Study) -> None:
         typed = self.session.typed
         scroll = self._change_subject()
-        waits = self.session.incomplete is not None
+        waits = self.session.incomplete is not None and not self.session.waits_for.reasons
         self.incomplete_bar.show_reasons(misfit_sentences(self.session) if waits else [], back_text(self.session))
         self.tabs.setMinimumHeight(LEAST_OVER_BAR if waits else LEAST[1])
         if waits or "_nearest_fit" in vars(self):

@@ -412,7 +412,8 @@ class MechanismView(MechanismMouseView):
     def _missing_text(self, study: Study) -> str:
         """Reason why the drawing is stale, or why cam, pressure, forces or underlay are not drawn; else empty."""
         if self.is_stale:
-            return f"Showing the last version that can be assembled. {misfit_sentences(self.session)[0]}"
+            version = "version" if self.session.waits_for.reasons else "version that can be assembled"
+            return f"Showing the last {version}. {misfit_sentences(self.session)[0]}"
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None

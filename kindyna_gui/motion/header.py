@@ -21,6 +21,7 @@ from core.design import (
     with_motion,
     with_stroke,
 )
+from core.design.curves import unsolved_segment
 from core.design.fields import LONGEST_MM, MAIN
 from core.errors import KindynaError
 from core.motion.extremes import true_stroke
@@ -49,10 +50,11 @@ IN_A_ROW = 3  # fields next to each other
 
 
 def stroke_of(design: Design) -> float:
-    """Highest minus lowest position; of an incomplete motion, of the ends of its segments."""
+    """Highest minus lowest position; of an incomplete motion, or while its laws are calculated, of the ends of its segments."""
     motion = require_motion(design)
+    is_known = span_gap(motion) == 0.0 and unsolved_segment(motion) is None
     try:
-        return true_stroke(motion) if span_gap(motion) == 0.0 else stroke(motion)
+        return true_stroke(motion) if is_known else stroke(motion)
     except KindynaError:  # a spline whose points contradict each other
         return stroke(motion)
 

@@ -452,12 +452,13 @@ class SegmentsView(MarkedView):
         is_computed = require_motion_of_view(self.session.typed).is_computed
         self.diagram.locked = waits or is_computed
         self.table.setEnabled(not is_computed)
+        misfits = waits and not self.session.waits_for.reasons
         self.incomplete_bar.show_reasons(
-            misfit_sentences(self.session) if waits else [],
+            misfit_sentences(self.session) if misfits else [],
             back_text(self.session),
-            closing_text(self.session) if waits else "",
+            closing_text(self.session) if misfits else "",
         )
-        if waits:
+        if misfits:
             self.form.reveal(self.incomplete_bar)
 
     def follow(self, theta: float) -> None:

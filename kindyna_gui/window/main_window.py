@@ -22,6 +22,7 @@ from core.process import keep_freed_memory, resources
 from core.project import load, load_drawing
 from kindyna_gui import dialogs
 from kindyna_gui import settings as preferences
+from kindyna_gui.background import PendingResult
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -658,7 +659,8 @@ class MainWindow(Window):
         for view in self.findChildren(View):
             view.leave()
         self.status.leave()
-        self.session.pending.close()
+        for pending in self.session.findChildren(PendingResult):
+            pending.close()
         if self._papers is not None:
             self._papers.leave()
         self.recovery.close()

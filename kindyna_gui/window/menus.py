@@ -157,6 +157,9 @@ def choose_layout(window: Window, letter: str) -> None:
 
 def fill_exports(window: Window, menu: QMenu) -> None:
     """Add an entry for each kind of file that can be exported."""
+    if not window.session.has_laws:
+        add_entry(menu, WAITS, lambda: None).setEnabled(False)
+        return
     for row in window.exports.rows():
         in_bar = window.actions_by_key.get(f"exports.{row.act.__name__}")
         keys = in_bar.shortcut().toString(QKeySequence.SequenceFormat.NativeText) if in_bar is not None else ""
@@ -588,13 +591,29 @@ def _add_action(window: Window, menu: QMenu, item: Item) -> QAction:
     if item.icon:
         action.setIcon(icon(item.icon))
     slot = attrgetter(item.slot)
-    if item.checkable:
-        action.triggered.connect(lambda on: slot(window)(on))
-    elif item.argument is None:
-        action.triggered.connect(lambda: slot(window)())
-    else:
-        action.triggered.connect(lambda: slot(window)(item.argument))
+
+    def trigger(on: bool) -> None:
+        if _must_wait(window, item.slot):
+            window.status.show_message(WAITS)
+        elif item.checkable:
+            slot(window)(on)
+        elif item.argument is None:
+            slot(window)()
+        else:
+            slot(window)(item.argument)
+
+    action.triggered.connect(trigger)
     return action
+
+
+WAITS = "The laws of the motion are being calculated; this is possible once they are known"
+BEGINNINGS = ("designing.new_by_picture", "designing.import_linkage")
+
+
+def _must_wait(window: Window, slot: str) -> bool:
+    """Whether an entry reads results or edits the design, whose laws are not known yet."""
+    reads = slot.startswith(("exports.", "designing.", "pin")) and slot not in BEGINNINGS
+    return reads and not window.session.has_laws
 
 
 def add_view_keys(view: QWidget, name: str, actions: dict[str, QAction]) -> None:

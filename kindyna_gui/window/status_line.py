@@ -16,7 +16,7 @@ from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING, Finding
 from core.project.reading_faults import reason as why
 from core.study import Study, findings_of
-from kindyna_gui.background import Background, attempt
+from kindyna_gui.background import Background, PendingResult, attempt
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import misfit_sentences, waiting_text
 from kindyna_gui.labels import named_value, reason, sentence
@@ -106,6 +106,7 @@ class StatusLine(QStatusBar):
             (self.messageChanged, self._offer),
             (self.messageChanged, self._show_long),
             (session.pending.changed, self._show_pending),
+            (session.laws.changed, self._show_pending),
             (session.corrected, self._edit_corrected),
             (session.restored, self._edit_corrected),
             (session.incomplete_changed, self._misfits_changed),
@@ -188,13 +189,19 @@ class StatusLine(QStatusBar):
 
     def _show_pending(self) -> None:
         """Show the button that stops a long calculation, or starts it again."""
-        pending = self._session.pending
-        self.pending.setText("Calculate again" if pending.is_cancelled else "Stop calculating the steady response")
-        self.pending.setToolTip("Calculating the shaft's steady response for an open view")
+        pending = self._pending_result
+        self.pending.setText("Calculate again" if pending.is_cancelled else f"Stop calculating {pending.what}")
+        self.pending.setToolTip(pending.tip)
         self.pending.setVisible(pending.busy or pending.is_cancelled)
 
+    @property
+    def _pending_result(self) -> PendingResult:
+        """The result that is not known; that of the laws first, from which all others follow."""
+        laws = self._session.laws
+        return laws if laws.busy or laws.is_cancelled else self._session.pending
+
     def _stop_or_restart(self) -> None:
-        pending = self._session.pending
+        pending = self._pending_result
         if pending.is_cancelled:
             pending.again()
         else:
@@ -227,7 +234,7 @@ class StatusLine(QStatusBar):
     def _checked_stages(self) -> tuple[str, ...]:
         """Stages on screen and, of the same design, those that were on screen before: their findings are known."""
         study, on_screen = self._session.full_study, self._session.stages_on_screen()
-        if not on_screen:
+        if not on_screen or not self._session.has_laws:
             return ()
         before = self._checked[1] if self._checked[0] is study else ()
         self._checked = study, tuple(dict.fromkeys((*before, *on_screen)))
@@ -274,7 +281,7 @@ class StatusLine(QStatusBar):
 
     def _misfits_changed(self) -> None:
         """Show the typed values that do not fit the others."""
-        rows = misfit_sentences(self._session)
+        rows = [] if self._session.waits_for.reasons else misfit_sentences(self._session)
         self.misfit.setText(waiting_text(self._session))
         self.misfit.setToolTip("\n".join((*rows, "Click to show the field.")))
         self.misfit.setVisible(bool(rows))

@@ -19,11 +19,15 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.design import Motion
+from core.design.camshaft import unsolved_motions
+from core.design.curves import solve_laws
 from core.errors import KindynaError
 from core.papers import PAPERS
 from core.project import load
 from core.project.reading_faults import Example, subjects
 from kindyna_gui import dialogs
+from kindyna_gui.background import Background, Job
 from kindyna_gui.look import coloured, described
 from kindyna_gui.pictures.painter import thumbnail
 from kindyna_gui.pictures.style import SCREEN
@@ -73,13 +77,17 @@ class Card(QPushButton):
     def minimumSizeHint(self) -> QSize:
         return self.sizeHint()
 
-    def paint(self) -> None:
-        """Paint the image from the design's file; none where it cannot be read."""
+    def paint(self) -> tuple[Motion, ...]:
+        """Paint the image from the design's file; none where it cannot be read, or has laws that are not solved: these are returned."""
+        motions: tuple[Motion, ...] = ()
         try:
-            image = thumbnail(load(self.example.path), THUMB.width(), THUMB.height(), self.devicePixelRatioF())
+            design = load(self.example.path)
+            motions = unsolved_motions(design)
+            image = QImage() if motions else thumbnail(design, THUMB.width(), THUMB.height(), self.devicePixelRatioF())
         except KindynaError:
             image = QImage()
         self.picture.setPixmap(QPixmap.fromImage(image))
+        return motions
 
 
 class Welcome(QWidget):
@@ -107,6 +115,9 @@ class Welcome(QWidget):
         self.at_start.toggled.connect(partial(setattr, window.settings, "welcome"))
         fill(QHBoxLayout(self), self._side(), (self._examples((self.width() - SIDE - 60) // CARD), 1), margins=10)
         self._waiting = list(self.cards)
+        self._unsolved: list[Job] = []  # cards whose designs have laws that are not solved
+        self._laws = Background(self)
+        self._laws.result.connect(self._paint_solved)
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint_next)
         window.session.started.connect(self.close)
@@ -115,6 +126,7 @@ class Welcome(QWidget):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Give the keys to the drawing: Space plays."""
         super().closeEvent(event)
+        self._laws.stop()
         drawing: Any = self._window.view("mechanism")
         if self.isVisible() and drawing is not None:
             self._window.activateWindow()
@@ -182,7 +194,7 @@ class Welcome(QWidget):
         self.show()
         self.raise_()
         self.activateWindow()
-        if self._waiting:
+        if self._waiting or self._unsolved:
             self._soon.start()
 
     def _list_recent(self) -> None:
@@ -203,9 +215,16 @@ class Welcome(QWidget):
 
     def _paint_next(self) -> None:
         if self._waiting and self.isVisible():
-            self._waiting.pop(0).paint()
+            card = self._waiting.pop(0)
+            if motions := card.paint():
+                self._unsolved.append((card, partial(solve_laws, motions)))
         else:
             self._soon.stop()
+            self._laws.start(self._unsolved)
+
+    def _paint_solved(self, card: Card, _: object) -> None:
+        self._unsolved = [job for job in self._unsolved if job[0] is not card]
+        card.paint()
 
 
 __all__ = ["Welcome"]

@@ -21,7 +21,7 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QCursor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
-from window_user import Alone, Open, Shown, User, settle
+from window_user import Alone, Open, Shown, User, settle, wait_for
 
 from core.project import load
 from kindyna_gui import dialogs
@@ -114,7 +114,7 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch, kept_windows: 
         window.show()
         window.activateWindow()
         assert QTest.qWaitForWindowActive(window)
-        settle()
+        wait_for(lambda: not window.session.laws.busy)
         return users[-1]
 
     yield open
@@ -204,7 +204,7 @@ def begin_anew(
         layouts[kept] = window.saveState()
     window.activateWindow()
     assert QTest.qWaitForWindowActive(window)
-    settle()
+    wait_for(lambda: not session.laws.busy)
 
 
 def end(user: User) -> None:

@@ -24,7 +24,7 @@ def user(same_window: Open) -> User:
     user.motion().choose(1)
     user.session.edit(f"{PATH}.law", "optimal", "Choose the optimal law")
     user.motion().choose(1)
-    settle()
+    user.wait_for_laws()
     return user
 
 
@@ -39,12 +39,14 @@ def plot(user: User, name: str) -> LimitPlot:
 
 
 def line(user: User, name: str) -> LimitLine:
+    user.wait_for_laws()
     (only,) = plot(user, name).limit_lines
     return only
 
 
 def peak(user: User, name: str) -> float:
     """Largest derivative of the segment, for span 1 and rise 1."""
+    user.wait_for_laws()
     order, compiled, segment = (
         1 + NAMES.index(name),
         user.session.study.program,
@@ -59,7 +61,7 @@ class Hand:
     """The mouse on the line of a limit."""
 
     def __init__(self, user: User, name: str) -> None:
-        self.plot = plot(user, name)
+        self.user, self.plot = user, plot(user, name)
         self.grabbed = line(user, name)
         self.at = self.plot.position_of_limit(self.grabbed).toPoint()
         QTest.mouseMove(self.plot.viewport(), self.at)
@@ -73,11 +75,11 @@ class Hand:
         )
         self.at = QPoint(self.at.x(), self.plot.position_of_limit(target).toPoint().y())
         QTest.mouseMove(self.plot.viewport(), self.at)
-        settle()
+        self.user.wait_for_laws()
 
     def release(self) -> None:
         QTest.mouseRelease(self.plot.viewport(), LEFT, NONE, self.at)
-        settle()
+        self.user.wait_for_laws()
 
 
 def test_a_limit_is_dragged_and_the_law_follows(user: User) -> None:

@@ -21,6 +21,7 @@ def user(same_window: Open) -> User:
     user.motion().choose(1)
     user.session.edit(f"{PATH}.law", "optimal", "Choose the optimal law")
     user.motion().choose(1)
+    user.wait_for_laws()
     return user
 
 
@@ -64,6 +65,7 @@ def type_into(user: User, row: int, column: int, text: str) -> None:
 
 def peak(user: User, order: int) -> float:
     """Largest derivative of the segment, for span 1 and rise 1."""
+    user.wait_for_laws()
     compiled, segment = user.session.study.program, require_motion(user.design).segments[1]
     theta = np.deg2rad(np.linspace(35.0, 35.0 + segment.span_deg - 1e-9, 5001))
     y = compiled.state(compiled.angles(theta)).y[order]
@@ -145,11 +147,13 @@ def test_an_obstacle_that_no_law_passes_waits(user: User) -> None:
     lists(user).add()
     valid = user.design
     type_into(user, 0, 2, "-5")
+    user.wait_for_laws()
     assert user.session.incomplete is not None
     assert user.design == valid, "the last valid law is drawn"
     assert lists(user).model.is_faulty(0, 2)
     assert "no law passes these bounds" in user.motion().incomplete_bar.trouble.text()
     type_into(user, 0, 2, "0.6")
+    user.wait_for_laws()
     assert user.session.incomplete is None
     assert curve(user).below[0].rise == 0.6
 
@@ -157,9 +161,11 @@ def test_an_obstacle_that_no_law_passes_waits(user: User) -> None:
 def test_a_limit_that_no_law_keeps_waits_for_another_one(user: User) -> None:
     valid = user.design
     user.enter(f"{PATH}.limits.jerk", "20")
+    user.wait_for_laws()
     assert user.design == valid, "the last valid design is drawn"
     assert "32.048" in user.field(f"{PATH}.limits.jerk").trouble
     user.enter(f"{PATH}.limits.jerk", "40")
+    user.wait_for_laws()
     assert curve(user).limits.jerk == 40.0
     assert user.session.incomplete is None
 
@@ -190,7 +196,7 @@ def test_a_law_of_least_torque_is_chosen_and_marked_local(user: User) -> None:
     assert isinstance(box, WordBox)
     box.setCurrentIndex(box.findData("torque"))
     box.activated.emit(box.currentIndex())
-    settle()
+    user.wait_for_laws()
     assert curve(user).minimise == "torque"
     assert np.abs(user.session.study.dynamics.torque[175:382]).max() < before
     assert note()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
 from window_user import Open, User, settle
 
 from core.__main__ import main
@@ -20,14 +21,14 @@ LEFT = Qt.MouseButton.LeftButton
 NONE = Qt.KeyboardModifier.NoModifier
 
 
-def pull(widget, *way: QPoint) -> None:
+def pull(user: User, widget: QWidget, *way: QPoint) -> None:
     QTest.mouseMove(widget, way[0])
     QTest.mousePress(widget, LEFT, NONE, way[0])
     for at in way[1:]:
         QTest.mouseMove(widget, at)
-        settle()
+        user.wait_for_laws()
     QTest.mouseRelease(widget, LEFT, NONE, way[-1])
-    settle()
+    user.wait_for_laws()
 
 
 def curve(user: User, segment: int) -> OptimalCurve:
@@ -45,6 +46,7 @@ def test_a_drive_is_led_past_a_tool(open_user: Open, tmp_path: Path, capsys: pyt
     view = user.motion()
     view.choose(segment, LAW)
     user.enter_cell(segment, LAW, "optimal")
+    user.wait_for_laws()
     assert curve(user, segment) == OptimalCurve()
     begin = sum(row.span_deg for row in motion.segments[:segment])
     span, rise = motion.segments[segment].span_deg, motion.segments[segment].rise
@@ -53,7 +55,13 @@ def test_a_drive_is_led_past_a_tool(open_user: Open, tmp_path: Path, capsys: pyt
     (line,) = jerk.limit_lines
     at = jerk.position_of_limit(line).toPoint()
     zero = jerk.to_pixel(jerk.getViewBox().viewRect().center()).toPoint()
-    pull(jerk.viewport(), at, QPoint(at.x(), (2 * at.y() + zero.y()) // 3), QPoint(at.x(), (at.y() + zero.y()) // 2))
+    pull(
+        user,
+        jerk.viewport(),
+        at,
+        QPoint(at.x(), (2 * at.y() + zero.y()) // 3),
+        QPoint(at.x(), (at.y() + zero.y()) // 2),
+    )
     limited = curve(user, segment).limits.jerk
     assert limited is not None
     # a tool in the way, from the menu of the diagram, then dragged
@@ -62,12 +70,12 @@ def test_a_drive_is_led_past_a_tool(open_user: Open, tmp_path: Path, capsys: pyt
     menus = [menu for menu in diagram.children() if getattr(menu, "isVisible", bool)() and hasattr(menu, "popup")]
     next(a for a in menus[0].actions() if a.text() == "Add obstacle below").trigger()
     menus[0].close()
-    settle()
+    user.wait_for_laws()
     (bound,) = curve(user, segment).below
     level = motion.start + sum(row.rise for row in motion.segments[:segment])
     grip = diagram.position_of(begin + 0.2 * span, level + rise * bound.rise).toPoint()
     lower = diagram.position_of(begin + 0.2 * span, level + rise * bound.rise * 0.7).toPoint()
-    pull(diagram.viewport(), grip, (grip + lower) / 2, lower)
+    pull(user, diagram.viewport(), grip, (grip + lower) / 2, lower)
     moved = curve(user, segment).below[0].rise
     assert moved < bound.rise
     user.choose("Edit", f"Undo {user.steps[-1]}")
