@@ -149,10 +149,14 @@ def with_only(design: Design, index: int, single: Design) -> Design:
     return _renamed(replace(changed, assumed=(*marks[:at], *new, *marks[at:])), before.name, single.name)
 
 
+_SAME_DEG = 1e-9  # machine angles that differ by less are equal
+
+
 def with_mechanism(design: Design, index: int, single: Design) -> Design:
     """Design with one drive's mechanism replaced by that of ``single``; name, engine, and the speed of the shaft stay.
 
-    What the drive carries stays where its motion has a known ratio to it. A design without a list of drives is replaced.
+    What the drive carries stays where its motion has a known ratio to it. Sequence conditions follow the strokes of its motion, which may
+    rise where they returned. A design without a list of drives is replaced.
     """
     if not design.listed:
         return single
@@ -162,7 +166,27 @@ def with_mechanism(design: Design, index: int, single: Design) -> Design:
     if placed.drive.carried_per_motion is None:
         row = replace(changed.drives[index], carries=())
         changed = with_drives(changed, (*changed.drives[:index], row, *changed.drives[index + 1 :]))
-    return turning_together(changed)
+    return turning_together(_with_events_followed(design, changed, present.name))
+
+
+def _with_events_followed(design: Design, changed: Design, name: str) -> Design:
+    """The changed design with the events of a drive in its sequence conditions renamed to those at the same machine angles."""
+    before, after = events(design), events(changed)
+
+    def followed(event: str) -> str:
+        named = named_event(design, event)
+        if drive_of(named) != name or named not in before:
+            return event
+        end = named.rpartition(".")[2]
+        same = (
+            e
+            for e, a in after.items()
+            if drive_of(e) == name and e.endswith(end) and abs(a - before[named]) < _SAME_DEG
+        )
+        return next(same, event)
+
+    rows = (replace(row, first=followed(row.first), second=followed(row.second)) for row in changed.timing)
+    return replace(changed, timing=tuple(rows))
 
 
 def with_drives(design: Design, drives: Sequence[Drive]) -> Design:

@@ -250,10 +250,10 @@ class FindLinkageView(View):
             self._tell(error)
             return
         if self._put(result.design, step):
-            left_out = part_names(present, result.left_out)
-            without = f" without {', '.join(left_out)}, which do not fit it" if left_out else ""
+            left_out = ", ".join(part_names(present, result.left_out))
+            left_out = f" Left out: {left_out}." if left_out else ""
             self.status_message.emit(
-                f"The linkage is the design now{without}; Compo > Find a linkage shows its task again"
+                f"The linkage is the design now.{left_out} Compo > Find a linkage shows its task again"
             )
             self._leave_sheet()
 

@@ -164,6 +164,19 @@ def test_a_driver_that_cannot_turn_fully_runs_loaded_between_the_first_pose_and_
     assert 0.01 < np.abs(torque).max() < 10.0
 
 
+def test_sequence_conditions_follow_the_strokes_of_a_driver_that_turns_the_other_way(
+    answers: tuple[Answer, ...], tmp_path: Path
+) -> None:
+    save_task(TASK, tmp_path / "task.toml")
+    file, unit = tmp_path / "unit.toml", EXAMPLES / "transfer_unit.toml"
+    words = ["synthesise", str(tmp_path / "task.toml"), "--into", str(file), "--design", str(unit)]
+    assert main([*words, "--drive", "Feed", "--under-motion"]) == 0
+    rise = load(file).drives[0].motion.segments[0].rise  # type: ignore[union-attr]
+    assert rise < 0.0  # where that of the unit rises
+    assert load(file).timing[0].second == "Feed.return.1.start"
+    assert main(["check", str(file)]) == 0
+
+
 def test_a_driver_that_turns_fully_is_a_crank() -> None:
     design = taken_over(synthesise(SWING).answers[0], load(EXAMPLES / "transfer_lift.toml")).design
     assert design.drive.motion is None
