@@ -119,7 +119,9 @@ class Tutorial:
     play: bool = flag(
         "Play", help="perform the steps with mouse and keys in a hidden window; exit 1 at the step that fails"
     )
-    out: Path | None = text_option("folder for an image after each step", default=None, type=Path, metavar="DIR")
+    out: Path | None = text_option(
+        "folder for an image after each step, as WebP", default=None, type=Path, metavar="DIR"
+    )
     size: tuple[int, int] = text_option(
         "of the window", default=(1280, 720), default_text="1280x720", type=SIZE, metavar="WxH"
     )
@@ -255,7 +257,7 @@ def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
     """Play a lesson with mouse and keys in a hidden window, or print its steps."""
     hide_windows()
     from kindyna_gui.places import default_design
-    from kindyna_gui.screenshots import dismiss, hidden_window, png, rest
+    from kindyna_gui.screenshots import dismiss, hidden_window, rest, webp
     from kindyna_gui.window.tutorial import begin, read, steps_played
     from kindyna_gui.window.tutorial_steps import CannotDo
 
@@ -272,7 +274,7 @@ def tutorial(arguments: Tutorial, painter: Painter | None) -> int:
                 print(f"ok {number}: {step.plain}", flush=True)
                 if arguments.out is not None:
                     rest(window)
-                    pictures[f"tutorial_{lesson.name}_{number:02}.png"] = png(window, small=True)
+                    pictures[f"tutorial_{lesson.name}_{number:02}.webp"] = webp(window)
         except CannotDo as error:
             print(f"FAILED {lesson.name}, {error}", flush=True)
             return DONE_WITH_ERRORS

@@ -71,7 +71,7 @@ def _tutorials(page: str, host: Any) -> str:
         parts.append(f"## {lesson['title']}\n")
         for number, step in enumerate(lesson["steps"], 1):
             text = re.sub(r"</?b>", "**", re.sub(r"</?i>", "*", step["text"]))
-            parts.append(f"{number}. {text}\n\n![Step {number}](tutorial_{file.stem}_{number:02}.png)\n")
+            parts.append(f"{number}. {text}\n\n![Step {number}](tutorial_{file.stem}_{number:02}.webp)\n")
     return page.replace("{tutorials}", "\n".join(parts))
 
 

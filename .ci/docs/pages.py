@@ -48,8 +48,9 @@ def guide(folder: Path) -> None:
             write_page(folder / f"{name}.md", with_outputs(without_window_addresses(page), name))
     finally:
         dismiss(window)
-    for picture in (resources() / "help").glob("*.png"):
-        shutil.copy(picture, folder)
+    for ending in ("png", "webp"):
+        for picture in (resources() / "help").glob(f"*.{ending}"):
+            shutil.copy(picture, folder)
     listed = [name for name in PAGES if name not in ("changes", "python")]
     write_page(folder / "index.md", f"# User guide\n\nThe pages of *Help* in the window.\n\n{contents(listed)}")
 

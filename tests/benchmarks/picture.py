@@ -10,6 +10,7 @@ import numpy as np
 from benchmarks.measuring import WARM, Row
 from benchmarks.ratios import Told, power
 from benchmarks.table import Kernel, kernels
+from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QGridLayout, QLabel
 
 from core.output.drawing.palette import BLUE, GREEN, ORANGE, PURPLE, VERMILION
@@ -17,6 +18,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.painter import MARGIN, RATIO, PaperSheet, png
 from kindyna_gui.pictures.plots.xy import Dots, Line, XYPlot
 from kindyna_gui.pictures.style import LIGHT, Theme
+from kindyna_gui.screenshots import small_file
 
 COLUMNS, CELL = 3, (290, 196)  # pixels: three beside each other are as wide as a page of GitHub
 ERRORS = (-16.0, -2.0)  # powers of ten that are shown
@@ -89,4 +91,4 @@ def picture(rows: Sequence[Row]) -> bytes:
         grid.addWidget(QLabel(kernel.title, styleSheet=f"{style}; font-weight: bold"), 2 * row + 1, column)
         grid.addWidget(plot, 2 * row + 2, column)
     sheet.adjustSize()
-    return png(sheet)
+    return small_file(QImage.fromData(png(sheet)), "PNG")

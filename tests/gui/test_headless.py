@@ -5,11 +5,14 @@ import subprocess
 import sys
 from io import BytesIO
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
 from mechanisms import LIFT, with_follower
 from PIL import Image
+from PySide6.QtCore import QPointF
+from PySide6.QtGui import QColor, QImage, QLinearGradient, QPainter
 from PySide6.QtWidgets import QApplication, QWidget
 from sampled import stressed
 
@@ -80,6 +83,36 @@ def test_every_view_is_painted(
         assert picture.std() > 2.0, f"{name} is empty"
 
 
+@pytest.mark.parametrize("kind", ["PNG", "WEBP"])
+def test_an_image_in_few_colours_keeps_those_of_areas_and_lines(kind: Literal["PNG", "WEBP"]) -> None:
+    """Curves in the colours of a plot on areas that differ little, with smoothed edges, over a gradient."""
+    image = QImage(640, 400, QImage.Format.Format_RGB32)
+    painter = QPainter(image)
+    painter.fillRect(0, 0, 640, 400, QColor("#ffffff"))
+    painter.fillRect(200, 0, 200, 300, QColor("#f3f4f6"))
+    shade = QLinearGradient(0, 300, 640, 400)
+    shade.setColorAt(0.0, QColor("#ffffff"))
+    shade.setColorAt(1.0, QColor("#003050"))
+    painter.fillRect(0, 300, 640, 100, shade)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    curves = ("#0072b2", "#009e73", "#d55e00", "#cc79a7")
+    for row, colour in enumerate(curves, 1):
+        painter.setPen(QColor(colour))
+        painter.drawPolyline(
+            [QPointF(0.5, 40 * row + 0.5), QPointF(120.5, 40 * row + 0.5), QPointF(600.3, 40 * row + 91.2)]
+        )
+    painter.end()
+    data = screenshots.small_file(image, kind)
+    read = QImage.fromData(data, kind)
+    shown = [picture.convertToFormat(QImage.Format.Format_RGB32) for picture in (image, read)]
+    exact, few = (np.array(np.frombuffer(picture.constBits(), np.uint8), dtype=int) for picture in shown)
+    assert np.abs(exact - few).max() <= 24
+    assert 8 < len({tuple(pixel) for pixel in few.reshape(-1, 4).tolist()}) <= 256
+    assert [read.pixelColor(60, 40 * row).name() for row in range(1, 5)] == list(curves)
+    assert [read.pixelColor(x, 10).name() for x in (10, 300)] == ["#ffffff", "#f3f4f6"]
+    assert len(data) < 0.5 * len(screenshots.png_bytes(image))
+
+
 @pytest.mark.stress
 def test_the_page_of_stability_is_finished_before_its_picture_is_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -87,10 +120,10 @@ def test_the_page_of_stability_is_finished_before_its_picture_is_taken(
     seen: list[tuple[bool, bool, int, str]] = []
     paint = screenshots.png
 
-    def look(widget: QWidget) -> bytes:
+    def look(widget: QWidget, small: bool = False) -> bytes:
         if isinstance(widget, StabilityView):
             seen.append((widget.busy, widget.progress.isVisible(), widget.drawn.q.size, widget.pages.speeds.text()))
-        return paint(widget)
+        return paint(widget, small)
 
     monkeypatch.setattr(Stability, "turns", 2.0)
     monkeypatch.setattr(screenshots, "VIEWS", ["stability"])

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
 from sampled import spread, stressed
@@ -37,7 +38,8 @@ def test_every_lesson_is_offered_and_its_pictures_are_there() -> None:
     assert [name for name, _ in lessons()] == list(STEPS)
     for file in lesson_files():
         for number in range(1, STEPS[file.stem] + 1):
-            assert (file.parent.parent / "help" / f"tutorial_{file.stem}_{number:02}.png").is_file(), number
+            picture = QImage(str(file.parent.parent / "help" / f"tutorial_{file.stem}_{number:02}.webp"))
+            assert (picture.width(), picture.height()) == (1280, 720), number
 
 
 STEP = '[[steps]]\ntext = "Bigger."\ndo = {{ {do} }}\nuntil = {{ {until} }}\n'
