@@ -12,7 +12,7 @@ from typing import Any
 from core.bounds import number_from_one
 from core.commands import DONE, DONE_WITH_ERRORS, Painter
 from core.commands.common import as_json, drive_name, out_folder
-from core.design import faults, only, with_mechanism
+from core.design import Design, faults, only, with_mechanism
 from core.design.fields import flag, whole
 from core.errors import DesignError, KindynaError
 from core.frozen import frozen
@@ -142,14 +142,22 @@ def _write_one(
         save(answer.candidate.design, arguments.into)
         return answer, []
     machine = load(arguments.design)
-    number = number_of(machine, arguments.drive)
+    design, left_out = design_in(machine, arguments.drive, answer, task, by_motion=arguments.under_motion)
+    save(design, arguments.into)
+    return answer, left_out
+
+
+def design_in(
+    machine: Design, drive: str, answer: Answer, task: Task, *, by_motion: bool = False
+) -> tuple[Design, list[str]]:
+    """A present design with an answer in place of the mechanism of one drive, and the names of the parts that do not fit it."""
+    number = number_of(machine, drive)
     present = only(machine, number)
-    takeover = under_motion(answer, task, present) if arguments.under_motion else taken_over(answer, present)
+    takeover = under_motion(answer, task, present) if by_motion else taken_over(answer, present)
     design = with_mechanism(machine, number, takeover.design)
     if wrong := faults(design):
         raise DesignError(wrong)
-    save(design, arguments.into)
-    return answer, part_names(present, takeover.left_out)
+    return design, part_names(present, takeover.left_out)
 
 
 def _numbered(synthesis: Synthesis, number: int) -> Dyad:

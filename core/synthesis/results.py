@@ -64,11 +64,12 @@ def synthesis_data(synthesis: Synthesis, answers: Sequence[Answer], *, with_desi
         "answers": [answer_data(row, i, files) for i, (row, files) in enumerate(zip(answers, names, strict=True), 1)]
     }
     if synthesis.dyads:
-        data["dyads"] = [_dyad_data(dyad) for dyad in synthesis.dyads]
+        data["dyads"] = [dyad_data(dyad) for dyad in synthesis.dyads]
     return data | {"hidden": synthesis.hidden, "complete": synthesis.complete}
 
 
-def _dyad_data(dyad: Dyad) -> dict[str, Any]:
+def dyad_data(dyad: Dyad) -> dict[str, Any]:
+    """Data of a dyad."""
     data: dict[str, Any] = {
         "kind": dyad.kind,
         "fixed": [dyad.fixed.real, dyad.fixed.imag],

@@ -21,10 +21,11 @@ if TYPE_CHECKING:
     from kindyna._design import Design, FindResult, Optimum, Study, design, example, examples, measured, open
     from kindyna._pictures import Picture
     from kindyna._results import Channel, Clearance, Explanation, Extreme, Finding, ManyResult
+    from kindyna._synthesis import LinkageAnswer, SynthesisResult, synthesise
 
 __all__ = [
-    "Channel", "Clearance", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "ManyResult", "Optimum", "Picture",
-    "Study", "design", "example", "examples", "measured", "open",
+    "Channel", "Clearance", "Design", "Explanation", "Extreme", "FindResult", "Finding", "KindynaError", "LinkageAnswer", "ManyResult",
+    "Optimum", "Picture", "Study", "SynthesisResult", "design", "example", "examples", "measured", "open", "synthesise",
 ]  # fmt: skip
 
 _MODULES = {
@@ -32,6 +33,7 @@ _MODULES = {
     "_design": ("Design", "FindResult", "Optimum", "Study", "design", "example", "examples", "measured", "open"),
     "_pictures": ("Picture",),
     "_results": ("Channel", "Clearance", "Explanation", "Extreme", "Finding", "ManyResult"),
+    "_synthesis": ("LinkageAnswer", "SynthesisResult", "synthesise"),
 }
 
 

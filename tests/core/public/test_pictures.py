@@ -208,3 +208,6 @@ def test_results_show_what_changed_and_what_was_found() -> None:
     assert shown(peak) == f"{peak.value:.6g}° at {peak.angle_deg:.6g}°"
     explained = LIFT.study().explain("pressure_angle_deg", at_deg=60)
     assert explained.equation[0].replace(" ", "") in shown(explained).replace(" ", "")
+    swing = kd.synthesise({"kind": "rocker", "rocker": {"swing_deg": 60.0, "frame_mm": 100.0}})
+    assert "Linkages for a task 1 linkage, 0 hidden" in shown(swing)
+    assert f"{swing.answers[0].transmission_deg:.6g}" in shown(swing)

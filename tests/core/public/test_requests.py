@@ -540,3 +540,66 @@ def test_a_table_of_designs_is_a_frame() -> None:
     assert list(frame.columns) == [BASE, LAW, PRESSURE, "reason"]
     assert frame[BASE].tolist() == [44.0, 44.0, 45.0, 45.0]
     assert frame[LAW].tolist() == ["cycloidal", "modified-sine"] * 2
+
+
+# -- synthesis ------------------------------------------------------------------------------------------------
+
+TASK = """kind = "poses"
+poses = [{x_mm = 0.0, y_mm = 0.0}, {x_mm = 30.0, y_mm = 10.0, angle_deg = 10.0},
+         {x_mm = 60.0, y_mm = 15.0, angle_deg = 25.0}, {x_mm = 90.0, y_mm = 5.0, angle_deg = 45.0}]
+pivots = [{of = "fixed", line = [0.0, -80.0, 90.0]}]
+"""
+"""Four dyads, three linkages without defects and three with."""
+
+
+def test_linkages_for_a_task_are_those_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("task.toml").write_text(TASK, "utf-8")
+    command("synthesise", "task.toml", "--all", "--json", "--out", "answers")
+    printed = json.loads(capsys.readouterr().out)
+    for task in (tomllib.loads(TASK), "task.toml"):
+        result = kd.synthesise(task)
+        assert (result.complete, len(result.hidden)) == (printed["complete"], printed["hidden"])
+        assert json.loads(json.dumps(result.dyads)) == printed["dyads"]
+        for answer, row in zip((*result.answers, *result.hidden), printed["answers"], strict=True):
+            for key in ("kind", "error_mm", "error_deg", "transmission_deg", "grashof", "length_ratio", "size_mm"):
+                assert getattr(answer, key) == row[key], key
+            assert list(answer.defects) == row["defects"]
+            assert answer.design == kd.open(Path("answers", row["design"]))
+
+
+def test_a_linkage_of_a_task_replaces_a_mechanism_and_changes_its_driver() -> None:
+    Path("task.toml").write_text(TASK, "utf-8")
+    BAR.save("bar.toml")
+    command("synthesise", "task.toml", "--design", "bar.toml", "--into", "loaded.toml")
+    command("synthesise", "task.toml", "--other-driver", "--into", "other.toml")
+    command("synthesise", "task.toml", "--dyads", "1", "3", "--into", "dyads.toml")
+    result = kd.synthesise("task.toml")
+    assert result.answers[0].taken_over(BAR) == kd.open("loaded.toml")
+    assert result.answers[0].driven_by_other_link().design == kd.open("other.toml")
+    assert result.of_dyads(0, 2).design == kd.open("dyads.toml")
+
+
+@pytest.mark.parametrize(
+    ("task", "error", "text"),
+    [
+        (
+            {"kind": "rocker", "rocker": {"swing_deg": 190.0, "frame_mm": 9.0}},
+            kd.KindynaError,
+            "rocker.swing_deg = 190",
+        ),
+        ({"kind": "spiral"}, kd.KindynaError, "kind = 'spiral'"),
+        ("missing.toml", kd.KindynaError, "missing.toml"),
+        (7, TypeError, "task = 7"),
+    ],
+)
+def test_a_wrong_task_is_named(task: Any, error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        kd.synthesise(task)
+
+
+def test_wrong_dyads_and_designs_are_named() -> None:
+    result = kd.synthesise(tomllib.loads(TASK))
+    with pytest.raises(IndexError, match=r"second = 9999: no such dyad; allowed: 0 \.\.\. \d+"):
+        result.of_dyads(0, 9999)
+    with pytest.raises(TypeError, match="design = 3"):
+        result.answers[0].taken_over(3)  # type: ignore[arg-type]
