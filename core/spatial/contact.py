@@ -370,16 +370,17 @@ def flank(machine: Machine, motion: MotionRows, u: np.ndarray, sense: float, sid
     w_t, w_s = v_t + foot * o_s, v_s - foot * o_t
     # across w, towards +t on the flank ahead
     way = np.where(w_s >= 0.0, 1.0, -1.0) * (1.0 if side == AHEAD else -1.0)
-    scale = way / np.sqrt(w_t * w_t + w_s * w_s)
-    e_t, e_s = w_s * scale, -w_t * scale
-    if tan:
-        share = -tan * v_a * np.abs(scale)  # e · w/|w|
-        with np.errstate(invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = way / np.sqrt(w_t * w_t + w_s * w_s)
+        e_t, e_s = w_s * scale, -w_t * scale
+        if tan:
+            share = -tan * v_a * np.abs(scale)  # e · w/|w|
             rest = np.sqrt(1.0 - share * share)
-        e_t, e_s = rest * e_t - way * share * e_s, rest * e_s + way * share * e_t
-    w_f = e_t * w_s - e_s * w_t
-    rate = e_t * (t_1 + foot * o_s_1) + e_s * (s_1 - foot * o_t_1)
-    beta_1 = -(rate + tan * a_1) / w_f if tan else -rate / w_f
+            e_t, e_s = rest * e_t - way * share * e_s, rest * e_s + way * share * e_t
+        w_f = e_t * w_s - e_s * w_t
+    w_f = np.where(w_f == 0.0, np.nan, w_f)  # no line of contact
+    rate = e_t * (t_1 + foot * o_s_1) + e_s * (s_1 - foot * o_t_1) + tan * a_1
+    beta_1 = -rate / w_f
     beta_u = -(1.0 + tan * tan) * (e_t * o_s - e_s * o_t) / w_f
     return SpatialFlank(
         side, sense, machine.taper, motion.theta, line, relative, u, np.asarray(radius), e_t, e_s, w_f, beta_1, beta_u

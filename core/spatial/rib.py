@@ -16,7 +16,7 @@ State = Callable[[np.ndarray], MotionRows]
 
 OFFSETS = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 37)  # [rad] from a point of one flank to the first points of the other
 ROWS = 3  # distances along the roller of these points
-STEPS = 40  # of Newton's method
+STEPS = 20  # of Newton's method
 SMALL = 1e-8  # last step, as a part of the roller's outer distance; the least distance is then exact to its square
 LEAST = 1e-6  # second derivative, relative to lengths along the flanks
 AT_ONCE = 1000  # cam angles
@@ -59,7 +59,8 @@ def _distances(machine: Machine, near: MotionRows, offset: np.ndarray, state: St
     far = flank(machine, MotionRows(*(row.ravel() for row in rows)), nodes[:, None], sense, BEHIND).cam_point
     points = flank(machine, near, nodes[:, None], sense, AHEAD).cam_point
     away = far.reshape(3, 1, -1, n) - points[:, :, None]
-    row, turn = np.unravel_index(np.argmin(dots(away, away), axis=1).ravel(), (ROWS, OFFSETS.size))
+    square = np.nan_to_num(dots(away, away), nan=np.inf)  # a cone may have no line of contact at some angles
+    row, turn = np.unravel_index(np.argmin(square, axis=1).ravel(), (ROWS, OFFSETS.size))
     column = np.tile(np.arange(n), ROWS)
 
     def flanks_at(theta: np.ndarray, u: np.ndarray, part: np.ndarray) -> tuple[SpatialFlank, SpatialFlank]:
@@ -72,7 +73,8 @@ def _distances(machine: Machine, near: MotionRows, offset: np.ndarray, state: St
     result = _least_distance(flanks_at, everywhere, place, machine, along=False)
     apart = everywhere[result > 0.0]
     result[apart] = np.minimum(result[apart], _least_distance(flanks_at, apart, place, machine, along=True))
-    return result.reshape(ROWS, n).min(axis=0)
+    least = result.reshape(ROWS, n).min(axis=0)
+    return np.where(np.isfinite(least), least, np.nan)
 
 
 def _least_distance(
@@ -101,11 +103,11 @@ def _least_distance(
         for i, j, change in (
             (0, 0, dots(n_1, q_1)),
             (0, 2, dots(n_1, q_2)),
+            (2, 0, dots(n_1, q_2)),
             (1, 1, dots(m_u, p_u)),
             (2, 2, dots(n_2, q_2)),
         ):
             second[i, j] += depth * change
-        second[2, 0] = second[0, 2]
         sizes = np.sqrt(dots(moves.swapaxes(0, 1), moves.swapaxes(0, 1)))
         fixed = ((u <= machine.inner) & (slope[1:] > 0.0)) | ((u >= machine.outer) & (slope[1:] < 0.0))
         fixed[0] |= not along
@@ -113,7 +115,7 @@ def _least_distance(
         step[0] = np.clip(step[0], OFFSETS[0] - OFFSETS[1], OFFSETS[1] - OFFSETS[0])
         step[1:] = np.clip(u + step[1:], machine.inner, machine.outer) - u
         place[:, part] += step
-        part = part[np.abs(step * sizes).max(axis=0) > SMALL * machine.outer]
+        part = part[np.abs(step * sizes).max(axis=0) > SMALL * machine.outer]  # not where the step is NaN
         if not part.size:
             break
     result[np.abs(result) <= SMALL * machine.outer] = 0.0
@@ -126,7 +128,8 @@ def _newton_step(slope: np.ndarray, second: np.ndarray, fixed: np.ndarray) -> np
     The last two variables stay where they are ``fixed`` (2, k).
     """
     free = np.concatenate((np.ones_like(fixed[:1]), ~fixed))
-    matrix = np.where(free & free[:, None], second, np.eye(3)[..., None])
+    solvable = np.isfinite(second).all(axis=(0, 1))
+    matrix = np.where(free & free[:, None] & solvable, second, np.eye(3)[..., None])
     values, vectors = np.linalg.eigh(np.moveaxis(matrix, -1, 0))
     along = np.einsum("kij,ik->kj", vectors, np.where(free, slope, 0.0))
     return -np.einsum("kij,kj->ik", vectors, along / np.maximum(np.abs(values), LEAST))

@@ -227,7 +227,7 @@ def spatial_shape(machine: Machine, motion: MotionRows, sense: float) -> Spatial
         number = np.array([roller.number for roller in rollers])[chosen]
     shape = SpatialShape(machine, motion, sense, offset, number, touching)
     if machine.taper:
-        failed = np.isnan(shape.pressure_angle)
+        failed = np.isnan(shape.margin)
         NoCam.raise_where(failed, partial(_no_contact, motion.theta, failed))
     return shape
 
