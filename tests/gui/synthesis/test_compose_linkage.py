@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QAction
+from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
-from window_user import Open, User, settle, wait_for
+from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from window_user import Open, User, plain, settle, wait_for
 
 from core.study import Study
 from core.synthesis import BodyPose, Dyad, Task
+from kindyna_gui.studies.study_view import StudyView
 from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -166,3 +167,83 @@ def test_a_taken_linkage_runs_loaded_between_the_poses(open_task: OpenTask) -> N
     settle()
     assert 0.01 < np.abs(torque(user)).max() < 10.0
     assert "cannot be calculated" not in user.window.status.findings.text()
+
+
+@pytest.mark.stress
+def test_study_finds_a_better_length_of_a_taken_linkage(open_task: OpenTask) -> None:
+    user, view = open_task("four_bar")
+    QTest.mouseClick(view.strip.put_button, LEFT)
+    settle()
+    before, steps = np.abs(torque(user)).max(), user.steps
+    label = user.field("linkage.links[3].points.B.x_mm").label
+    where = label.rect().center()
+    QApplication.sendEvent(label, QContextMenuEvent(QContextMenuEvent.Reason.Mouse, where, label.mapToGlobal(where)))
+    menu = QApplication.activePopupWidget()
+    assert isinstance(menu, QMenu)
+    next(action for action in menu.actions() if plain(action.text()) == "Vary this").trigger()
+    menu.close()
+    settle()
+    study = user.window.view("study")
+    assert isinstance(study, StudyView)
+    wait_for(lambda: study.on_screen() and study.up_to_date and not study.busy)
+    study.tabs.setCurrentIndex(2)
+    goal = study.best.goals[0]
+    goal.setCurrentIndex(goal.findData("driver_torque_nm:abs"))
+    goal.activated.emit(goal.currentIndex())
+    settle()
+    QTest.mouseClick(study.best.start, LEFT)
+    wait_for(lambda: not study.best.busy)
+    QTest.mouseClick(study.best.take, LEFT)
+    settle()
+    assert user.steps == [*steps, "Take over the best design"]
+    assert np.abs(torque(user)).max() < before
+
+
+def coupler_pose(angle: float) -> BodyPose:
+    """Pose of the rod of a slider-crank of 40 mm and 120 mm on the x axis, with its origin in the slider's pin."""
+    pin = 40.0 * np.exp(1j * angle)
+    x = pin.real + np.sqrt(120.0**2 - pin.imag**2)
+    return BodyPose(float(x), 0.0, float(np.degrees(np.angle(x - pin))))
+
+
+def test_a_guide_is_a_line_and_with_a_pin_a_slider_crank(open_task: OpenTask) -> None:
+    _, view = open_task("four_bar")
+    view.show_task(Task(kind="poses", poses=tuple(coupler_pose(angle) for angle in (0.4, 0.8, 1.3, 1.9, 2.4))))
+    wait_for(view.strip.put_button.isEnabled)
+    QTest.mouseClick(view.sheet.bar.buttons["dyads"], LEFT)
+    view.sheet.fit()
+    settle()
+    guide = next(dyad for dyad in view.sheet.dyads.dyads if dyad.kind == "guide")
+    crank = min(view.sheet.dyads.dyads, key=lambda dyad: abs(dyad.fixed) if dyad.kind == "pin" else np.inf)
+    QTest.mouseClick(canvas(view), LEFT, pos=at(view, 60.0 + 0.0j))  # on the line of the guide, away from its pivot
+    assert view.sheet.dyads.chosen == [guide]
+    QTest.mouseClick(canvas(view), LEFT, pos=at(view, crank.fixed))
+    settle()
+    answer = view.strip.answer
+    assert answer is not None
+    assert answer.candidate.kind == "slider-crank"
+    assert abs(answer.candidate.linkage.by_number[2].places["A"]) == pytest.approx(40.0, abs=1e-6)
+    assert texts(view)[0].startswith("Slider-crank, chosen dyads")
+    entry(view, "Drive by the other link").trigger()
+    settle()
+    assert "sliding pair" in view.form.message.text()
+
+
+def test_a_card_is_its_linkage_after_others_were_removed_or_sorted(open_task: OpenTask) -> None:
+    user, view = open_task("four_bar")
+    board = view.strip.board
+    board.list.setCurrentRow(1)
+    second = view.strip.answer
+    board.list.setCurrentRow(0)
+    entry(view, "Remove").trigger()
+    settle()
+    board.list.setCurrentRow(0)
+    assert view.strip.answer is second
+    QTest.mouseClick(board.compare, LEFT)
+    settle()
+    wanted = board.order[2].design.drive.linkage.links
+    cell = board.table.visualItemRect(board.table.item(3, 0)).center()  # the first row is the current design
+    QTest.mouseClick(board.table.viewport(), LEFT, pos=cell)
+    QTest.mouseDClick(board.table.viewport(), LEFT, pos=cell)
+    settle()
+    assert user.design.drive.linkage.links == wanted
