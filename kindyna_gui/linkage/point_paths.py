@@ -11,6 +11,7 @@ from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism import body_name
 from core.mechanism.drawn import traced_points
+from core.study import Study
 from kindyna_gui.documents.session import Session
 
 PATH_POINTS = 360  # least number of points of a path over the turn
@@ -66,11 +67,7 @@ class PointPaths(QObject):
         linkage = design.drive.linkage
         try:
             if self._session.incomplete is None:
-                bodies = self._session.study.linkage.bodies
-                owners = {
-                    p.name: body_name(k.number) for k in linkage.links if k.number != FRAME_LINK for p in k.points
-                }
-                paths = {name: bodies[owners[name]].position(name) * 1e3 for name in names}
+                paths = {name: path_of(self._session.study, name) for name in names}
                 return {name: PointPath(z[:: max(1, z.size // PATH_POINTS)], True) for name, z in paths.items()}
             state = mobility(linkage)
             part = movable_part_of(design, state)
@@ -79,6 +76,14 @@ class PointPaths(QObject):
             return {}
         driven = {p.name for k in linkage.links if k.number in state.driven for p in k.points}
         return {name: PointPath(path, name in driven) for name, path in paths.items()}
+
+
+def path_of(study: Study, name: str) -> np.ndarray:
+    """Path (n,) [mm] of a moving point of a linkage while its driver passes its turn, or its range. Raises NoSolution."""
+    links = study.design.drive.linkage.links
+    owner = next(k.number for k in links if k.number != FRAME_LINK and name in k.places)
+    path: np.ndarray = study.linkage.bodies[body_name(owner)].position(name) * 1e3
+    return path
 
 
 def path_points(linkage: Linkage) -> tuple[str, ...]:

@@ -44,6 +44,7 @@ CURRENT = "Current"
 IMAGE = QSize(112, 72)  # pixels
 CARD_WIDTH, CARD_LINES = 304, 6
 UNSORTED = ""
+BAR = 24  # height of the scroll bar below the cards [pixels]
 FOLDER = "boards"
 STEP_MS = 40  # between two images of a card that moves
 Values = Mapping[str, tuple[float, str]]
@@ -258,11 +259,11 @@ class Board(QWidget):
             item.setToolTip("\n".join(f"{name}: {text}" for name, (_, text) in card.values.items()))
             item.setData(Qt.ItemDataRole.UserRole, self.cards.index(card))
             self.list.addItem(item)
-        height = max(IMAGE.height(), lines * self._height) + 8
+        height = card_height(lines * self._height) - BAR
         for i in range(self.list.count()):
             self.list.item(i).setSizeHint(QSize(CARD_WIDTH, height))
-        self.list.setFixedHeight(height + 24)
-        self.table.setFixedHeight(height + 24)
+        self.list.setFixedHeight(height + BAR)
+        self.table.setFixedHeight(height + BAR)
         self.list.setVisible(bool(self.cards) and not self.is_comparing)
         self.table.setVisible(self.is_comparing)
         self.compare.setVisible(bool(self.cards))
@@ -307,6 +308,11 @@ class Board(QWidget):
         del self.cards[item.data(Qt.ItemDataRole.UserRole)]
         self.changed.emit()
         self._show()
+
+
+def card_height(text: int) -> int:
+    """Height of the row of cards with texts of this height, with its scroll bar [pixels]."""
+    return max(IMAGE.height(), text) + 8 + BAR
 
 
 def _sort_key(card: Card, name: str) -> tuple[bool, float]:

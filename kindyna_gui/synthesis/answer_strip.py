@@ -19,11 +19,13 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import described
 from kindyna_gui.pictures.units import brief, readable_text, short
 from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
-from kindyna_gui.studies.board import Board, Card
+from kindyna_gui.studies.board import Board, Card, card_height
 from kindyna_gui.synthesis.sheet_painting import AnswerPicture, Positions
 from kindyna_gui.synthesis.task_form import BOUNDED
 
 FRAME_MS, STEPS = 40, 120
+CARD_VALUES = 5  # on a card
+EMPTY = "The linkages for the task appear here as cards"
 CHOSEN = "chosen dyads"
 UNDER_MOTION = (
     "Let the present motion drive the selected linkage, as one undo step: its lowest position is the first pose of the task, its highest "
@@ -115,6 +117,8 @@ class AnswerStrip(QWidget):
             self.board.list.addAction(action)
         fill(QVBoxLayout(self), self.board, margins=(6, 2, 6, 4))
         self.stop.hide()
+        self.end()
+        self.update_style()
         self.show_motion("")
         self.set_ready(False)
         connect_all(
@@ -125,6 +129,11 @@ class AnswerStrip(QWidget):
             (self.motion_button.clicked, partial(self._emit, self.taken_under_motion, self.motion_button.isEnabled)),
             (self.stop.clicked, self.stopped),
         )
+
+    def update_style(self) -> None:
+        """Reserve the height of the cards, so that the drawing above keeps its size under the mouse."""
+        lines = CARD_VALUES * self.board.fontMetrics().lineSpacing()
+        self.board.setMinimumHeight(self.put_button.sizeHint().height() + 2 + card_height(lines))
 
     def set_ready(self, on: bool) -> None:
         """Let the selected linkage be taken over, or not: the task has changed since."""
@@ -155,7 +164,7 @@ class AnswerStrip(QWidget):
         self._faint.stop()
         self.stop.hide()
         self.board.list.setEnabled(True)
-        self.found.setText(text)
+        self.found.setText(text or EMPTY)
 
     def show_none(self) -> None:
         """Show that there is no linkage for the task."""

@@ -26,10 +26,11 @@ from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import sentence
+from kindyna_gui.linkage.point_paths import path_of, path_points
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
 from kindyna_gui.synthesis.answer_strip import AnswerStrip, Proposals, propose
-from kindyna_gui.synthesis.sheet import TaskSheet
+from kindyna_gui.synthesis.sheet import TaskSheet, even_path
 from kindyna_gui.synthesis.task_form import FIRST_POSES, TaskForm
 from kindyna_gui.view import View, ViewHost
 
@@ -81,8 +82,8 @@ class FindLinkageView(View):
         self.sheet.marks = self._joints
         connect_all(
             (self.form.changed, self._form_changed),
-            (self.form.kind_chosen, self._refit),
             (self.form.curve_requested, self._open_curve),
+            (self.form.point_requested, self._use_path),
             (self.sheet.changed, self._sheet_changed),
             (self.sheet.released, self._start_now),
             (self.sheet.left, self._leave_sheet),
@@ -133,6 +134,8 @@ class FindLinkageView(View):
 
     def refresh(self, study: Study) -> None:
         self.form.show_units()
+        drive = self.session.design.drive
+        self.form.offer_points(path_points(drive.linkage) if drive.links else ())
         self.strip.show_motion("" if self.session.design.drive.motion is not None else NO_MOTION)
 
     @property
@@ -175,8 +178,8 @@ class FindLinkageView(View):
 
     def _request(self, pause_ms: int) -> None:
         self.strip.set_ready(False)
-        if self._search.busy and self.sheet.is_dragging:
-            self._is_awaited = True  # its cards are shown, then the next search starts
+        if self.sheet.adds_points or (self._search.busy and self.sheet.is_dragging):
+            self._is_awaited = True  # the present cards are shown, then the next search starts
             return
         self._search.stop()
         self._is_awaited = False
@@ -185,7 +188,7 @@ class FindLinkageView(View):
 
     def _start_now(self) -> None:
         """Search now for what has been drawn."""
-        if self._soon_search.isActive() or self._is_awaited:
+        if not self.sheet.adds_points and (self._soon_search.isActive() or self._is_awaited):
             self._soon_search.stop()
             self._start()
 
@@ -230,7 +233,7 @@ class FindLinkageView(View):
             if not self._is_fitted and not self.sheet.is_dragging:
                 self._is_fitted = True
                 self.sheet.fit()
-        if self._is_awaited:
+        if self._is_awaited and not self.sheet.adds_points:
             self._start()
 
     # -- taking over ---------------------------------------------------------------------------
@@ -323,8 +326,18 @@ class FindLinkageView(View):
 
         self._read(read)
 
+    def _use_path(self, name: str) -> None:
+        """Make the path of a point of the present linkage the task."""
+
+        def use() -> None:
+            points, closed = even_path(path_of(self.session.study, name).tolist())
+            self.show_task(replace(self.task, path=TracedPath(points=tuple(points), closed=closed)))
+            self.sheet.fit()
+
+        self._read(use)
+
     def _read(self, action: Callable[[], object]) -> None:
-        """Do something with a file; show why it cannot be done."""
+        """Do something with a file or a path; show why it cannot be done."""
         try:
             action()
         except KindynaError as error:

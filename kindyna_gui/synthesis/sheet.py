@@ -87,7 +87,7 @@ TOOLS: Mapping[str, tuple[SheetTool, ...]] = MappingProxyType(
     }
 )  # fmt: skip
 """Kind of task -> its tools; others are not drawn."""
-NOT_DRAWN = "This task is typed on the left or right; its linkages move here"
+NOT_DRAWN = "This task is typed in the dock; its linkages move here"
 
 
 class SheetBar(QWidget):
@@ -111,6 +111,7 @@ class SheetBar(QWidget):
         self.prompt.setMinimumWidth(1)
         row.addSpacing(8)
         row.addWidget(self.prompt, 1)
+        self.setMinimumHeight(self.sizeHint().height())
 
     def show_kind(self, kind: str) -> None:
         """Show the tools of a kind of task."""
@@ -207,6 +208,11 @@ class TaskSheet(QObject):
     def is_dragging(self) -> bool:
         """Whether the mouse is dragging a part."""
         return self._grip is not None or bool(self._stroke)
+
+    @property
+    def adds_points(self) -> bool:
+        """Whether the points of a path are being clicked."""
+        return self._adds_points
 
     # -- contents -----------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QPushButton,
     QScrollArea,
     QStackedWidget,
@@ -34,7 +35,7 @@ from kindyna_gui.forms.number_box import LiveBox, WordBox
 from kindyna_gui.forms.refusal import RefusalLine
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import bold_label, described, scrolled, text_button
-from kindyna_gui.rebuilt import STRETCH, connect_all, fill, widget_with
+from kindyna_gui.rebuilt import STRETCH, add_entry, clear_menu, connect_all, fill, widget_with
 from kindyna_gui.settings import symbol_of
 from kindyna_gui.synthesis import task_parts
 from kindyna_gui.synthesis.task_parts import DEG, MM, PARTS, PIVOT, new_part
@@ -48,6 +49,7 @@ DIRECTION = Info("Direction", "empty: the pivot is at this position; a number: i
 DYADS: Mapping[int, str] = {0: "both", 1: "dyad 1", 2: "dyad 2"}
 OF: Mapping[str, str] = {FIXED: "fixed", MOVING: "moving"}
 NO_PATH = "Draw the path on the drawing, or open a file with its points"
+POINT_TIP = "Take the path of a point of the present linkage as the task"
 INDENT = 14  # of the numbers of a pivot, pixels
 Boxes = list[LiveBox]
 
@@ -108,11 +110,15 @@ class PivotRow(QWidget):
 
 
 class TaskForm(QWidget):
-    """The numbers of a task. Signals: ``changed`` when the user has edited them, ``kind_chosen`` before that of another kind."""
+    """The numbers of a task.
+
+    Signals: ``changed`` when the user has edited them; ``curve_requested`` and ``point_requested`` (name) for the points of a path
+    from a file, or from a point of the present linkage.
+    """
 
     changed = Signal()
-    kind_chosen = Signal()
     curve_requested = Signal()
+    point_requested = Signal(str)
 
     def __init__(self) -> None:
         super().__init__()
@@ -141,7 +147,7 @@ class TaskForm(QWidget):
         self._shows = False
         self._lay_out()
         connect_all(
-            (self.kind.activated, self._choose_kind),
+            (self.kind.activated, self._emit_changed),
             (self.output.activated, self._emit_changed),
             (self.closed.toggled, self._emit_changed),
             (self.free.toggled, self._emit_changed),
@@ -164,10 +170,12 @@ class TaskForm(QWidget):
         self.add_area = _button("Add an a&rea", self._add_area, "A rectangle in which the fixed pivots lie")
         add_pair = _button("&Add a pair", self._add_pair)
         curve = _button("Points from a &file...", self.curve_requested.emit)
+        self.point_button = described(QPushButton("Path of a poi&nt", autoDefault=False), tip=POINT_TIP)
+        self.point_button.setMenu(QMenu(self.point_button))
         more = fill(QHBoxLayout(), self.add_pose, self.add_pivot, self.add_area, STRETCH, margins=0)
         pages = {
             POSES: (self._pose_grid, self._pivot_layout(), self._area_layout(), more),
-            PATH: (self.about_path, self.closed, fill(QHBoxLayout(), curve, STRETCH, margins=0)),
+            PATH: (self.about_path, self.closed, fill(QHBoxLayout(), curve, self.point_button, STRETCH, margins=0)),
             ANGLES: (self._angle_form(), self._pair_grid, fill(QHBoxLayout(), add_pair, STRETCH, margins=0), self.free),
             ROCKER: (_form(self.swing),),
         }
@@ -247,6 +255,15 @@ class TaskForm(QWidget):
             symbol = symbol_of(unit.symbol)
             label.setText(f"{text}, {symbol}" if symbol else text)
 
+    def offer_points(self, names: Sequence[str]) -> None:
+        """Offer the paths of these points of the present linkage."""
+        menu = self.point_button.menu()
+        assert isinstance(menu, QMenu)
+        clear_menu(menu)
+        for name in names:
+            add_entry(menu, name, partial(self.point_requested.emit, name), f"Take the path of {name} as the task")
+        self.point_button.setEnabled(bool(names))
+
     # -- the task -----------------------------------------------------------------------------------------
 
     @property
@@ -321,10 +338,6 @@ class TaskForm(QWidget):
         self.about_path.setText(
             f"Points of {self._path.file}" if self._path.file else f"{count} points" if count else NO_PATH
         )
-
-    def _choose_kind(self, _: int) -> None:
-        self.kind_chosen.emit()
-        self._emit_changed()
 
     def _emit_changed(self, *_: object) -> None:
         if not self._shows:

@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
-from window_user import Open, User, plain, settle, wait_for
+from window_user import Open, User, end_pauses, plain, settle, wait_for
 
 from core.synthesis import Area, BodyPose, PathPoint, Pivot, Task, TracedPath, load_task, save_task
 from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
@@ -33,6 +33,7 @@ class Sheet:
         assert isinstance(view, FindLinkageView)
         self.view = view
         view.show_task(task)
+        view.sheet.choose_tool("pose" if task.kind == "poses" else "stroke")
         assert view.sheet.canvas is not None
         self.canvas = view.sheet.canvas
         wait_for(lambda: not view.busy)
@@ -216,6 +217,33 @@ def test_a_click_on_the_first_point_closes_the_path(user: User) -> None:
     assert len(path.points) == 3
     assert path.closed
     assert sheet.view.form.closed.isChecked()
+
+
+def test_points_are_clicked_without_a_fault_and_without_moving_the_drawing(user: User) -> None:
+    sheet = Sheet(user, Task(kind="path"))
+    sheet.tool("points")
+    height = sheet.canvas.height()
+    for z in (0.0, 60.0):
+        sheet.click(z)
+        end_pauses()
+        assert not sheet.view.form.message.text()
+        assert not sheet.view.busy
+        assert sheet.canvas.height() == height
+    sheet.key(Qt.Key.Key_Return)
+    wait_for(lambda: "2 points" in sheet.view.form.message.text())
+    assert sheet.canvas.height() == height
+
+
+def test_the_path_of_a_point_of_the_mechanism_becomes_the_task(user: User) -> None:
+    sheet = Sheet(user, Task(kind="path"))
+    menu = sheet.view.form.point_button.menu()
+    assert isinstance(menu, QMenu)
+    assert [plain(action.text()) for action in menu.actions()] == ["A", "B", "C"]
+    menu.actions()[0].trigger()
+    path = sheet.task.path
+    assert path is not None
+    assert path.closed
+    assert [abs(complex(p.x_mm, p.y_mm)) for p in path.points] == pytest.approx(len(path.points) * [30.0], rel=1e-3)
 
 
 # -- snapping, typing, taking back -----------------------------------------------------------------------
