@@ -35,6 +35,7 @@ from kindyna_gui.synthesis.task_form import FIRST_POSES, TaskForm
 from kindyna_gui.view import View, ViewHost
 
 PAUSE_MS, DRAG_PAUSE_MS = 150, 30  # from an edit to the search, and from a move of the mouse
+MOST_UNDONE = 100
 TASK_FILES, CURVES = "Tasks (*.toml)", "Curves (*.csv *.dxf)"
 NAME = "find_linkage"
 STEP, MOTION_STEP = "Take over a linkage", "Take over a linkage under the motion"
@@ -69,6 +70,7 @@ class FindLinkageView(View):
         super().__init__(session, player)
         self.form, self.sheet, self.strip = TaskForm(), TaskSheet(self), AnswerStrip()
         self._is_fitted = self._is_awaited = False
+        self._tasks: list[Task] = []  # the present one, and before it those that *Undo* restores
         self._search = Background(self)
         self._soon_search = single_shot(self, self._start, PAUSE_MS)
         files = fill(
@@ -86,6 +88,7 @@ class FindLinkageView(View):
             (self.form.point_requested, self._use_path),
             (self.sheet.changed, self._sheet_changed),
             (self.sheet.released, self._start_now),
+            (self.sheet.undone, self._undo),
             (self.sheet.left, self._leave_sheet),
             (self._search.result, self._show_result),
             (self.strip.shown, self.sheet.show_answer),
@@ -186,8 +189,21 @@ class FindLinkageView(View):
         if (self._host is not None and not self._soon_search.isActive()) or pause_ms == PAUSE_MS:
             self._soon_search.start(pause_ms)
 
+    def _note(self) -> None:
+        """Note the present task for *Undo*, unless the mouse is dragging."""
+        if not self.sheet.is_dragging and self._tasks[-1:] != [self.task]:
+            self._tasks = [*self._tasks[-MOST_UNDONE:], self.task]
+
+    def _undo(self) -> None:
+        """Return to the task before the last edit."""
+        if len(self._tasks) > 1:
+            self._tasks.pop()
+            self.form.show_task(self._tasks[-1])
+            self._form_changed()
+
     def _start_now(self) -> None:
         """Search now for what has been drawn."""
+        self._note()
         if not self.sheet.adds_points and (self._soon_search.isActive() or self._is_awaited):
             self._soon_search.stop()
             self._start()
@@ -203,6 +219,7 @@ class FindLinkageView(View):
     def _start(self) -> None:
         """Search for the present task, unless an entry is refused."""
         self._is_awaited = False
+        self._note()
         if not self.form.judge() or self._is_empty:
             self._search.stop()
             self.strip.show_none()

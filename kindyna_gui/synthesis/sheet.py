@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
-from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QMouseEvent, QPainter
+from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QKeySequence, QMouseEvent, QPainter
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QMenu, QToolButton, QWidget
 
 from core.frozen import frozen
@@ -143,11 +143,13 @@ class TaskSheet(QObject):
     marks : callable
         Names and positions [mm] of other points to which the mouse snaps.
 
-    Signals: ``changed`` (Task) when the user has edited it, ``released`` after a drag, ``left`` when Esc has nothing else to end.
+    Signals: ``changed`` (Task) when the user has edited it, ``released`` after a drag, ``undone`` for Ctrl+Z, ``left`` when Esc has
+    nothing else to end.
     """
 
     changed = Signal(object)
     released = Signal()
+    undone = Signal()
     left = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -318,8 +320,11 @@ class TaskSheet(QObject):
     # -- mouse --------------------------------------------------------------------------------------------
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if watched is self.canvas:
-            return event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._key(event)
+        if watched is self.canvas and isinstance(event, QKeyEvent):
+            if event.type() == QEvent.Type.ShortcutOverride and event.matches(QKeySequence.StandardKey.Undo):
+                event.accept()  # else the window would undo an edit of the design, which is hidden below the sheet
+                return True
+            return event.type() == QEvent.Type.KeyPress and self._key(event)
         if isinstance(event, QContextMenuEvent):
             self._open_menu(event)
             return True
@@ -448,16 +453,12 @@ class TaskSheet(QObject):
             task = task_parts.upright(self.task)
             area = task.area
             if area is not None and (area.low_x_mm == area.high_x_mm or area.low_y_mm == area.high_y_mm):
-                self.selected, task = None, self._without_area(task)
+                self.selected, task = None, replace(task, area=self._before.area if self._before is not None else None)
             if task != self.task:
                 self._set(task)
         if was_dragging:
             self.released.emit()
         self._update()
-
-    def _without_area(self, task: Task) -> Task:
-        before = self._before.area if self._before is not None else None
-        return task if before is None else PARTS[AREA].put(task, 0, PARTS[AREA].values(self._before or task, 0))
 
     def _set(self, task: Task) -> None:
         """Show another task, which the user has edited."""
@@ -485,7 +486,9 @@ class TaskSheet(QObject):
     def _key(self, event: QKeyEvent) -> bool:
         key, text = event.key(), event.text()
         plain = not event.modifiers() & ~(Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.ShiftModifier)
-        if key == Qt.Key.Key_Escape:
+        if event.matches(QKeySequence.StandardKey.Undo):
+            self.undone.emit()
+        elif key == Qt.Key.Key_Escape:
             self._escape()
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self._adds_points:
             self._end_points()

@@ -284,6 +284,23 @@ def test_escape_takes_a_drag_back_then_leaves_the_sheet(user: User) -> None:
     assert not sheet.view.sheet.bar.isVisible()
 
 
+def test_undo_restores_the_task_and_leaves_the_design(user: User) -> None:
+    assert user.session.edit("linkage.links[0].points.O4.x_mm", 101.0, "Move O4")
+    sheet = Sheet(user, poses_task())
+    design = user.design
+    sheet.drag(60.0 + 20.0j, 80.0 + 50.0j)
+    sheet.tool("area")
+    sheet.click(-30.0 - 60.0j)  # without a drag it is none
+    assert sheet.task.area is None
+    sheet.drag(-30.0 - 60.0j, 120.0 + 70.0j)
+    QTest.keyClick(sheet.canvas, Qt.Key.Key_Z, CTRL)
+    assert sheet.task.area is None
+    assert sheet.task.poses[1].z == 80.0 + 50.0j
+    QTest.keyClick(sheet.canvas, Qt.Key.Key_Z, CTRL)
+    assert sheet.task.poses == POSES
+    assert user.design == design
+
+
 def test_drawing_links_leaves_the_sheet_and_the_task_stays(user: User) -> None:
     sheet = Sheet(user, poses_task(area=Area(-200.0, -300.0, 300.0, 200.0)))
     user.choose("Compo", "Draw")
