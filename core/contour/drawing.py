@@ -1,4 +1,4 @@
-"""Closed curves of lines and arcs from a DXF drawing."""
+"""Curves of lines and arcs from a DXF drawing."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -237,14 +238,40 @@ def read_outline(data: bytes, name: str) -> tuple[ContourElement, ...]:
 
     Raises DrawingError where there is no such curve, or more than one, and where it crosses itself.
     """
-    unit = "" if _read_entities(data, name)[0] in _HEADER else UNITS[0]
-    return _read_curve(data, name, unit, None, GAP_MM).elements
+    return _read_curve(data, name, _millimetres_if_unknown(data, name), None, GAP_MM).elements
 
 
-def _read_curve(data: bytes, name: str, unit: str, centre: complex | None, gap_mm: float) -> Contour:
-    """The closed curve of a DXF file, wherever it is; parameters and errors as for `read_contour`."""
-    if not 0.0 <= gap_mm <= MOST_GAP_MM:
-        raise DrawingError(f"{name}: gap {gap_mm:g} mm between ends; allowed: 0 ... {MOST_GAP_MM:g} mm")
+def read_curve(data: bytes, name: str) -> tuple[tuple[ContourElement, ...], bool]:
+    """Lines and arcs [mm] of the curve of a DXF file, and whether it is closed; an open one, and one that crosses itself, too.
+
+    In millimetres where the header states no unit. Raises DrawingError where there is no curve, or more than one.
+    """
+    drawn = _read_pieces(data, name, _millimetres_if_unknown(data, name), None)
+    curves, parts, partners = _curves(drawn.pieces, name, 0j, GAP_MM)
+    closed = len(curves)
+    curves += _open_chains(parts, partners)
+    if not curves:
+        raise DrawingError(f"{name}: no curve: its lines, arcs, circles and polylines have no length")
+    if len(curves) > 1:
+        raise DrawingError(f"{name}: {len(curves)} curves on layer {drawn.layer}, which do not join; leave one")
+    return tuple(curves[0]), bool(closed)
+
+
+def _millimetres_if_unknown(data: bytes, name: str) -> str:
+    """Unit of a drawing whose header states none: mm; else empty."""
+    return "" if _read_entities(data, name)[0] in _HEADER else UNITS[0]
+
+
+class _Drawn(NamedTuple):
+    """Lines and arcs of a drawing [mm] about an origin [mm]."""
+
+    pieces: list[ContourElement]
+    layer: str
+    unit: str
+    origin: complex
+
+
+def _read_pieces(data: bytes, name: str, unit: str, centre: complex | None) -> _Drawn:
     unit_code, model_space = _read_entities(data, name)
     label, scale = _unit(unit_code, name, unit)
     layer, entities = _entities(model_space, name)
@@ -252,6 +279,14 @@ def _read_curve(data: bytes, name: str, unit: str, centre: complex | None, gap_m
     pieces = [piece.transformed(-origin, scale) for entity in entities for piece in _pieces(entity, name)]
     if len(pieces) > MOST_ELEMENTS:
         raise DrawingError(f"{name}: {len(pieces)} lines and arcs are too many; allowed: {MOST_ELEMENTS}")
+    return _Drawn(pieces, layer, label, origin)
+
+
+def _read_curve(data: bytes, name: str, unit: str, centre: complex | None, gap_mm: float) -> Contour:
+    """The closed curve of a DXF file, wherever it is; parameters and errors as for `read_contour`."""
+    if not 0.0 <= gap_mm <= MOST_GAP_MM:
+        raise DrawingError(f"{name}: gap {gap_mm:g} mm between ends; allowed: 0 ... {MOST_GAP_MM:g} mm")
+    pieces, layer, label, origin = _read_pieces(data, name, unit, centre)
     chain = _closed_chain(pieces, name, layer, origin, gap_mm)
     elements = _with_common_ends(chain)
     _require_simple(elements, name, origin)
@@ -383,12 +418,7 @@ def _closed_chain(
     pieces: Sequence[ContourElement], name: str, layer: str, origin: complex, gap: float
 ) -> list[ContourElement]:
     """The closed chain of the pieces as drawn, counter-clockwise; neighbours on one line or circle are merged."""
-    loops, parts = (
-        [[piece] for piece in pieces if _is_circle(piece)],
-        [piece for piece in pieces if not _is_circle(piece)],
-    )
-    partners = _partners(parts, name, origin, gap)
-    loops += _chains(parts, partners)
+    loops, parts, partners = _curves(pieces, name, origin, gap)
     if not loops:
         raise DrawingError(f"{name}: no closed curve: {_least_gap(parts, partners, origin, gap)}")
     if len(loops) > 1:
@@ -399,6 +429,16 @@ def _closed_chain(
     if area(chain) < 0.0:
         chain = [piece.reversed() for piece in reversed(chain)]
     return _merge(chain)
+
+
+def _curves(
+    pieces: Sequence[ContourElement], name: str, origin: complex, gap: float
+) -> tuple[list[list[ContourElement]], list[ContourElement], dict[int, int]]:
+    """Closed curves of the pieces; the pieces that are no circles, and the ends of these that join."""
+    circles = [[piece] for piece in pieces if _is_circle(piece)]
+    parts = [piece for piece in pieces if not _is_circle(piece)]
+    partners = _partners(parts, name, origin, gap)
+    return circles + _chains(parts, partners), parts, partners
 
 
 def _is_circle(element: ContourElement) -> bool:
@@ -459,6 +499,22 @@ def _chains(pieces: Sequence[ContourElement], partners: Mapping[int, int]) -> li
         if chain and end == 2 * first:
             loops.append(chain)
     return loops
+
+
+def _open_chains(pieces: Sequence[ContourElement], partners: Mapping[int, int]) -> list[list[ContourElement]]:
+    """Chains of pieces from a free end to another one."""
+    chains, used = [], set[int]()
+    for first in range(2 * len(pieces)):
+        chain: list[ContourElement] = []
+        end: int | None = first if first not in partners and first // 2 not in used else None
+        while end is not None:
+            used.add(end // 2)
+            piece = pieces[end // 2]
+            chain.append(piece if end % 2 == 0 else piece.reversed())
+            end = partners.get(end ^ 1)
+        if chain:
+            chains.append(chain)
+    return chains
 
 
 def _least_gap(pieces: Sequence[ContourElement], partners: Mapping[int, int], origin: complex, gap: float) -> str:

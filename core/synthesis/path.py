@@ -14,14 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from core.errors import DesignError
-from core.numerics.derivatives import vector
 from core.numerics.lazy import checkpoint
 from core.synthesis.candidates import FOUR_BAR, Candidate, linkage_of
 from core.synthesis.curves import SAMPLES, Bars, descriptor, evenly_spaced, nearest_descriptors, sampled_curves, similar
 from core.synthesis.dyads import PIN, Dyad
 from core.synthesis.fitting import PathFit, PlacedBars, distinct
 from core.synthesis.judge import position_errors
-from core.synthesis.task import PathPoint, Task, point_faults, task_size
+from core.synthesis.task import Task, point_faults, task_size
 
 SIMILAR, STEPS, BEST = 300, 100, 12
 """Curves that are placed over the path, steps of their refinement, and different four-bars that are proposed."""
@@ -51,17 +50,18 @@ def with_points(task: Task) -> Task:
     """
     if task.path is None or not task.path.file:
         return task
-    from core.synthesis.path_file import read_path  # imported here to save start-up time
+    from core.synthesis.path_points import read_path  # imported here to save start-up time
 
-    points = read_path(task.folder / task.path.file).tolist()
-    if faults := list(point_faults(task, points)):
+    path = task.path
+    drawn = read_path(task.folder / path.file, closed=path.closed, point=path.point)
+    if faults := list(point_faults(task, [point.z for point in drawn.points])):
         raise DesignError(faults)
-    return replace(task, path=replace(task.path, file="", points=tuple(PathPoint(z.real, z.imag) for z in points)))
+    return replace(task, path=replace(path, file="", point="", points=drawn.points, closed=drawn.closed))
 
 
 def _points(task: Task) -> list[complex]:
     assert task.path is not None
-    return [vector(p.x_mm, p.y_mm) for p in task.path.points]
+    return [point.z for point in task.path.points]
 
 
 def size(task: Task) -> float:

@@ -85,6 +85,11 @@ class PathPoint:
     x_mm: float = coordinate("x")
     y_mm: float = coordinate("y")
 
+    @property
+    def z(self) -> complex:
+        """The point [mm]."""
+        return vector(self.x_mm, self.y_mm)
+
 
 @frozen(kw_only=True)
 class TracedPath:
@@ -92,6 +97,8 @@ class TracedPath:
 
     Attributes
     ----------
+    point : str
+        Name of the point, where the file is a table with the columns of several.
     driver_deg : tuple of float
         Angles of the driver at the points, from an unknown first angle.
     weights : tuple of float
@@ -100,6 +107,7 @@ class TracedPath:
 
     points: tuple[PathPoint, ...] = placed(FileLayout(PathPoint, rows=True), ())
     file: str = placed(FileLayout(brief=True), "")
+    point: str = placed(FileLayout(brief=True), "")
     closed: bool = flag("Closed", help="the last point is joined to the first")
     driver_deg: tuple[float, ...] = placed(FileLayout(each=float), ())
     weights: tuple[float, ...] = placed(FileLayout(each=float), ())
@@ -305,7 +313,9 @@ def _path_faults(task: Task) -> Iterator[Fault]:
         yield Fault("path.points", MISSING, problem, "points | file")
         return
     if path.points:
-        yield from point_faults(task, [vector(p.x_mm, p.y_mm) for p in path.points])
+        if path.point:
+            yield Fault("path.point", path.point, "is not used with points", "leave it out")
+        yield from point_faults(task, [point.z for point in path.points])
 
 
 def point_faults(task: Task, points: Sequence[complex]) -> Iterator[Fault]:

@@ -17,9 +17,10 @@ from core.errors import DesignError, KindynaError
 from core.numerics.lazy import Cancelled
 from core.output.load_text import part_names
 from core.study import Study
-from core.synthesis import Answer, Dyad, PathPoint, Task, TracedPath, load_task, save_task
+from core.synthesis import Answer, Dyad, Task, load_task, save_task
 from core.synthesis.chosen import answer_of_dyads, driven_by_other_link
 from core.synthesis.path import with_points
+from core.synthesis.path_points import read_path, stroke_path
 from core.synthesis.takeover import Takeover, taken_over, under_motion
 from core.synthesis.task import PATH, POSES, checked
 from kindyna_gui.background import Background
@@ -30,7 +31,7 @@ from kindyna_gui.linkage.point_paths import path_of, path_points
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
 from kindyna_gui.synthesis.answer_strip import AnswerStrip, Proposals, propose
-from kindyna_gui.synthesis.sheet import TaskSheet, even_path
+from kindyna_gui.synthesis.sheet import TaskSheet
 from kindyna_gui.synthesis.task_form import FIRST_POSES, TaskForm
 from kindyna_gui.view import View, ViewHost
 
@@ -329,16 +330,12 @@ class FindLinkageView(View):
             self._read(lambda: save_task(self.task, name))
 
     def _open_curve(self) -> None:
-        from core.synthesis.path_file import read_path
-
         name, _ = QFileDialog.getOpenFileName(self, "Points of a path", "", f"{CURVES};;All files (*)")
         if not name:
             return
 
         def read() -> None:
-            points = tuple(PathPoint(z.real, z.imag) for z in read_path(Path(name)).tolist())
-            is_closed = self.form.closed.isChecked() or name.lower().endswith(".dxf")
-            self.show_task(replace(self.task, path=TracedPath(points=points, closed=is_closed)))
+            self.show_task(replace(self.task, path=read_path(Path(name), closed=self.form.closed.isChecked())))
             self.sheet.fit()
 
         self._read(read)
@@ -347,9 +344,12 @@ class FindLinkageView(View):
         """Make the path of a point of the present linkage the task."""
 
         def use() -> None:
-            points, closed = even_path(path_of(self.session.study, name).tolist())
-            self.show_task(replace(self.task, path=TracedPath(points=tuple(points), closed=closed)))
-            self.sheet.fit()
+            study = self.session.study
+            points = path_of(study, name)
+            path = stroke_path(points[: points.size // 2 + 1] if study.swings else points)
+            if path is not None:
+                self.show_task(replace(self.task, path=path))
+                self.sheet.fit()
 
         self._read(use)
 

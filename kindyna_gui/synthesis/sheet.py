@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QMenu, QToolBut
 
 from core.frozen import frozen
 from core.synthesis import PathPoint, Task, TracedPath
+from core.synthesis.path_points import stroke_path
 from core.synthesis.task import PATH, POSES
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.snapping import POINT, Snap, paint_grid, paint_snap, snap_to_points, snapped_angle
@@ -46,9 +47,6 @@ from kindyna_gui.synthesis.task_parts import (
 
 REACH = 10.0  # distance within which a grip is hit, pixels
 DRAG = 4.0  # distance from which on a press is a drag, pixels
-PATH_POINTS = 36
-"""Points of a path drawn by hand, evenly spaced by length."""
-CLOSES = 0.12  # of the size: a path whose end is nearer to its start is closed
 LEAST_MM = 20.0  # size of a region that is shown
 ROOM = 0.72  # of the canvas, for the task
 FIRST_KEYS = "0123456789.-+("  # characters that open the boxes of values
@@ -439,10 +437,9 @@ class TaskSheet(QObject):
 
     def _release(self) -> None:
         if self._stroke:
-            points, closed = even_path(self._stroke)
-            self._stroke = []
-            if points:
-                self._set(_with_path(self.task, TracedPath(points=tuple(points), closed=closed)))
+            path, self._stroke = stroke_path(np.array(self._stroke)), []
+            if path is not None:
+                self._set(_with_path(self.task, path))
         self._end_drag()
 
     def _end_drag(self) -> None:
@@ -612,19 +609,3 @@ def _is_free(event: QMouseEvent) -> bool:
 
 def _with_path(task: Task, path: TracedPath) -> Task:
     return replace(task, path=path)
-
-
-def even_path(stroke: Sequence[complex]) -> tuple[list[PathPoint], bool]:
-    """Points of a stroke [mm], evenly spaced by length, and whether it returns to its start; none of a stroke without length."""
-    z = np.array(stroke)
-    z = z[np.append(True, np.abs(np.diff(z)) > 0.0)]
-    if z.size < 4:
-        return [], False
-    size = float(np.hypot(np.ptp(z.real), np.ptp(z.imag)))
-    closed = bool(abs(z[-1] - z[0]) < CLOSES * size)
-    if closed:
-        z = np.append(z, z[0])
-    length = np.append(0.0, np.cumsum(np.abs(np.diff(z))))
-    at = np.linspace(0.0, length[-1], PATH_POINTS, endpoint=not closed)
-    even = np.interp(at, length, z.real) + 1j * np.interp(at, length, z.imag)
-    return [PathPoint(round(p.real, 3), round(p.imag, 3)) for p in even.tolist()], closed
