@@ -257,6 +257,7 @@ class TaskSheet(QObject):
         z = [position(self.task, part) for part in parts_of(self.task)]
         if self.task.kind == POSES and self.task.area is not None:
             z += task_parts.corners(self.task.area).values()
+        z += [dyad.fixed for dyad in self.dyads.dyads] if self._shows_dyads else []
         z += [complex(p) for positions in self._answer.values() for p in positions[:: max(1, positions.size // 24)]]
         z = z or [*self.marks().values()] or [0j]
         x, y = [p.real for p in z], [p.imag for p in z]
