@@ -16,7 +16,7 @@ from core.design import Design
 from core.design.fields import in_sentence
 from core.findings import ERROR, Finding, Remedy, Residual
 from core.number_text import result_text
-from core.study import STAGES, Study, certificate_of, findings_of
+from core.study import STAGES, Study, findings_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import RowsTable, TableHeading, TableRow
 from kindyna_gui.labels import name_of, sentence
@@ -134,9 +134,13 @@ class CertificateView(View):
         return ExplainableNumber(name) if name else None
 
     def preparation(self) -> Callable[[], Any]:
+        from core.study import certificate_of  # loaded when the certificate is first shown
+
         return partial(certificate_of, self.session.full_study)
 
     def refresh(self, study: Study) -> None:
+        from core.study import certificate_of  # as above
+
         proof = certificate_of(self.session.full_study)
         self._names = tuple(proof)
         self.table.show_rows([certificate_row(name, residual) for name, residual in proof.items()])

@@ -11,7 +11,7 @@ from PySide6.QtGui import QUndoCommand
 from core.design import Design, drive_at, faults, only
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
-from core.project import dumps, loads
+from core.project import loads
 from core.study import Study
 from kindyna_gui.labels import Reasons, name_of, reasons, sentence
 
@@ -124,6 +124,8 @@ class IncompleteDesign:
 
     def state(self) -> dict[str, Any]:
         """Return a plain dictionary of text and lists."""
+        from core.project import dumps  # loaded when a design is first written
+
         reasons = [list(row) for row in self.reasons]
         return {"design": dumps(self.design), "path": self.path, "reasons": reasons, "waits": self.waits}
 

@@ -27,7 +27,7 @@ from core.design import (
 from core.design.camshaft import unsolved_motions
 from core.errors import DesignError, Fault, KindynaError
 from core.followers.cam_slider import LAYOUT, in_layout
-from core.project import dumps, loads
+from core.project import loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Study
 from kindyna_gui.documents.edits import (
@@ -286,6 +286,8 @@ class Session(SessionState):
 
         It changes only with ``design_changed``, ``incomplete_changed`` and ``file_changed``.
         """
+        from core.project import dumps  # loaded when a design is first written
+
         return {
             "design": dumps(self.valid_full_design),
             "drive": self.chosen,

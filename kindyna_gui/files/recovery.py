@@ -23,7 +23,7 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design
 from core.errors import KindynaError
 from core.process import user_folder
-from core.project import dumps, recovery
+from core.project import recovery
 from core.project.recovery import Recoverable, RecoveryFile, Unsaved
 from kindyna_gui import dialogs
 from kindyna_gui.documents.edits import IncompleteDesign
@@ -118,6 +118,8 @@ def recovery_folder() -> Path:
 
 
 def _unsaved(design: Design, path: Path | None, incomplete: IncompleteDesign | None, drive: int) -> Unsaved:
+    from core.project import dumps  # loaded when a design is first written
+
     return recovery.now(dumps(design), path, None if incomplete is None else incomplete.state(), drive)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import radians
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
@@ -21,7 +21,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QToolTip, QVBoxLayout, QWidget
 
-from core.design import Design, move_join, put, require_motion
+from core.design import Design, OptimalCurve, move_join, put, require_motion
 from core.errors import KindynaError
 from core.motion.extremes import Extremes
 from core.motion.split import shift_motion
@@ -48,10 +48,12 @@ from kindyna_gui.motion.diagram import (
     step_name,
 )
 from kindyna_gui.motion.limit_plot import LimitPlot, limit_lines
-from kindyna_gui.motion.obstacles import RISE, ObstacleEdge, edge_at, edge_text, edge_value, paint_obstacles
 from kindyna_gui.pictures.plots.quantities import rows_of
 from kindyna_gui.player import Player, obey
 from kindyna_gui.rebuilt import fill
+
+if TYPE_CHECKING:
+    from kindyna_gui.motion.obstacles import ObstacleEdge
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 DIAGRAM, PLOT, LAST = 32, 21, 26  # shares of the height; the last plot has the numbers of the angle axis
@@ -327,9 +329,16 @@ class MotionEditor(MotionDiagram):
 
     # -- obstacles ---------------------------------------------------------------------------------------
 
+    @property
+    def _may_have_obstacles(self) -> bool:
+        """Whether the motion has a law with obstacles, which only optimal laws have."""
+        return self.motion is not None and any(isinstance(s.curve, OptimalCurve) for s in self.motion.segments)
+
     def _edge_at(self, position: QPointF) -> ObstacleEdge | None:
-        if self.motion is None or self.locked:
+        if self.motion is None or self.locked or not self._may_have_obstacles:
             return None
+        from kindyna_gui.motion.obstacles import edge_at  # loaded with the first optimal law
+
         at = self.mapToScene(position.toPoint())
         return edge_at(self.motion, self.scale_now(), at.x(), at.y())
 
@@ -348,6 +357,8 @@ class MotionEditor(MotionDiagram):
         if not self._is_valid or self._original is None:
             self._forget()
             return
+        from kindyna_gui.motion.obstacles import edge_text, edge_value  # as above
+
         at = self.mapToScene(event.position().toPoint())
         fine = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
         motion = require_motion(self._original)
@@ -355,7 +366,9 @@ class MotionEditor(MotionDiagram):
         self._apply(put(self._original, self._edge.path, value), edge_text(self._edge, value))
 
     def paint_below(self, painter: QPainter, scale: DiagramScale) -> None:
-        if self.motion is not None:
+        if self.motion is not None and self._may_have_obstacles:
+            from kindyna_gui.motion.obstacles import paint_obstacles  # as above
+
             paint_obstacles(painter, self.motion, scale, self._theme, self._edge or self._hovered_edge)
 
     # -- joins -------------------------------------------------------------------------------------------
@@ -409,7 +422,7 @@ class MotionEditor(MotionDiagram):
             grip = None
         if (grip, edge) != (self.hovered, self._hovered_edge):
             self.hovered, self._hovered_edge = grip, edge
-            kind = grip.kind if grip is not None else "" if edge is None else LEVEL if edge.edge == RISE else LINE
+            kind = grip.kind if grip is not None else "" if edge is None else LEVEL if edge.is_level else LINE
             self.viewport().setCursor(SHAPES.get(kind, Qt.CursorShape.ArrowCursor))
             self.update_highlight()
 

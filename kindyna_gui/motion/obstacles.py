@@ -51,6 +51,11 @@ class ObstacleEdge:
         return self.obstacle.path(self.edge)
 
     @property
+    def is_level(self) -> bool:
+        """Whether it is the level, which moves up and down; the others move along the angle."""
+        return self.edge == RISE
+
+    @property
     def name(self) -> str:
         """Name within the name of an undo step."""
         obstacle = self.obstacle
