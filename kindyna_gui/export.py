@@ -29,7 +29,7 @@ from kindyna_gui.documents.texts import waiting_text
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.drawing.parts import LAYERS
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_CAM
+from kindyna_gui.requirements import NO_CAM, why_no_disk
 from kindyna_gui.settings import Settings, in_file_units
 
 
@@ -92,7 +92,7 @@ class Exports(QObject):
     def rows(self) -> tuple[Export, ...]:
         """Return the entries in the order of the menu."""
         session = self._session
-        no_cam = "" if session.design.drive.has_disk else NO_CAM
+        no_cam = why_no_disk(session.design)
         motion = session.design.drive.motion
         has_motion = any(drive.motion is not None for drive in session.full_design.drives)
         return (
@@ -297,8 +297,8 @@ class Exports(QObject):
         from core.output.files.files import write_profile
         from kindyna_gui.cam_dialogs import profile_dialogs
 
-        if not self._session.design.drive.has_disk:
-            self.status_message.emit(NO_CAM)
+        if reason := why_no_disk(self._session.design):
+            self.status_message.emit(reason)
             return
         choice = profile_dialogs.ask_profile(self._window, self._drive)
         if choice is None:
@@ -312,6 +312,9 @@ class Exports(QObject):
         from core.output.solids.surface import write_surface
         from kindyna_gui.cam_dialogs.surface_dialog import ask_surface
 
+        if self._session.design.drive.cam is None:
+            self.status_message.emit(NO_CAM)
+            return
         choice = ask_surface(self._window, self._drive)
         if choice is None:
             return

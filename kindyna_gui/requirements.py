@@ -20,10 +20,12 @@ from core.study.extremes import has_undercut
 
 NO_MOTION = "The crank turns at constant speed: there is no motion to edit. Drive a link by a motion."
 NO_CAM = "This design has no cam"
+NO_DISK = "This is for disk cams; a cam in space is written by File > Export > Solid and surfaces, and the tables"
 NO_SHAFT = "Stability needs the shaft of a cam or a crank; this design has none."
 NO_WHEEL = "A flywheel needs the shaft of a cam or a crank; this design has none."
 RIGID_SHAFT = "The camshaft is rigid: it has no wind-up, and nothing can become unstable."
 RIGID_FOLLOWER = "The follower is rigid and does not vibrate. Give it a stiffness and a damping ratio."
+RIGID_IN_SPACE = "The output of a cam in space is computed as rigid: it does not vibrate."
 NO_ELASTIC = "An elastic follower is driven by a cam; this design has none."
 NO_FLIGHT = "Only a follower on a cam can lift off; this design has no cam."
 LINKAGE_WITHOUT_CAM = "This linkage has no cam: "
@@ -94,6 +96,12 @@ def suggestions_for(sentence: str) -> tuple[Suggestion, ...]:
     """Return what the user can do about a reason."""
     matches = (rows for start, rows in SUGGESTIONS_BY_START.items() if sentence.startswith(start))
     return SUGGESTIONS.get(sentence) or next(matches, ())
+
+
+def why_no_disk(design: Design) -> str:
+    """Return why the design has no disk cam; empty where it has one."""
+    drive = design.drive
+    return "" if drive.has_disk else NO_DISK if drive.has_surface else NO_CAM
 
 
 class Unavailable(KindynaError):

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QComboBox, QWidget
 from core.design import Design
 from core.frozen import frozen
 from core.numerics.derivatives import seen_from
-from core.output.solids.barrel import BarrelSolid
+from core.output.solids.barrel import BarrelSolid, has_closed_groove
 from core.output.solids.blank import UncutBlank
 from core.output.solids.disk import Prisms
 from core.output.solids.outline import area, polygon
@@ -197,7 +197,7 @@ class SurfaceDialog(ComputedDialog):
 
     def __init__(self, parent: QWidget, design: Design) -> None:
         self._design, self.format, self.picture = design, QComboBox(), SolidPicture()
-        self._solid = design.drive.has_disk  # as chosen last for a format that has solids
+        self._solid = design.drive.has_disk or has_closed_groove(design)  # as chosen last for a format that has solids
         offered = flanks(design) if design.drive.has_disk else {"flank": SIDES}
         form = RequestForm(SurfaceRequest, offered, {"solid": self._solid}, [("Format", self.format)])
         super().__init__(parent, "surfaces", form, self.picture)
@@ -208,7 +208,7 @@ class SurfaceDialog(ComputedDialog):
 
     def _formats(self) -> dict[str, str]:
         rows = {
-            ending: row for ending, row in SURFACE_FORMATS.items() if row.has_disks or not self._design.drive.has_disk
+            ending: row for ending, row in SURFACE_FORMATS.items() if row.has_disks or has_closed_groove(self._design)
         }
         return {ending: f"{row.label} ({ending})" for ending, row in rows.items()}
 

@@ -50,7 +50,15 @@ from kindyna_gui.pictures.plots.xy import (
 )
 from kindyna_gui.pictures.units import brief, digits, measure, number, readable, short, typed, with_unit
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import NO_ELASTIC, NO_FLIGHT, NO_WHEEL, RIGID_FOLLOWER, Unavailable, turned_shaft
+from kindyna_gui.requirements import (
+    NO_ELASTIC,
+    NO_FLIGHT,
+    NO_WHEEL,
+    RIGID_FOLLOWER,
+    RIGID_IN_SPACE,
+    Unavailable,
+    turned_shaft,
+)
 from kindyna_gui.settings import size_of, symbol_of
 from kindyna_gui.view import BackgroundView, ExplainableNumber, View
 
@@ -68,7 +76,7 @@ _PEAKS = {
 
 FIELD, SLOPE = "shaft.flywheel_inertia_kg_m2", "shaft.motor_slope_nm_s_per_rad"
 
-FORM_CLOSED = "A groove, or a conjugate pair, guides the follower on both sides: it cannot leave its cam."
+FORM_CLOSED = "A groove, a rib or a conjugate pair guides the follower on both sides: it cannot leave its cam."
 MAP, FLIGHT = "map", "flight"
 CONTACT_PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
 ANGLES, SPEEDS = 361, 80
@@ -348,7 +356,7 @@ class ContactView(PagedView):
         self.set_column(row_with_text(self.page, self.text), self.plot, grows=self.plot)
 
     def _require(self, study: Study) -> None:
-        if not study.design.drive.has_disk:
+        if study.design.drive.cam is None:
             raise Unavailable(NO_FLIGHT)
         if study.is_form_closed:
             raise Unavailable(FORM_CLOSED)
@@ -470,6 +478,8 @@ class VibrationView(PagedView):
         self.set_column(row_with_text(self.page, self.text), splitter, grows=splitter)
 
     def _require(self, study: Study) -> None:
+        if study.has_surface:
+            raise Unavailable(RIGID_IN_SPACE)
         if not study.design.drive.has_disk:
             raise Unavailable(NO_ELASTIC)
         if not study.is_elastic:

@@ -65,8 +65,8 @@ _POINTS = (
     TableHeading("", wide=True),
 )
 _DIFFERENCES = (TableHeading("Vector"), TableHeading("Link", number=True), *_SPEEDS, TableHeading("", wide=True))
-NO_CENTRES = "Instant centres exist for linkages and for a cam with its follower; this motion drives neither."
-NO_CIRCLE = "The circle diagram constructs the centres of a linkage; this design is a cam with its follower."
+NO_CENTRES = "Instant centres exist for linkages and for a disk cam with its follower; this design has neither."
+NO_CIRCLE = "The circle diagram constructs the centres of a linkage; this design has none."
 NO_POLYGON = "The velocity polygon is drawn for linkages; for the follower of a cam the mechanism shows the velocities."
 VELOCITIES, FORCES_ON, FORCE_IN = "velocities", "body", "pair"
 DiagramChoice = tuple[str, str]

@@ -36,7 +36,7 @@ from kindyna_gui.background import in_background
 from kindyna_gui.documents.texts import command_text, misfit_sentences, session_options
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import reason
-from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, turned_shaft
+from kindyna_gui.requirements import NO_MOTION, NO_SHAFT, turned_shaft, why_no_disk
 from kindyna_gui.settings import Settings
 from kindyna_gui.window.base import Window
 
@@ -103,8 +103,8 @@ class DesignActions(QObject):
         from kindyna_gui.inspection import inspect_measured
 
         self._window.documents.settle()
-        if not self._session.design.drive.has_disk:
-            self.status_message.emit(NO_CAM)
+        if reason := why_no_disk(self._session.design):
+            self.status_message.emit(reason)
         else:
             inspect_measured(self._window, self._session.design)
 

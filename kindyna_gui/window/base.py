@@ -17,7 +17,7 @@ from kindyna_gui.files.file_actions import Documents
 from kindyna_gui.pictures.plots.quantities import title_for
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import fill, single_shot
-from kindyna_gui.requirements import NO_CAM
+from kindyna_gui.requirements import why_no_disk
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import PLAYER_BAR, VIEWS, Dock, least_size
@@ -244,7 +244,8 @@ def title_of(name: str, design: Design) -> str:
 
 def why_absent(name: str, design: Design) -> str:
     """Return why a view of ``VIEWS`` is empty for a design; empty text where it is not."""
-    return NO_CAM if VIEWS[name].of_cam and not design.drive.has_disk else ""
+    row = VIEWS[name]
+    return "" if not row.of_cam or (row.quantities and design.drive.has_surface) else why_no_disk(design)
 
 
 class Titles(QObject):

@@ -299,7 +299,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&File",
         (
             Item("&New...", "designing.new_by_picture", None, Keys.New,
-                 "Begin a new design: choose a follower with its face and cam form, or a linkage, from images"),
+                 "Begin a new design: choose a follower with its face and cam form, a cam in space, or a linkage, from images"),
             Submenu("New b&y type", fill_new, "new"),
             Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
             Submenu("Open &recent", fill_recent),

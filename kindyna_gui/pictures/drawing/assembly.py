@@ -358,7 +358,7 @@ class Assembly(QGraphicsScene):
         """Place each name below its drive; about a common shaft all names are in a row below the lowest drive."""
         figures = list(self.figures.values())
         widths = [figure.tag.size[0] + GAP for figure in figures]
-        lowest, middle = min((f.rect.top() for f in figures), default=0.0), 0.0
+        lowest, middle = min((f.rect.top() + f.corner.imag for f in figures), default=0.0), 0.0
         x = -0.5 * sum(widths)
         for figure, width in zip(figures, widths, strict=True):
             if self.about_shaft:

@@ -387,7 +387,8 @@ _PLOTS: Mapping[str, Pick] = MappingProxyType(
         "velocity": _or(_first("velocity"), _of("link.{}_velocity", "slide.{}_velocity")),
         "acceleration": _or(_first("acceleration"), _of("link.{}_acceleration", "slide.{}_acceleration")),
         "pressure_angle": _or(_first("pressure_angle"), _of(TRANSMISSION)),
-        "pitch_curvature": _first("pitch_curvature", "profile_curvature"),
+        "pitch_curvature": _first("pitch_curvature", "profile_curvature", "surface_curvature"),
+        "contact_pressure": _first("contact_pressure", "roller_pv"),
         "drive_torque": _first("drive_torque", "driver_torque", "driver_force", "force", "output_torque"),
         "contact_force": _or(_first("contact_force"), _of("force.{}_size"), _first("output_power")),
     }
@@ -433,6 +434,8 @@ _TITLES: Mapping[str, str] = MappingProxyType(
         "force": "Force",
         "output_torque": "Torque",
         "output_power": "Power",
+        "roller_pv": "PV of the roller",
+        "surface_curvature": "Curvature",
         "driver_torque": "Driver torque",
         "driver_force": "Driver force",
     }
