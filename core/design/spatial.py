@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import cos, pi, radians, sin, tan
+from math import atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tan
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -134,10 +134,10 @@ def shape_faults(cam: SpatialCam, path: str) -> Iterator[Fault]:
         return
     least = min(cam.roller_radius_mm, cam.outer_roller_radius_mm)
     if least <= 0.0:
-        steepest = cam.roller_radius_mm / cam.roller_length_mm
+        steepest = degrees(atan2(cam.roller_radius_mm, cam.roller_length_mm))
         yield Fault(
             f"{path}.roller_taper_deg", cam.roller_taper_deg, "the roller ends in a point before its outer end",
-            f"tan of the angle < {steepest:.6g}, the roller's radius over its length",
+            f"< {steepest:.6g} deg, by the roller's radius over its length",
         )  # fmt: skip
     yield from _globoid_faults(cam, path) if isinstance(cam, GloboidalCam) else _barrel_faults(cam, path)
     bore, key = cam.bore_mm, cam.keyway_width_mm
@@ -162,16 +162,19 @@ def _barrel_faults(cam: SpatialCam, path: str) -> Iterator[Fault]:
         )
     if play >= inner:
         yield Fault(f"{path}.play_mm", play, "not smaller than the roller's inner distance", f"< {inner:g} mm")
-    elif cam.bore_mm is not None and 0.5 * cam.bore_mm >= inner - play:
-        yield Fault(
-            f"{path}.bore_mm", cam.bore_mm, "not smaller than the floor of the groove", f"< {2.0 * (inner - play):g} mm"
-        )
+    else:
+        yield from _hole_faults(cam, path, inner - play, "the floor of the groove")
 
 
 def _globoid_faults(cam: GloboidalCam, path: str) -> Iterator[Fault]:
     """The roller ends before the cam's axis, and is smaller than its distance from that axis."""
     room = cam.centre_distance_mm - cam.outer_mm
-    if room <= 0.0:
+    if cam.centre_distance_mm <= cam.roller_inner_mm:
+        yield Fault(
+            f"{path}.centre_distance_mm", cam.centre_distance_mm, "the rollers are beyond the cam's axis",
+            f"> {cam.outer_mm:g} mm, inner distance and length of the roller",
+        )  # fmt: skip
+    elif room <= 0.0:
         yield Fault(
             f"{path}.roller_length_mm", cam.roller_length_mm, "the roller crosses the cam's axis",
             f"< {cam.centre_distance_mm - cam.roller_inner_mm:g} mm, centre distance less inner distance",
@@ -181,6 +184,20 @@ def _globoid_faults(cam: GloboidalCam, path: str) -> Iterator[Fault]:
             f"{path}.roller_radius_mm", cam.roller_radius_mm, "not smaller than the roller's distance from the cam's axis",
             f"< {room:g} mm",
         )  # fmt: skip
+    else:
+        yield from _hole_faults(cam, path, room, "the waist of the cam, where the rollers end")
+
+
+def _hole_faults(cam: SpatialCam, path: str, core_mm: float, limit: str) -> Iterator[Fault]:
+    """Bore and keyway are inside of the core of the cam, of a radius [mm]."""
+    if cam.bore_mm is None:
+        return
+    half_bore, half_width = 0.5 * cam.bore_mm, 0.5 * (cam.keyway_width_mm or 0.0)
+    if half_bore >= core_mm:
+        yield Fault(f"{path}.bore_mm", cam.bore_mm, f"not smaller than {limit}", f"< {2.0 * core_mm:g} mm")
+    elif cam.keyway_depth_mm is not None and hypot(half_bore + cam.keyway_depth_mm, half_width) >= core_mm > half_width:
+        deepest = sqrt(core_mm**2 - half_width**2) - half_bore
+        yield Fault(f"{path}.keyway_depth_mm", cam.keyway_depth_mm, f"reaches {limit}", f"< {deepest:.6g} mm")
 
 
 def motion_faults(cam: SpatialCam, unit: str, advance: float | None) -> Iterator[Fault]:
@@ -207,7 +224,7 @@ def motion_faults(cam: SpatialCam, unit: str, advance: float | None) -> Iterator
         steps = advance / pitch
         if abs(steps - round(steps)) > 1e-9 * max(1.0, abs(steps)):
             yield Fault(
-                "motion.advance_deg", advance, f"no multiple of the pitch of {cam.rollers} rollers", f"multiples of {pitch:.12g} deg"
+                "motion.advance_deg", advance, "no multiple of the pitch of the rollers", f"multiples of {pitch:.12g} deg"
             )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ from core.design.design import SHARED
 from core.design.fields import LAW, FileEntry, inside_of_table, slots
 from core.design.followers import FACE, FORM, FORMS, Open, Roller, Rolling
 from core.design.rules import count_fault
-from core.design.spatial import SpatialCam
+from core.design.spatial import SPATIAL_CAMS, SpatialCam
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
 from core.project.reading_faults import (
@@ -64,6 +64,7 @@ if TYPE_CHECKING:
 from core.project.reading_faults import (
     CHOSEN_KEYS,
     KINDS,
+    SPATIAL_KEYS,
     Tables,
     assumed_faults,
     driver_unit,
@@ -243,9 +244,16 @@ def _read_drive(
     """
     row, key_faults = follower_kind(table) if kind == "follower" else (None, [])
     in_space: tuple[type | None, ...] = ()
-    if kind == MOTION and is_in_space(table):
+    if is_in_space(table) and kind == MOTION:
         cam_class, key_faults = spatial_cam(table)
         in_space = (cam_class,)
+    elif is_in_space(table):
+        problem = f"a cam in space moves the output of [motion] itself, without [{kind}]"
+        key_faults = [
+            *key_faults,
+            Fault("cam.kind", table["cam"].get("kind", MISSING), problem, f"a disk cam, or no [{kind}]"),
+        ]
+        table = {name: value for name, value in table.items() if name != "cam"}
     face = face_word(table, row)
     if row:
         reader.unit = row.motion_unit
@@ -279,6 +287,8 @@ def _read_drive(
         if name == "linkage":
             parts[name] = part = replace(part, motions=_motions(table.get("motions", {}), reader))
             reader.unit = driver_unit(part, table.get("motion"))
+    if any(fault.path == "cam.kind" for fault in key_faults):
+        reader.faults = [fault for fault in reader.faults if fault.path != "cam"]
     if linked is not None and linked.unit != reader.unit:
         problem = f"gives a motion in {linked.unit}, and this design's is in {reader.unit}"
         reader.faults.append(Fault(_origin_path(table), MISSING, problem, f"a motion in {reader.unit}"))
@@ -513,7 +523,8 @@ class Reader:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
             for key in sorted(extra - (CHOSEN_KEYS.keys() if unsure else set()), key=str):
                 at = f"{path}.{spelled(key)}"
-                word = CHOSEN_KEYS.get(key) if path in ("cam", "follower") else None
+                words = SPATIAL_KEYS if kind in SPATIAL_CAMS.values() else CHOSEN_KEYS
+                word = words.get(key) if path in ("cam", "follower") else None
                 if word := word or self.other_faces.get(at):
                     self.faults.append(Fault(at, table[key], f"only with {word}", " | ".join(known)))
                 else:

@@ -42,7 +42,7 @@ from core.design import (
 from core.design.fields import slots
 from core.design.followers import FACE, FORM, Face, Form, Rolling
 from core.design.rules import MOST_KEYS, count_fault
-from core.design.spatial import SPATIAL_CAMS, SpatialCam, SpatialForm
+from core.design.spatial import SPATIAL_CAMS, BarrelCam, GloboidalCam, SpatialCam, SpatialForm
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.frozen import frozen
@@ -306,18 +306,22 @@ def is_alone(table: Tables) -> bool:
 
 
 def is_in_space(table: Tables) -> bool:
-    """Whether the file states a kind of cam, which only a cam in space has."""
-    return isinstance(table.get("cam"), Mapping) and "kind" in table["cam"]
+    """Whether the file states a kind of cam, or the inner end of its roller, which only a cam in space has."""
+    return isinstance(table.get("cam"), Mapping) and bool({"kind", "roller_inner_mm"} & table["cam"].keys())
 
 
 def spatial_cam(table: Tables) -> tuple[type[SpatialCam] | None, list[Fault]]:
     """Class of a cam in space, or of the most similar kind where it is misspelled; None where it is unknown."""
-    word, kinds = table["cam"]["kind"], " | ".join(SPATIAL_CAMS)
+    cam, kinds = table["cam"], " | ".join(SPATIAL_CAMS)
+    if "kind" not in cam:
+        meant = GloboidalCam if "centre_distance_mm" in cam else BarrelCam
+        return meant, [missing("cam.kind", kinds)]
+    word = cam["kind"]
     if isinstance(word, str) and word in SPATIAL_CAMS:
         return SPATIAL_CAMS[word], []
-    meant = nearest(word, tuple(SPATIAL_CAMS)) if isinstance(word, str) else None
+    nearly = nearest(word, tuple(SPATIAL_CAMS)) if isinstance(word, str) else None
     problem = "unknown word" if isinstance(word, str) else "must be text"
-    return SPATIAL_CAMS[meant] if meant else None, [hinted(Fault("cam.kind", word, problem, kinds))]
+    return SPATIAL_CAMS[nearly] if nearly else None, [hinted(Fault("cam.kind", word, problem, kinds))]
 
 
 def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
@@ -329,8 +333,11 @@ def _choosing(word: str, kinds: Iterable[Any]) -> dict[str, str]:
     return {key: f"{word} = {' or '.join(choices)}" for key, choices in words.items()}
 
 
-CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, (*get_args(Form), *get_args(SpatialForm)))
+CHOSEN_KEYS = _choosing(FACE, get_args(Face)) | _choosing(FORM, get_args(Form))
 """Words that allow a key of a face or a form."""
+
+SPATIAL_KEYS = _choosing(FORM, get_args(SpatialForm))
+"""Words that allow a key of a form of a cam in space."""
 
 
 def face_word(table: Tables, row: FollowerKind | None) -> str | None:

@@ -464,6 +464,7 @@ def intrusion(machine: Machine, flank: SpatialFlank, step: int) -> np.ndarray:
     away = points[:, :, None] - c[:, None]
     along = dots(away, a[:, None])
     radius = machine.roller_radius(along) + (machine.play if flank.side == BEHIND else 0.0)
-    depth = radius - np.sqrt(np.maximum(dots(away, away) - along * along, 0.0))
+    across = away - along * a[:, None]
+    depth = radius - np.sqrt(dots(across, across))
     inside = (along >= machine.inner) & (along <= machine.outer)
     return np.asarray(np.where(inside, depth, 0.0).max(axis=1).clip(0.0) / machine.radius)

@@ -156,7 +156,12 @@ def _surface_residuals(study: Study) -> Iterator[tuple[str, Residual]]:
         yield f"meshing_{side}", _worst(spatial.meshing(surface)[0], np.full(motion.theta.size, 64.0 * EPS))
         if not shape.machine.is_turret and shape.margin.min() > 0.0:
             step = max(1, motion.theta.size // _CONTACTS)
-            yield f"tangency_{side}", _worst(spatial.intrusion(shape.machine, surface, step), 64.0 * EPS * np.ones(1))
+            reach = max(
+                shape.machine.outer,
+                float(np.abs(shape.motion.y).max()) if shape.machine.slides else shape.machine.lever,
+            )
+            bound = 64.0 * EPS * (1.0 + reach / shape.machine.radius)
+            yield f"tangency_{side}", _worst(spatial.intrusion(shape.machine, surface, step), np.array([bound]))
 
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:

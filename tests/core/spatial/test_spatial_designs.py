@@ -50,35 +50,62 @@ def test_a_design_is_written_as_it_was_read(name: str) -> None:
     assert design.drive.kind == ("globoidal" if name == "indexer" else "barrel")
 
 
-@pytest.mark.parametrize(("text", "old", "new", "path"), [
-    (BARREL, "roller_radius_mm = 10.0", "roller_radius_mm = 70.0", "cam.roller_radius_mm"),
-    (BARREL, "roller_inner_mm = 70.0", "roller_inner_mm = 0.0", "cam.roller_inner_mm"),
-    (BARREL, "roller_taper_deg = 0.0", "roller_taper_deg = 36.0", "cam.roller_taper_deg"),
-    (BARREL, 'kind = "barrel"', 'kind = "barel"', "cam.kind"),
-    (BARREL, "rollers = 1", "rollers = 2", "cam.rollers"),
-    (BARREL, "outer_radius_mm = 82.0", "outer_radius_mm = 70.0", "cam.outer_radius_mm"),
-    (BARREL, "start_mm = 0.0", "start_mm = 0.0\nadvance_mm = 0.0", ""),
-    (SIDE_BY_SIDE, "roller_distance_mm = 32.0\n", "", "cam.roller_distance_mm"),
-    (SIDE_BY_SIDE, "roller_distance_mm = 32.0", "roller_distance_mm = 20.0", "cam.roller_distance_mm"),
-    (ARM, "arm_mm = 90.0\n", "", "cam.arm_mm"),
-    (INDEXER, "centre_distance_mm = 120.0\n", "", "cam.centre_distance_mm"),
-    (INDEXER, "roller_length_mm = 16.0", "roller_length_mm = 72.0", "cam.roller_length_mm"),
-    (INDEXER, "rollers = 6", "rollers = 12", "cam.rollers"),
-    (INDEXER, "rollers = 6", "rollers = 5", "motion.advance_deg"),
+@pytest.mark.parametrize(("text", "old", "new", "entry", "allowed"), [
+    (BARREL, "roller_radius_mm = 10.0", "roller_radius_mm = 70.0", "cam.roller_radius_mm = 70.0", "< 70 mm"),
+    (BARREL, "roller_radius_mm = 10.0", "roller_radius_mm = nan", "cam.roller_radius_mm = nan", "above 0"),
+    (BARREL, "roller_inner_mm = 70.0", "roller_inner_mm = 0.0", "cam.roller_inner_mm = 0.0", "above 0"),
+    (BARREL, "roller_taper_deg = 0.0", "roller_taper_deg = 36.0", "cam.roller_taper_deg = 36.0", "< 35.5377 deg"),
+    (BARREL, "roller_taper_deg = 0.0", "roller_taper_deg = -80.0", "cam.roller_taper_deg = -80.0", "-60 ... 60"),
+    (BARREL, 'kind = "barrel"', 'kind = "barel"', "cam.kind = 'barel'", "barrel | globoidal"),
+    (BARREL, 'kind = "barrel"\n', "", "cam.kind: missing", "barrel | globoidal"),
+    (BARREL, "rollers = 1", "rollers = 2", "cam.rollers = 2", "1"),
+    (BARREL, "outer_radius_mm = 82.0", "outer_radius_mm = 70.0", "cam.outer_radius_mm = 70.0", "> 70 mm"),
+    (BARREL, "play_mm = 0.02", "play_mm = 75.0", "cam.play_mm = 75.0", "< 70 mm"),
+    (BARREL, "bore_mm = 35.0", "bore_mm = 140.0", "cam.bore_mm = 140.0", "< 139.96 mm"),
+    (BARREL, "keyway_depth_mm = 3.3", "keyway_depth_mm = 60.0", "cam.keyway_depth_mm = 60.0", "< 52.3011 mm"),
+    (BARREL, "bore_mm = 35.0", "bore_mm = 35.0\nbase_radius_mm = 4.0", "cam.base_radius_mm = 4.0", "roller_inner_mm"),
+    (BARREL, "bore_mm = 35.0", "bore_mm = 35.0\ncentre_distance_mm = 4.0", "cam.centre_distance_mm = 4.0", "arm_mm"),
+    (SIDE_BY_SIDE, "roller_distance_mm = 32.0\n", "", "cam.roller_distance_mm: missing", "> 0 mm"),
+    (SIDE_BY_SIDE, "roller_distance_mm = 32.0", "roller_distance_mm = 20.0", "cam.roller_distance_mm = 20.0", "> 20 mm"),
+    (SIDE_BY_SIDE, 'form = "rib"', 'form = "rib"\nplay_mm = 0.1', "cam.play_mm = 0.1: only with form = \"groove\";", "arm_mm"),
+    (ARM, "arm_mm = 90.0\n", "", "cam.arm_mm: missing", "> 0 mm"),
+    (ARM, 'form = "groove"\nplay_mm = 0.02', 'form = "rib"', "cam.rollers = 1", ">= 2"),
+    (INDEXER, "centre_distance_mm = 120.0\n", "", "cam.centre_distance_mm: missing", "above 0"),
+    (INDEXER, "centre_distance_mm = 120.0", "centre_distance_mm = 1.0", "cam.centre_distance_mm = 1.0", "> 64 mm"),
+    (INDEXER, "roller_length_mm = 16.0", "roller_length_mm = 72.0", "cam.roller_length_mm = 72.0", "< 72 mm"),
+    (INDEXER, "roller_radius_mm = 16.0", "roller_radius_mm = 56.0", "cam.roller_radius_mm = 56.0", "< 56 mm"),
+    (INDEXER, "bore_mm = 30.0", "bore_mm = 112.0", "cam.bore_mm = 112.0", "< 112 mm"),
+    (INDEXER, "rollers = 6", "rollers = 12", "cam.rollers = 12", "fewer rollers"),
+    (INDEXER, "rollers = 6", "rollers = 2.5", "cam.rollers = 2.5", "1 ... 100"),
+    (INDEXER, "rollers = 6", "rollers = 5", "motion.advance_deg = 60.0", "multiples of 72 deg"),
+    (INDEXER, "length_mm = 100.0", "length_mm = 0.01", "cam.length_mm: no roller", "enlarge the length"),
 ])  # fmt: skip
+@pytest.mark.parametrize("command", [["check"], ["surface", "--out", "flanks.csv"]])
 def test_a_wrong_entry_is_one_line_that_names_its_field(
-    text: str, old: str, new: str, path: str, tmp_path, capsys
+    command: list[str], text: str, old: str, new: str, entry: str, allowed: str, tmp_path, monkeypatch, capsys
 ) -> None:
-    file = tmp_path / "cam.toml"
-    file.write_text(changed(text, (old, new)), "utf-8")
-    code = main(["check", str(file)])
-    lines = capsys.readouterr().err.strip().splitlines()
-    if not path:
-        assert code != 2
-        return
-    assert code == 2
-    assert len(lines) == 1
-    assert lines[0].startswith(path)
+    monkeypatch.chdir(tmp_path)
+    Path("cam.toml").write_text(changed(text, (old, new)), "utf-8")
+    assert main([*command, "cam.toml"]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert line.startswith(entry)
+    assert allowed in line.removeprefix(entry)
+
+
+def test_surfaces_of_a_design_without_cam_are_refused(tmp_path, capsys) -> None:
+    file = tmp_path / "motion.toml"
+    file.write_text(BARREL.split("[cam]")[0] + "[shaft]" + BARREL.split("[shaft]")[1], "utf-8")
+    assert main(["surface", str(file), "--out", str(tmp_path / "flanks.csv")]) == 2
+    assert capsys.readouterr().err == "surface: this design has no cam; allowed: one with [cam]\n"
+
+
+def test_a_follower_has_no_cam_in_space(tmp_path, capsys) -> None:
+    file = tmp_path / "both.toml"
+    follower = '\n[follower]\nkind = "translating"\noffset_mm = 0.0\nroller_radius_mm = 5.0\n'
+    text = BARREL.split("\n[loads]")[0] + follower + "[loads]\n"
+    file.write_text(text, "utf-8")
+    assert main(["check", str(file)]) == 2
+    assert "cam.kind = 'barrel': a cam in space moves the output of [motion] itself" in capsys.readouterr().err
 
 
 def test_a_motion_in_mm_has_no_globoidal_cam() -> None:
