@@ -27,6 +27,10 @@ FRAME_MS, STEPS = 40, 120
 CARD_VALUES = 5  # on a card
 EMPTY = "The linkages for the task appear here as cards"
 CHOSEN = "chosen dyads"
+TAKE_OVER = (
+    "Make the selected linkage the design, as one undo step, with the loads that fit it; a driver that cannot turn fully follows a motion "
+    "from the first pose to the last"
+)
 UNDER_MOTION = (
     "Let the present motion drive the selected linkage, as one undo step: its lowest position is the first pose of the task, its highest "
     "one the last"
@@ -92,9 +96,7 @@ class AnswerStrip(QWidget):
         self.found = QLabel()
         self.found.setMinimumWidth(1)
         self.stop = described(QPushButton("&Stop", autoDefault=False), tip="Stop the search")
-        self.put_button = described(
-            QPushButton("&Take over", autoDefault=False), tip="Make the selected linkage the design, as one undo step"
-        )
+        self.put_button = described(QPushButton("&Take over", autoDefault=False), tip=TAKE_OVER)
         self.motion_button = QPushButton("Under the &motion", autoDefault=False)
         self.proposals: Proposals | None = None
         self._rows: dict[Card, ShownAnswer] = {}
@@ -104,7 +106,9 @@ class AnswerStrip(QWidget):
         self._faint = single_shot(self, self._show_faint, FAINT_MS)
         self.board.keep.hide()
         self.board.sort.setSizeAdjustPolicy(WordBox.SizeAdjustPolicy.AdjustToContents)
-        self.board.list.setToolTip("Click a card to see it move over the task; double-click to take it over")
+        self.board.list.setToolTip(
+            "Click a card to see it move over the task; double-click to take it over; right-click to drive it by its other link"
+        )
         buttons = widget_with(fill(QHBoxLayout(), self.motion_button, self.put_button, margins=0))
         self.board.set_header(fill(QHBoxLayout(), (self.found, 1), self.stop), buttons)
         actions = (
@@ -265,9 +269,8 @@ def card_values(answer: Answer, mark: str = "") -> Mapping[str, tuple[float, str
     texts = [brief(answer.error_mm, "mm", 3)] if answer.error_mm > 0.0 else []
     texts += [f"{short(answer.error_deg, 3)}°"] if answer.error_deg > 1e-9 else []
     transmission, ratio = (", beyond its limit" if name in answer.violated else "" for name in BOUNDED)
-    kind = ", ".join(
-        [answer.candidate.kind.capitalize(), *filter(None, [mark]), *(f"{defect} defect" for defect in answer.defects)]
-    )
+    notes = filter(None, (mark, "full turn" if answer.turns_fully else ""))
+    kind = ", ".join([answer.candidate.kind.capitalize(), *notes, *(f"{defect} defect" for defect in answer.defects)])
     return {
         answer.candidate.kind: (0.0, kind),
         "error": (error, "exact" if exact else f"error {', '.join(texts)}"),

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
 from core.study import Study
-from core.synthesis import BodyPose, Dyad, Task
+from core.synthesis import BodyPose, Dyad, Swing, Task
 from kindyna_gui.studies.study_view import StudyView
 from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
 
@@ -247,3 +247,14 @@ def test_a_card_is_its_linkage_after_others_were_removed_or_sorted(open_task: Op
     QTest.mouseDClick(board.table.viewport(), LEFT, pos=cell)
     settle()
     assert user.design.drive.linkage.links == wanted
+
+
+def test_a_card_says_that_its_driver_turns_fully(open_task: OpenTask) -> None:
+    user, view = open_task("four_bar")
+    assert not any("full turn" in text for text in texts(view)[:1])  # the best one swings
+    view.show_task(Task(kind="rocker", rocker=Swing(swing_deg=60.0, time_ratio=1.2, frame_mm=100.0)))
+    wait_for(lambda: view.strip.put_button.isEnabled() and "full turn" in texts(view)[0])
+    QTest.mouseClick(view.strip.put_button, LEFT)
+    settle()
+    assert user.design.drive.by_crank
+    assert 0.001 < np.abs(torque(user)).max() < 10.0
