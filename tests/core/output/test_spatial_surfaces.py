@@ -14,7 +14,8 @@ from surface_command import run, written
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "resources/examples"
 RADIUS, PLAY, TURNS = 8.0, 0.1, 6  # mm; rollers on the turret
-INNER, LENGTH, STROKE = 40.0, 12.0, 25.0
+INNER, LENGTH, STROKE = 40.0, 12.0, 25.0  # mm; the stroke also deg
+ARM = 60.0
 DISTANCE = 100.0  # between the axes of cam and turret
 
 
@@ -22,14 +23,15 @@ def cycloidal(x: np.ndarray) -> np.ndarray:
     return x - np.sin(2.0 * np.pi * x) / (2.0 * np.pi)
 
 
-def barrel(folder: Path, rotation: str = "ccw", taper: float = 0.0, form: str = "groove") -> Path:
-    """A roller that slides along the cam's axis: a dwell of 60°, a cycloidal rise and a return of 150° each."""
-    keys = f"play_mm = {PLAY}\n" if form == "groove" else "roller_distance_mm = 24.0\n"
+def barrel(folder: Path, rotation: str = "ccw", taper: float = 0.0, form: str = "groove", unit: str = "mm") -> Path:
+    """A roller on a slide or an arm: a dwell of 60°, a cycloidal rise and a return of 150° each."""
+    arm = f"arm_mm = {ARM}\n" if unit == "deg" else ""
+    keys = arm + (f"play_mm = {PLAY}\n" if form == "groove" else "roller_distance_mm = 24.0\n")
     path = folder / f"barrel_{rotation}_{form}.toml"
     path.write_text(
-        'format = 1\nname = "Barrel"\n[motion]\nstart_mm = 0.0\n[[motion.segments]]\nlaw = "dwell"\nspan_deg = 60.0\n'
-        f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_mm = {STROKE}\n'
-        f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_mm = {-STROKE}\n'
+        f'format = 1\nname = "Barrel"\n[motion]\nstart_{unit} = 0.0\n[[motion.segments]]\nlaw = "dwell"\nspan_deg = 60.0\n'
+        f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_{unit} = {STROKE}\n'
+        f'[[motion.segments]]\nlaw = "cycloidal"\nspan_deg = 150.0\nrise_{unit} = {-STROKE}\n'
         f'[cam]\nkind = "barrel"\nform = "{form}"\n{keys}roller_radius_mm = {RADIUS}\nroller_length_mm = {LENGTH}\n'
         f'roller_inner_mm = {INNER}\nroller_taper_deg = {taper}\n[shaft]\nrotation = "{rotation}"\nspeed_rpm = 60.0\n[loads]\n',
         "utf-8",
@@ -111,6 +113,13 @@ def slide_axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.stack((zero, zero, barrel_motion(theta)), axis=-1), np.stack((zero + 1.0, zero, zero), axis=-1)
 
 
+def arm_axis(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Axis of the roller of a barrel cam on an arm, which stays parallel to x."""
+    phi, zero = np.deg2rad(barrel_motion(theta)), 0.0 * theta
+    origin = np.stack((zero, ARM * (np.cos(phi) - 1.0), ARM * np.sin(phi)), axis=-1)
+    return origin, np.stack((zero + 1.0, zero, zero), axis=-1)
+
+
 def turret_axis(k: int) -> Axis:
     """Axis of a roller of the indexer, k steps from the first one, which starts at 30°."""
 
@@ -132,9 +141,9 @@ def random_points(faces: list[Face], count: int) -> tuple[np.ndarray, np.ndarray
     return np.concatenate([points for points, _ in at]), np.concatenate(normals)
 
 
-def check_barrel(name: str, points: np.ndarray, sense: float, taper: float, deviation: float) -> np.ndarray:
+def check_barrel(name: str, points: np.ndarray, unit: str, sense: float, taper: float, deviation: float) -> np.ndarray:
     """Points of a flank are the play away from the roller over the turn, and nowhere nearer; returns the vectors from its axis."""
-    gap, away = least_gap(points, slide_axis, sense, taper)
+    gap, away = least_gap(points, slide_axis if unit == "mm" else arm_axis, sense, taper)
     play = PLAY * math.cos(math.radians(taper)) if name.startswith("behind") else 0.0
     assert np.abs(gap - play).max() <= deviation + 1e-6
     assert np.sign(away[:, 2]).tolist() == [1.0 if name.startswith("ahead") else -1.0] * len(away)
@@ -147,11 +156,14 @@ def check_indexer(points: np.ndarray, sense: float, taper: float, deviation: flo
     assert np.abs(nearest).max() <= deviation + 1e-6
 
 
-@pytest.mark.parametrize(("rotation", "taper"), [("ccw", 0.0), ("cw", 5.0), stressed("cw", 0.0), stressed("ccw", -5.0)])
-def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str, taper: float) -> None:
+@pytest.mark.parametrize(
+    ("rotation", "taper", "unit"),
+    [("ccw", 0.0, "mm"), ("cw", 5.0, "deg"), stressed("cw", 0.0, "mm"), stressed("ccw", -5.0, "deg")],
+)
+def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str, taper: float, unit: str) -> None:
     """Points of the file are on the cylindrical or conical roller over the turn, with the play behind it, and nowhere in it."""
     out = tmp_path / "cam.step"
-    facts = written(barrel(tmp_path, rotation, taper), out)
+    facts = written(barrel(tmp_path, rotation, taper, unit=unit), out)
     assert 0.0 < facts["deviation_mm"] <= 0.002
     shells = StepFile(out.read_bytes()).shells
     assert list(shells) == ["ahead 1", "behind 1"]
@@ -159,7 +171,7 @@ def test_a_barrels_flanks_touch_its_roller(tmp_path: Path, rotation: str, taper:
         check_topology(faces, is_closed=False)
         assert len(faces) == 3, "a dwell, a rise and a return"
         points, normals = random_points(faces, 100)
-        away = check_barrel(name, points, 1.0 if rotation == "ccw" else -1.0, taper, facts["deviation_mm"])
+        away = check_barrel(name, points, unit, 1.0 if rotation == "ccw" else -1.0, taper, facts["deviation_mm"])
         assert (away * normals).sum(axis=1).max() < 0.0, "normals point out of the cam, towards the roller"
 
 
@@ -180,13 +192,14 @@ def test_an_indexers_flanks_touch_its_rollers(tmp_path: Path, rotation: str, tap
 @pytest.mark.stress
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
 @pytest.mark.parametrize("taper", [0.0, 8.0, -5.0])
-@pytest.mark.parametrize("kind", ["barrel", "indexer"])
+@pytest.mark.parametrize("kind", ["mm", "deg", "indexer"])
 def test_ten_thousand_points_of_a_kernel_are_within_the_deviation(
     tmp_path: Path, kind: str, taper: float, rotation: str
 ) -> None:
     """OpenCASCADE finds the flanks of cylinders and cones valid, and its points on the faces are on the rollers."""
     out, sense = tmp_path / "cam.step", 1.0 if rotation == "ccw" else -1.0
-    design = indexer(tmp_path, rotation, taper) if kind == "indexer" else barrel(tmp_path, rotation, taper)
+    is_indexer = kind == "indexer"
+    design = indexer(tmp_path, rotation, taper) if is_indexer else barrel(tmp_path, rotation, taper, unit=kind)
     deviation = written(design, out)["deviation_mm"]
     shape = kernel_shape(out)
     assert is_valid(shape)
@@ -194,10 +207,10 @@ def test_ten_thousand_points_of_a_kernel_are_within_the_deviation(
     faces = face_points(shape, 10_000 // len(names) + 1)
     assert len(faces) == len(names)
     for name, points in zip(names, faces, strict=True):
-        if kind == "barrel":
-            check_barrel(name, points, sense, taper, deviation)
-        else:
+        if is_indexer:
             check_indexer(points, sense, taper, deviation)
+        else:
+            check_barrel(name, points, kind, sense, taper, deviation)
 
 
 def test_a_rib_of_a_slide_has_one_flank_a_roller(tmp_path: Path) -> None:
