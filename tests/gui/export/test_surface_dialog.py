@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QComboBox
+from step_reader import StepFile, check_topology
 from window_user import Open, User, answering, wait_for
 
 from core.__main__ import main
@@ -14,7 +15,10 @@ from kindyna_gui.cam_dialogs.surface_dialog import SurfaceDialog
 from kindyna_gui.places import example
 
 PATH = ("File", "Export", "Solid and surfaces...")
-FIELDS = {"cam.thickness_mm": 70.0, "cam.bore_mm": 120.0, "cam.hub_mm": 200.0, "cam.hub_length_mm": 110.0}
+FIELDS = {
+    "cam.thickness_mm": "70", "cam.bore_mm": "120", "cam.keyway_width_mm": "32", "cam.keyway_depth_mm": "7.4",
+    "cam.keyway_angle_deg": "90", "cam.hub_mm": "200", "cam.hub_length_mm": "110",
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -40,13 +44,15 @@ def pick(box: QComboBox, text: str) -> None:
         assert box.currentIndex() > before, f"{text}: not offered"
 
 
-def test_a_solid_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) -> None:
+def test_the_lifts_cam_goes_from_typed_dimensions_into_a_solid(user: User, tmp_path: Path) -> None:
+    """Thickness, bore, keyway and hub are typed under Parameters; the file has the body of the command, closed."""
     for path, value in FIELDS.items():
-        user.session.edit(path, value, path)
+        user.enter(path, value)
+    assert not user.faults
 
     def act(dialog: SurfaceDialog) -> None:
         text = computed(dialog)
-        assert text.startswith("12 faces, ")
+        assert text.startswith("15 faces, ")
         assert dialog.format.currentData() == ".step"
         assert dialog.form.boxes["solid"].isChecked()
         picture = dialog.picture
@@ -73,6 +79,8 @@ def test_a_solid_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) ->
     words = ["surface", tmp_path / "design.toml", "--out", tmp_path / "again.step", "--solid"]
     assert main([str(word) for word in words]) == 0
     assert (tmp_path / "cam.step").read_bytes() == (tmp_path / "again.step").read_bytes()
+    (faces,) = StepFile((tmp_path / "cam.step").read_bytes()).shells.values()
+    check_topology(faces, is_closed=True)
 
 
 def test_what_a_solid_lacks_is_named_and_formats_show_their_fields(user: User) -> None:
