@@ -62,7 +62,7 @@ NEWTON = 12  # steps, more than convergence takes
 CONVERGED = 1e-9  # last step relative to the size: the next one would be its square
 REACHED = 1e-9  # relative difference of distances from the axis that counts as rounding
 SAMPLES = 65  # of a piece of the motion, and of a rim
-FIRST, TIGHTER, ATTEMPTS = 2e-6, 0.2, 4  # tolerance [mm], and its factor until the rims are on their cylinders
+FIRST, TIGHTER, ATTEMPTS = 4e-7, 0.2, 4  # tolerance [mm], and its factor until the rims are on their cylinders
 
 
 @frozen(eq=False)

@@ -342,40 +342,37 @@ def _normal_distance(
     return np.asarray(np.abs((gap * normal).sum(axis=-1)) + 0.5 * curvature * (gap * gap).sum(axis=-1))
 
 
-def _span_errors(
-    exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray
-) -> tuple[np.ndarray, list[tuple[float, int, float]]]:
-    """Largest sampled distance (m,) [mm] of every span, and the angle, piece and u of the largest samples."""
+Peaks: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Cam angles (p,) [rad], pieces of the motion (p,) and distances (p,) [mm] of the largest samples."""
+
+
+def _span_errors(exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, Peaks]:
+    """Largest sampled distance (m,) [mm] of every span, and the largest samples."""
     parts = (np.arange(GRID) + 0.5) / GRID
     theta = (nodes[:-1, None] + np.diff(nodes)[:, None] * parts).ravel()
     piece = np.repeat(owner, GRID)
     u = np.linspace(*exact.ends, (patch.along.knots.size - 1) * ACROSS + 1)
     error = _normal_distance(exact, patch, theta, piece, u)
-    largest = np.argsort(-error, axis=None)[:PEAKS]
-    rows, columns = np.unravel_index(largest, error.shape)
-    peaks = [(float(theta[i]), int(piece[i]), float(u[j])) for i, j in zip(rows, columns, strict=True)]
-    return error.reshape(owner.size, -1).max(axis=1), peaks
+    rows, columns = np.unravel_index(np.argsort(-error, axis=None)[:PEAKS], error.shape)
+    return error.reshape(owner.size, -1).max(axis=1), (theta[rows], piece[rows], u[columns])
 
 
-def _refined(
-    exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray, peaks: list[tuple[float, int, float]]
-) -> float:
-    """Largest distance [mm] near the largest samples, on grids that get finer."""
-    result = 0.0
-    for theta, piece, u in peaks:
-        span = int(np.clip(np.searchsorted(nodes, theta) - 1, 0, owner.size - 1))
-        width, height = (
-            (nodes[span + 1] - nodes[span]) / GRID,
-            np.ptp(exact.ends) / (ACROSS * (patch.along.knots.size - 1)),
-        )
-        for _ in range(LEVELS):
-            steps = np.linspace(-1.0, 1.0, FINE)
-            angles = np.clip(theta + width * steps, nodes[span], nodes[span + 1])
-            distances = np.clip(u + height * steps, *exact.ends)
-            error = _normal_distance(exact, patch, angles, np.full(FINE, piece), distances)
-            i, j = np.unravel_index(int(np.argmax(error)), error.shape)
-            result, theta, u = max(result, float(error[i, j])), float(angles[i]), float(distances[j])
-            width, height = 2.0 * width / (FINE - 1), 2.0 * height / (FINE - 1)
+def _refined(exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarray, peaks: Peaks) -> float:
+    """Largest distance [mm] near the largest samples, on grids that get finer; angles and distances of all are combined."""
+    theta, piece, u = peaks
+    rows, steps, result = np.arange(theta.size), np.linspace(-1.0, 1.0, FINE), 0.0
+    span = np.clip(np.searchsorted(nodes, theta) - 1, 0, owner.size - 1)
+    low, high = nodes[span, None], nodes[span + 1, None]
+    width, height = (high - low) / GRID, np.ptp(exact.ends) / (ACROSS * (patch.along.knots.size - 1))
+    for _ in range(LEVELS):
+        angles = np.clip(theta[:, None] + width * steps, low, high)
+        distances = np.clip(u[:, None] + height * steps, *exact.ends)
+        error = _normal_distance(exact, patch, angles.ravel(), np.repeat(piece, FINE), distances.ravel())
+        result = max(result, float(error.max()))
+        own = error.reshape(rows.size, FINE, rows.size, FINE)[rows, :, rows].reshape(rows.size, -1)
+        i, j = np.divmod(own.argmax(axis=1), FINE)
+        theta, u = angles[rows, i], distances[rows, j]
+        width, height = 2.0 * width / (FINE - 1), 2.0 * height / (FINE - 1)
     return result
 
 
