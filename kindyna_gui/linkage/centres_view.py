@@ -197,6 +197,7 @@ class CentresView(View):
 
     def refresh(self, study: Study) -> None:
         require_centres(study, NO_CENTRES)
+        self.now = None  # the units may be others
         self._show(self.session.at(self.player.theta))
 
     def follow(self, theta: float) -> None:

@@ -11,12 +11,14 @@ import numpy as np
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
+from core.design import UNITS
 from core.design.linkage import FRAME_LINK, Linkage
 from core.frozen import frozen
 from core.mechanism.drawing_targets import DrawingTarget, crossing, edges, faces_at, joined, links_with, outline
 from core.mechanism.drawn import PointPositions, nearest_on_segment, slider_line
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import short, typed
+from kindyna_gui.pictures.units import short, typed, with_unit
+from kindyna_gui.settings import number_text, size_of, symbol_of
 
 POINT, LINE, PERPENDICULAR, ANGLE, GRID, FREE = "point", "line", "perpendicular", "angle", "grid", ""
 NEAR, ALONG, TURN = 10.0, 7.0, 6.0  # snap distances from a point, a line and a ray, pixels
@@ -24,6 +26,7 @@ TOUCH = 8.0  # pins nearer to each other would overlap in the drawing, pixels
 STEP_DEG = 15.0  # step of the angles that a new line snaps to
 CELL = 14.0  # smallest cell of the grid, pixels
 FACE = 7.0  # half width of the face of a bar, pixels
+MM = UNITS["mm"]
 MOST_LINES = 400  # a finer grid is not drawn
 
 PixelFunction = Callable[[complex], QPointF]
@@ -274,9 +277,10 @@ def paint_snap(painter: QPainter, to: PixelFunction, snap: Snap, start: complex 
     parts = [snap.label] if snap.label else []
     if start is not None and snap.at != start:
         direction = snap.at - start
-        parts.insert(0, f"{short(abs(direction))} mm, {short(math.degrees(cmath.phase(direction)))}°")
+        length = with_unit(short(abs(direction) / size_of("mm")), symbol_of("mm"))
+        parts.insert(0, f"{length}, {short(math.degrees(cmath.phase(direction)))}°")
     elif snap.mark == GRID:
-        parts.append(f"{typed(snap.at.real)}, {typed(snap.at.imag)}")
+        parts.append(f"{number_text(snap.at.real, MM)}, {number_text(snap.at.imag, MM)}")
     if parts:
         above = 24.0 if snap.point else 10.0  # clear of the name of the pin
         painter.drawText(QPointF(x + 12.0, y - above), "  ".join(parts))

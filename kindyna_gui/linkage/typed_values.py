@@ -33,7 +33,7 @@ from kindyna_gui.linkage.snapping import LINE, Snap, snap_at
 from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import fill
-from kindyna_gui.settings import symbol_of
+from kindyna_gui.settings import number_text, symbol_of
 
 Typed = float | str | None
 """Value of an input box; None if the box is empty."""
@@ -52,11 +52,12 @@ RATE = UNITS["n_per_mm"]
 
 @frozen
 class Box:
-    """One input box: label, unit of its number (None for a text), initial text."""
+    """One input box: label, unit of its number (None for a text), initial text, and the number that this is, rounded."""
 
     label: str
     unit: Unit | None
     text: str = ""
+    value: float | None = None
 
 
 class TypedBoxes(QFrame):
@@ -99,7 +100,7 @@ class TypedBoxes(QFrame):
             self._row.addWidget(QLabel(f"{box.label}"))
             self._row.addWidget(edit)
             if box.unit is not None and box.unit.symbol:
-                self._row.addWidget(QLabel(box.unit.symbol))
+                self._row.addWidget(QLabel(symbol_of(box.unit.symbol)))
             edit.textChanged.connect(self._text_changed)
             self._boxes.append((box, edit))
         self._place(at + BOX_OFFSET)
@@ -202,6 +203,8 @@ class TypedBoxes(QFrame):
 def _value(box: Box, edit: QLineEdit) -> Typed:
     """Value of an input box."""
     text = edit.text().strip()
+    if box.value is not None and text == box.text:
+        return box.value
     return text if box.unit is None else parsed(text, box.unit) if text else None
 
 
@@ -465,10 +468,14 @@ class TypedValues:
         """Open the box of a length next to its value in the drawing."""
         design, _ = self.drawn.layout
         positions = design.drive.linkage.by_number[number].places
-        value = shortest(abs(positions[second] - positions[first]))
+        length = abs(positions[second] - positions[first])
         rect = self.drawn.lengths.get((number, first, second))
         at = rect.center().toPoint() if rect is not None else self.at
-        self.boxes.ask(at, (Box(f"{first}-{second}", MM, value),), partial(self._set_length, number, first, second))
+        self.boxes.ask(
+            at,
+            (Box(f"{first}-{second}", MM, number_text(length, MM), length),),
+            partial(self._set_length, number, first, second),
+        )
 
     def _set_length(self, number: int, first: str, second: str, values: Sequence[Typed]) -> str:
         (value,) = values

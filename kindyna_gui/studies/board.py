@@ -42,7 +42,7 @@ from kindyna_gui.rebuilt import STRETCH, connect_all, fill
 
 CURRENT = "Current"
 IMAGE = QSize(112, 72)  # pixels
-CARD_WIDTH, CARD_LINES = 304, 6
+CARD_WIDTH, CARD_LETTERS, CARD_LINES = 304, 30, 6
 UNSORTED = ""
 BAR = 24  # height of the scroll bar below the cards [pixels]
 FOLDER = "boards"
@@ -183,7 +183,6 @@ class Board(QWidget):
         self.table = CardsTable()
         self.table.hide()
         self._current: Values = {}
-        self._height = self.fontMetrics().lineSpacing()
         self.list.hide()
         self.sort.hide()
         self._moving: tuple[QListWidgetItem, Card] | None = None  # card under the mouse
@@ -259,9 +258,11 @@ class Board(QWidget):
             item.setToolTip("\n".join(f"{name}: {text}" for name, (_, text) in card.values.items()))
             item.setData(Qt.ItemDataRole.UserRole, self.cards.index(card))
             self.list.addItem(item)
-        height = card_height(lines * self._height) - BAR
+        metrics = self.fontMetrics()
+        height = card_height(lines * metrics.lineSpacing()) - BAR
+        width = max(CARD_WIDTH, IMAGE.width() + CARD_LETTERS * metrics.averageCharWidth())
         for i in range(self.list.count()):
-            self.list.item(i).setSizeHint(QSize(CARD_WIDTH, height))
+            self.list.item(i).setSizeHint(QSize(width, height))
         self.list.setFixedHeight(height + BAR)
         self.table.setFixedHeight(height + BAR)
         self.list.setVisible(bool(self.cards) and not self.is_comparing)

@@ -18,13 +18,14 @@ from core.synthesis.judge import is_same, joint_positions
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import described
 from kindyna_gui.pictures.units import brief, readable_text, short
-from kindyna_gui.rebuilt import connect_all, fill, single_shot, widget_with
+from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot, widget_with
 from kindyna_gui.studies.board import Board, Card, card_height
 from kindyna_gui.synthesis.sheet_painting import AnswerPicture, Positions
 from kindyna_gui.synthesis.task_form import BOUNDED
 
 FRAME_MS, STEPS = 40, 120
 CARD_VALUES = 5  # on a card
+MARGINS = (6, 2, 6, 4)  # around the cards, pixels
 EMPTY = "The linkages for the task appear here as cards"
 CHOSEN = "chosen dyads"
 TAKE_OVER = (
@@ -119,7 +120,7 @@ class AnswerStrip(QWidget):
             action = QAction(text, self.board.list)
             action.triggered.connect(partial(self._emit, signal, is_enabled))
             self.board.list.addAction(action)
-        fill(QVBoxLayout(self), self.board, margins=(6, 2, 6, 4))
+        fill(QVBoxLayout(self), self.board, STRETCH, margins=MARGINS, spacing=0)
         self.stop.hide()
         self.end()
         self.update_style()
@@ -137,7 +138,7 @@ class AnswerStrip(QWidget):
     def update_style(self) -> None:
         """Reserve the height of the cards, so that the drawing above keeps its size under the mouse."""
         lines = CARD_VALUES * self.board.fontMetrics().lineSpacing()
-        self.board.setMinimumHeight(self.put_button.sizeHint().height() + 2 + card_height(lines))
+        self.setMinimumHeight(self.put_button.sizeHint().height() + 2 + card_height(lines) + sum(MARGINS[1::2]))
 
     def set_ready(self, on: bool) -> None:
         """Let the selected linkage be taken over, or not: the task has changed since."""
@@ -195,6 +196,12 @@ class AnswerStrip(QWidget):
             row = rows.index(selected)
             rows[row] = ShownAnswer(answer, positions_of(answer), selected.mark)
             self._show_rows(rows, row)
+
+    def show_again(self) -> None:
+        """Show the cards in the units and colours on display."""
+        is_ready = self.put_button.isEnabled()
+        self._show_rows(list(self._rows.values()), max(0, self.board.list.currentRow()))
+        self.set_ready(is_ready)
 
     def _show_rows(self, rows: Sequence[ShownAnswer], selected: int = 0) -> None:
         cards = [

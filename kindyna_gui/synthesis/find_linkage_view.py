@@ -28,8 +28,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import sentence
 from kindyna_gui.linkage.point_paths import path_of, path_points
+from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
+from kindyna_gui.settings import point, symbol_of
 from kindyna_gui.synthesis.answer_strip import AnswerStrip, Proposals, propose
 from kindyna_gui.synthesis.sheet import TaskSheet
 from kindyna_gui.synthesis.task_form import FIRST_POSES, TaskForm
@@ -71,6 +73,7 @@ class FindLinkageView(View):
         super().__init__(session, player)
         self.form, self.sheet, self.strip = TaskForm(), TaskSheet(self), AnswerStrip()
         self._is_fitted = self._is_awaited = False
+        self._look: tuple[object, ...] = ()  # unit, colour and font of the cards
         self._tasks: list[Task] = []  # the present one, and before it those that *Undo* restores
         self._search = Background(self)
         self._soon_search = single_shot(self, self._start, PAUSE_MS)
@@ -138,6 +141,9 @@ class FindLinkageView(View):
 
     def refresh(self, study: Study) -> None:
         self.form.show_units()
+        if self._look != (look := (symbol_of("mm"), point(), SCREEN.paper, self.fontMetrics().lineSpacing())):
+            self._look = look
+            self.strip.show_again()
         drive = self.session.design.drive
         self.form.offer_points(path_points(drive.linkage) if drive.links else ())
         self.strip.show_motion("" if self.session.design.drive.motion is not None else NO_MOTION)

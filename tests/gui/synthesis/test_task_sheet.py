@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
 from window_user import Open, User, end_pauses, plain, settle, wait_for
 
 from core.synthesis import Area, BodyPose, PathPoint, Pivot, Task, TracedPath, load_task, save_task
+from kindyna_gui import settings
 from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "four_bar.toml"
@@ -318,6 +319,21 @@ def test_a_design_that_is_a_motion_alone_has_a_sheet_too(open_user: Open) -> Non
     sheet.answered()
     sheet.drag(60.0 + 20.0j, 80.0 + 50.0j)
     assert sheet.task.poses[1].z == 80.0 + 50.0j
+
+
+def test_values_and_cards_are_in_the_preferred_unit(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.answered()
+    try:
+        settings.choose(settings.INCH, False)
+        settle()
+        assert sheet.view.form.poses[1][0].text() == "2.3622"
+        assert " in" in sheet.view.strip.board.list.item(0).text()
+        sheet.click(60.0 + 20.0j)
+        sheet.type("2", "1", "30")
+        assert sheet.task.poses[1] == BodyPose(50.8, 25.4, 30.0)
+    finally:
+        settings.choose({}, False)
 
 
 # -- errors and the search -------------------------------------------------------------------------------

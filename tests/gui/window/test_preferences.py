@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDialogButtonBox,
     QLabel,
+    QLineEdit,
     QPushButton,
     QToolTip,
     QWidget,
@@ -30,6 +31,7 @@ from kindyna_gui.export import tables_of
 from kindyna_gui.export_dialogs import HandoverDialog, ReportDialog
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import value_text
+from kindyna_gui.linkage.centres_view import CentresView
 from kindyna_gui.look import apply_preferences
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.places import example
@@ -109,6 +111,26 @@ def test_the_table_of_segments_follows(user: User) -> None:
     assert motion.model.headerData(4, Qt.Orientation.Horizontal) == "Rise in"
     user.enter_cell(1, 4, "-6")
     assert user.design.drive.motion.segments[1].rise == -152.4
+
+
+def test_centres_and_values_typed_while_drawing_are_in_the_preferred_unit(open_user: Open) -> None:
+    user = open_user(example("four_bar"))
+    view = user.see("centres")
+    assert isinstance(view, CentresView)
+    settings.choose(settings.INCH, False)
+    settle()
+    wait_for(lambda: view.distance.text() == "3.937 in")
+    user.choose("Compo", "Draw")
+    drawing = user.drawing().drawing
+    settle()
+    drawing.typed.ask_length(4, "B", "O4")
+    (box,) = (edit for edit in drawing.typed.boxes.findChildren(QLineEdit) if edit.isVisible())
+    labels = [label.text() for label in drawing.typed.boxes.findChildren(QLabel) if label.isVisible()]
+    assert (box.text(), labels) == ("2.75591", ["B-O4", "in"])
+    box.setText("3")
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    places = user.design.drive.linkage.by_number[4].places
+    assert abs(places["B"] - places["O4"]) == pytest.approx(76.2)
 
 
 @pytest.mark.parametrize("switches", [50, stressed(1000)])
