@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QBrush, QColor, QPainter, QPaintEvent, QPolygonF
 from PySide6.QtWidgets import QWidget
+from shiboken6 import VoidPtr
 
 from core.numerics.derivatives import seen_from
 from core.spatial.picture import FLANK, ROLLER, Facets
@@ -29,7 +33,10 @@ class SolidCanvas(TurnedByMouse, QWidget):
         self.cam: Facets | None = None
         self.rollers: Facets | None = None
         self.angle = 0.0  # of the cam about z [rad]
+        self._middle, self._half = np.zeros(3), 1.0  # of what the picture shows [mm]
         self.limit = np.pi / 4.0  # pressure angle whose colour is the last one [rad]
+        self._polygons: list[QPolygonF] = []  # one for each facet, used again in every picture
+        self._memory: list[np.ndarray] = []
         self.setMinimumSize(1, 1)
         self.setCursor(Qt.CursorShape.OpenHandCursor)
         self.setToolTip("Drag to turn; double-click for the first view")
@@ -60,25 +67,42 @@ class SolidCanvas(TurnedByMouse, QWidget):
         corners, normals, sort, pressure = corners[facing], normals[facing], sort[facing], pressure[facing]
         order = np.argsort((corners @ towards).mean(axis=1), kind="stable")
         pixels = self._pixels(corners.reshape(-1, 3)).reshape(-1, 4)
+        self._reserve(len(pixels))
         brightness = np.clip(normals @ (LIGHT[0] * right + LIGHT[1] * up + LIGHT[2] * towards), 0.0, 1.0)
         colours = shaded_brushes(sort == FLANK, sort == ROLLER, pressure / self.limit, brightness)
+        # without antialiasing neighbours share their edges without seams, so that facets need no outlines
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.setPen(Qt.PenStyle.NoPen)
         last: QBrush | None = None
-        for k in order.tolist():
-            brush = colours[k]
+        for polygon, memory, row, brush in zip(
+            self._polygons, self._memory, pixels[order], (colours[k] for k in order.tolist()), strict=False
+        ):
             if brush is not last:
                 painter.setBrush(brush)
-                painter.setPen(QPen(brush.color(), 1.0))
                 last = brush
-            painter.drawPolygon(QPolygonF([QPointF(z.real, z.imag) for z in pixels[k].tolist()]))
+            memory[:] = row
+            painter.drawPolygon(polygon)
+
+    def _reserve(self, count: int) -> None:
+        """Keep at least this many quadrangles, whose corners are written where they are."""
+        for _ in range(count - len(self._polygons)):
+            polygon = QPolygonF()
+            polygon.resize(4)
+            memory: Any = VoidPtr(polygon.data(), 64, True)  # type: ignore[arg-type, call-arg]
+            self._polygons.append(polygon)
+            self._memory.append(np.frombuffer(memory, dtype=complex))
+
+    def frame(self, poses: Sequence[Facets]) -> None:
+        """Fit the picture to the cam at every angle, and to its rollers in some poses, seen from any direction."""
+        assert self.cam is not None
+        x, y, z = np.concatenate([self.cam.corners, *(pose.corners for pose in poses)]).reshape(-1, 3).T * MM
+        reach = float(np.hypot(self.cam.corners[..., 0], self.cam.corners[..., 1]).max()) * MM
+        low = np.array([min(x.min(), -reach), min(y.min(), -reach), z.min()])
+        high = np.array([max(x.max(), reach), max(y.max(), reach), z.max()])
+        self._middle, self._half = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
 
     def _pixels(self, points: np.ndarray) -> np.ndarray:
-        """Pixels (n,) complex of points (n, 3) [mm], of the same size in any direction and at any cam angle."""
-        assert self.cam is not None
-        assert self.rollers is not None
-        both = np.concatenate((self.cam.corners, self.rollers.corners)).reshape(-1, 3) * MM
-        reach, low, high = float(np.hypot(both[:, 0], both[:, 1]).max()), both[:, 2].min(), both[:, 2].max()
-        half = float(np.hypot(reach, 0.5 * (high - low)))
-        scale = max(min(self.width(), self.height()) / 2.0 - MARGIN, 1.0) / half
-        seen = seen_from(points - np.array([0.0, 0.0, 0.5 * (low + high)]), self.turn, self.tilt)
+        """Pixels (n,) complex of points (n, 3) [mm]."""
+        scale = max(min(self.width(), self.height()) / 2.0 - MARGIN, 1.0) / self._half
+        seen = seen_from(points - self._middle, self.turn, self.tilt)
         return np.asarray(0.5 * complex(self.width(), self.height()) + scale * seen.conj())

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QColor, QMouseEvent
-from window_user import Open, User, settle
+from window_user import Open, User, settle, wait_for
 
+from core.spatial import SpatialShape
 from core.study import Study, findings_of
 from kindyna_gui.__main__ import main
 from kindyna_gui.places import example
+from kindyna_gui.spatial import view as view_module
 from kindyna_gui.spatial.view import SpatialView
 
 BUTTON = Qt.MouseButton.LeftButton
@@ -161,3 +165,59 @@ def test_the_report_has_the_curves_of_the_cam(tmp_path: Path) -> None:
     text = out.read_text("utf-8")
     assert "Pressure angle, curvature and sliding over one turn" in text
     assert "Sliding of the roller" in text
+
+
+def test_only_the_page_that_is_seen_is_computed(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Facets of the cam once a design, and of its rollers while their page is in front; nothing behind the mechanism."""
+    counts = {"cam_facets": 0, "roller_facets": 0, "along_length": 0}
+
+    def counted(owner: Any, name: str) -> None:
+        compute = getattr(owner, name)
+
+        def call(*arguments: Any) -> Any:
+            counts[name] += 1
+            return compute(*arguments)
+
+        monkeypatch.setattr(owner, name, call)
+
+    counted(view_module, "cam_facets")
+    counted(view_module, "roller_facets")
+    counted(SpatialShape, "along_length")
+    user = open_user(example("globoidal_indexer"))
+    window = user.window
+
+    def play() -> None:
+        for degrees in (250.0, 280.0, 310.0):
+            user.turn(degrees)
+
+    window.show_view("mechanism")
+    play()
+    assert counts == {"cam_facets": 0, "roller_facets": 0, "along_length": 0}
+    view = view_of(user)
+    play()
+    assert counts["cam_facets"] == 1
+    assert counts["along_length"] == 0
+    before = dict(counts)
+    view.solid.look(10.0, 20.0)
+    settle()
+    assert counts == before, "a turn of the picture computes nothing"
+    view.tabs.setCurrentWidget(view.unrolled)
+    wait_for(lambda: counts["along_length"] == 1)
+    play()
+    view.tabs.setCurrentWidget(view.solid)
+    settle()
+    assert counts["cam_facets"] == 1
+    assert counts["along_length"] == 1
+
+
+def test_a_picture_has_as_many_brushes_as_colours_and_no_seams(open_user: Open) -> None:
+    """The disc of a turret is one plane: one colour in the picture."""
+    user = open_user(example("globoidal_indexer"))
+    view = view_of(user)
+    view.solid.look(0.0, 0.0)
+    shown = view.solid.grab().toImage()
+    disc = view.solid.rollers.corners.reshape(-1, 3).mean(axis=0)
+    assert disc[0] == pytest.approx(0.12, abs=2e-3)
+    colours = [shown.pixelColor(x, shown.height() // 2).name() for x in range(shown.width())]
+    longest = max(len(list(run)) for _, run in groupby(colour for colour in colours if colour != colours[0]))
+    assert longest > 60
