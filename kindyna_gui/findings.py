@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QLabel, QPushButton, QStackedLayout
 
 from core.design import Design
 from core.design.fields import in_sentence
+from core.errors import KindynaError
 from core.findings import ERROR, Finding, Remedy, Residual
 from core.number_text import result_text
 from core.study import STAGES, Study, findings_of
@@ -182,6 +183,7 @@ class FindingsView(View):
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
         self.table.rows_resized.connect(self._request_height)
+        session.started.connect(self._forget)
         self.offer_explanation(self.table)
 
     def belong_to(self, window: ViewHost) -> None:
@@ -212,7 +214,19 @@ class FindingsView(View):
         self._pages.setCurrentWidget(self.table if rows else self.empty)
         self._request_height()
 
-    def _request_height(self) -> None:
+    def show_reason(self, error: KindynaError) -> None:
+        super().show_reason(error)
+        if self._trouble is not None and self.on_screen():
+            self.height_requested.emit(min(self._trouble.height_for(self.width()), MOST_HEIGHT), True)
+
+    def _forget(self) -> None:
+        """Forget the findings of another design, and the room that they need."""
+        self.findings = ()
+        self._request_height(is_measured=False)
+
+    def _request_height(self, *, is_measured: bool = True) -> None:
+        if is_measured and not self.on_screen():  # behind another dock its rows have the width of an earlier layout
+            return
         all_of_it = self.empty.sizeHint().height() + 2 * GAP, True
         self.height_requested.emit(*((self._height(), False) if self.findings else all_of_it))
 

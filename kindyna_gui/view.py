@@ -136,6 +136,12 @@ class ReasonPage(QScrollArea):
         button.clicked.connect(lambda: action())
         self._buttons.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
 
+    def height_for(self, width: int) -> int:
+        """Height at which all of it is shown in this width [pixels]."""
+        paper: Any = self.widget()
+        height: int = paper.layout().totalHeightForWidth(width)
+        return height
+
     def offer(self, suggestions: Sequence[Suggestion], host: ViewHost) -> None:
         """Offer a button for each suggestion that this design allows."""
         offered = [suggestion for suggestion in suggestions if host.can(suggestion.entry)]

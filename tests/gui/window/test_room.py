@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
 import pytest
 from PySide6.QtWidgets import QApplication, QTabBar
@@ -9,11 +10,15 @@ from room import unreadable
 from sampled import spread
 from window_user import Open, User, settle
 
+from core.design import edited
+from core.project import load, save
+from kindyna_gui.findings import FindingsView
 from kindyna_gui.forms.tab_bars import TabList
 from kindyna_gui.look import apply_preferences
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
 from kindyna_gui.settings import INCH, Preferences
+from kindyna_gui.view import ReasonPage
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, TOP, VIEWS, Need
 from kindyna_gui.window.room import Plan, plan_docks
 from kindyna_gui.window.tasks import INSPECTOR, SEPARATOR, TASKS
@@ -218,6 +223,36 @@ def test_a_page_called_comes_to_the_front_over_a_dock_called_before(open_user: O
     view = user.window.view("stability")
     assert view is not None
     assert view.on_screen()
+
+
+@pytest.mark.stress
+def test_findings_stand_by_themselves_again_when_a_design_has_none(open_user: Open) -> None:
+    """Those of the design before needed more room than there was, and made the dock a tab."""
+    user = open_user(example("groove"), size=SIZES[0], whole=True)
+    user.window.show_task("make")
+    rest(user.window, 1.0)
+    assert user.window.tabifiedDockWidgets(user.window.docks["findings"])
+    user.session.start(load(example("transfer_lift")))
+    user.window.reset_layout()
+    rest(user.window, 1.0)
+    assert not user.window.tabifiedDockWidgets(user.window.docks["findings"])
+    view = user.see("findings")
+    assert isinstance(view, FindingsView)
+    assert view.empty.isVisible()
+    assert view.empty.height() >= view.empty.sizeHint().height()
+
+
+def test_a_reason_in_place_of_the_findings_has_its_lines(open_user: Open, tmp_path: Path) -> None:
+    save(edited(load(example("slide_past_tool")), "motion.segments[1].limits.jerk", 20.0), tmp_path / "hard.toml")
+    user = open_user(tmp_path / "hard.toml", size=SIZES[0], whole=True)
+    user.window.show_task("make")
+    rest(user.window, 1.0)
+    view = user.window.view("findings")
+    assert view is not None
+    assert view.on_screen()
+    assert view.in_trouble
+    (page,) = (area for area in view.findChildren(ReasonPage) if area.isVisible())
+    assert page.verticalScrollBar().maximum() == 0
 
 
 # -- tabs --------------------------------------------------------------------------------------------------
