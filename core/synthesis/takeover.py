@@ -154,11 +154,11 @@ def _of_driver(motion: Motion, answer: Answer, task: Task) -> Motion:
         far = home + float(np.copysign(TURN, far - home))
         return _scaled(motion, (motion.first, motion.first + abs(motion.gain)), (home, far), answer)
     if _needs_turn(task):
-        problem = "the motion returns, and this task needs full turns of the driver"
+        problem = "returns, and this task needs full turns of the driver"
         raise DesignError([Fault("motion", MISSING, problem, "a motion with an advance, or a crank at constant speed")])
     levels = _levels(motion)
     if levels[0] == levels[1]:
-        raise DesignError([Fault("motion", MISSING, "the motion does not move", "a segment with a rise")])
+        raise DesignError([Fault("motion", MISSING, "does not move", "a segment with a rise")])
     return _scaled(motion, levels, (home, far), answer)
 
 
@@ -282,4 +282,6 @@ def _left_out(present: Design, design: Design) -> Iterator[str]:
     for name in ("cam", "servo", "valve"):
         if getattr(present.drive, name) is not None and getattr(design.drive, name) is None:
             yield name
+    if present.drive.limits != NO_LIMITS and design.drive.limits == NO_LIMITS:
+        yield "limits"
     yield from (name for name in OF_MECHANISM if getattr(present, name))

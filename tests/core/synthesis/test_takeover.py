@@ -2,6 +2,7 @@
 
 import csv
 import json
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,9 +25,11 @@ from core.design import (
 )
 from core.design.motion_edits import of_motion
 from core.errors import DesignError
-from core.project import load, save
-from core.synthesis import Answer, BodyPose, Dyad, Swing, Task, save_task, synthesise
+from core.project import dumps, load, loads, save
+from core.study import Study, findings_of
+from core.synthesis import Answer, BodyPose, Dyad, Swing, Task, load_task, save_task, synthesise
 from core.synthesis.chosen import answer_of_dyads, driven_by_other_link
+from core.synthesis.path import with_points
 from core.synthesis.takeover import taken_over, under_motion
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -269,3 +272,33 @@ def test_options_that_do_not_fit_are_refused(
     assert main(["synthesise", "task.toml", *words]) == 2
     assert problem in capsys.readouterr().err
     assert not Path("a.toml").exists()
+
+
+# -- everything -------------------------------------------------------------------------------------------------
+
+PRESENT = (
+    "transfer_lift", "four_bar_coupler_cam", "slider_crank", "finger_follower", "barrel_feeder", "globoidal_indexer", "stephenson_six_bar",
+)  # fmt: skip
+
+
+def every_task() -> dict[str, Task]:
+    more = (*POSES, (140.0, -20.0, 80.0), (160.0, -60.0, 95.0))
+    tasks = {f"{n} poses": Task(kind="poses", poses=tuple(BodyPose(*row) for row in more[:n])) for n in (2, 4, 5)}
+    files = (Path(__file__).parents[3] / "resources" / "tasks").glob("*.toml")
+    return {path.stem: load_task(path) for path in files} | tasks
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("name", sorted(every_task()))
+def test_every_linkage_runs_with_finite_forces_in_place_of_any_design(name: str) -> None:
+    task = with_points(every_task()[name])
+    for answer in synthesise(task).answers[:6]:
+        for present in (load(EXAMPLES / f"{example}.toml") for example in PRESENT):
+            takeovers = [taken_over(answer, present)]
+            with suppress(DesignError):  # no motion, or one that cannot drive it, as it says
+                takeovers.append(under_motion(answer, task, present))
+            for takeover in takeovers:
+                study = Study(takeover.design, 180)
+                assert np.isfinite(study.dynamics.driver).all()
+                assert not [f for f in findings_of(study, ("linkage", "dynamics")) if f.severity == "error"]
+                assert loads(dumps(takeover.design)) == takeover.design
