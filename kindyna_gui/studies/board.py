@@ -71,12 +71,13 @@ class CardsTable(QTableWidget):
         self.resizeColumnsToContents()
 
     def show_cards(self, current: Values, cards: Sequence[Values]) -> None:
-        """Show the values of the current design, then those of the cards."""
+        """Show the values of the current design, if there are any, then those of the cards."""
         names = list(dict.fromkeys(name for row in (current, *cards) for name in row))
         self.setColumnCount(len(names))
         self.setHorizontalHeaderLabels(names)
         self.setRowCount(1 + len(cards))
         self.setVerticalHeaderLabels([CURRENT, *(str(i + 1) for i in range(len(cards)))])
+        self.setRowHidden(0, not current)
         bold = QFont(self.font())
         bold.setBold(True)
         for i, row in enumerate((current, *cards)):
@@ -186,6 +187,7 @@ class Board(QWidget):
         self.list.hide()
         self.sort.hide()
         self._moving: tuple[QListWidgetItem, Card] | None = None  # card under the mouse
+        self._shown_cards: Sequence[Card] = ()  # in the list
         self._step = 0
         self._clock = QTimer(self, interval=STEP_MS)
         self.list.setMouseTracking(True)
@@ -249,15 +251,18 @@ class Board(QWidget):
         names = dict.fromkeys(name for card in self.cards for name in card.values)
         fill_choices(self.sort, {UNSORTED: self._unsorted, **{name: f"by {name}" for name in names}})
         self._rest()
+        selected, self._shown_cards = self._selected, list(self.order)
         self.list.clear()
         lines = 0
-        for card in self.order:
+        for card in self._shown_cards:
             texts = [text for _, text in card.values.values()]
             lines = max(lines, min(len(texts), CARD_LINES))
             item = QListWidgetItem(self._icon(card), "\n".join(texts[:CARD_LINES]))
             item.setToolTip("\n".join(f"{name}: {text}" for name, (_, text) in card.values.items()))
             item.setData(Qt.ItemDataRole.UserRole, self.cards.index(card))
             self.list.addItem(item)
+            if card is selected:
+                self.list.setCurrentItem(item)
         metrics = self.fontMetrics()
         height = card_height(lines * metrics.lineSpacing()) - BAR
         width = max(CARD_WIDTH, IMAGE.width() + CARD_LETTERS * metrics.averageCharWidth())
@@ -270,6 +275,13 @@ class Board(QWidget):
         self.compare.setVisible(bool(self.cards))
         self.sort.setVisible(len(self.cards) > 1)
         self.show_current(self._current)
+
+    @property
+    def _selected(self) -> Card | None:
+        """The card that is selected in the list, if it is still on the board."""
+        item, shown = self.list.currentItem(), self._shown_cards
+        card = shown[self.list.row(item)] if item is not None and self.list.row(item) < len(shown) else None
+        return card if card in self.cards else None
 
     def _icon(self, card: Card, step: int = 0) -> QIcon:
         """Image of a card, at a step of its motion."""

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWi
 
 from core.design import Design
 from core.frozen import frozen
-from core.synthesis import Answer, Synthesis, Task, synthesise
+from core.synthesis import FOUR_BAR, INVERTED, SLIDER_CRANK, Answer, Synthesis, Task, synthesise
 from core.synthesis.judge import is_same, joint_positions
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import described
@@ -24,6 +24,7 @@ from kindyna_gui.synthesis.sheet_painting import AnswerPicture, Positions
 from kindyna_gui.synthesis.task_form import BOUNDED
 
 FRAME_MS, STEPS = 40, 120
+KINDS = FOUR_BAR, SLIDER_CRANK, INVERTED
 CARD_VALUES = 5  # on a card
 MARGINS = (6, 2, 6, 4)  # around the cards, pixels
 EMPTY = "The linkages for the task appear here as cards"
@@ -279,13 +280,13 @@ def card_values(answer: Answer, mark: str = "") -> Mapping[str, tuple[float, str
     notes = filter(None, (mark, "full turn" if answer.turns_fully else ""))
     kind = ", ".join([answer.candidate.kind.capitalize(), *notes, *(f"{defect} defect" for defect in answer.defects)])
     return {
-        answer.candidate.kind: (0.0, kind),
+        "kind": (float(KINDS.index(answer.candidate.kind)), kind),
         "error": (error, "exact" if exact else f"error {', '.join(texts)}"),
         "transmission angle": (
             answer.transmission_deg,
             f"transmission angle {short(answer.transmission_deg, 4)}°{transmission}",
         ),
-        "longest to shortest": (
+        "longest to shortest link": (
             answer.length_ratio,
             f"longest to shortest link {short(answer.length_ratio, 3)}{ratio}",
         ),

@@ -370,3 +370,29 @@ def test_a_long_search_greys_the_cards_and_can_be_stopped(user: User) -> None:
         wait_for(strip.stop.isHidden)
         assert strip.board.list.isEnabled()
         assert not sheet.view.busy
+
+
+def test_cards_move_under_the_mouse_are_sorted_and_compared(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    sheet.answered()
+    board = sheet.view.strip.board
+    cards = board.list
+    before = cards.item(1).icon().pixmap(112, 72).toImage()
+    QTest.mouseMove(cards.viewport(), cards.visualItemRect(cards.item(1)).center())
+    wait_for(lambda: cards.item(1).icon().pixmap(112, 72).toImage() != before)
+    QTest.mouseClick(cards.viewport(), LEFT, pos=cards.visualItemRect(cards.item(1)).center())
+    chosen = sheet.view.strip.answer
+    assert chosen is not None
+    board.sort.setCurrentIndex(board.sort.findText("by size"))
+    board.sort.activated.emit(board.sort.currentIndex())
+    assert sheet.view.strip.answer is chosen
+    sizes = [board.cards[cards.item(i).data(Qt.ItemDataRole.UserRole)].values["size"][0] for i in range(cards.count())]
+    assert sizes == sorted(sizes)
+    QTest.mouseClick(board.compare, LEFT)
+    headings = [board.table.horizontalHeaderItem(i).text() for i in range(board.table.columnCount())]
+    assert headings == ["kind", "error", "transmission angle", "longest to shortest link", "size"]
+    assert board.table.isRowHidden(0)
+    assert board.table.item(1, 4).text().endswith(" mm")
+    QTest.mouseClick(board.compare, LEFT)
+    board.sort.setCurrentIndex(0)
+    board.sort.activated.emit(0)
