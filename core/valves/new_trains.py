@@ -7,7 +7,7 @@ BDC is the closing of the inlet after BDC, or the opening of the exhaust before 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from math import ceil
 from types import MappingProxyType
@@ -21,6 +21,7 @@ from core.design.fields import Info, choice, info_of, length, number, unit_of
 from core.design.lobe import lobe_sides
 from core.errors import DesignError, Fault, KindynaError
 from core.frozen import frozen
+from core.number_text import result_text
 from core.project import from_table
 from core.units import NO_UNIT, UNITS, Unit
 from core.valves.pairs import valve_pairs
@@ -531,8 +532,21 @@ def require_values(card: TrainCard) -> None:
             info, value = info_of(field), getattr(part, field.name)
             if info is not None and not info.admits(value):
                 rows.append(Fault(f"{name}{field.name}", value, info.problem, info.allowed(unit_of(field))))
-    if rows:
+    if rows := rows or list(duration_faults(card)):
         raise DesignError(rows)
+
+
+def duration_faults(
+    card: TrainCard, lift_text: Callable[[float], str] = lambda lift_mm: f"{lift_mm:g} mm"
+) -> Iterator[Fault]:
+    """Faults of typed durations of which the one at the higher lift is not the shorter one; ``lift_text`` writes a lift."""
+    for name, valve in (("inlet", card.inlet), ("exhaust", card.exhaust)):
+        low, high = sorted(ROWS, key=lambda row: float(getattr(valve, f"{row}_at_mm")))
+        lift, most = getattr(valve, f"{low}_at_mm"), valve.duration(low)
+        is_typed = {*valve.typed} == {*DURATIONS} and not valve.is_fixed
+        if is_typed and lift != getattr(valve, f"{high}_at_mm") and not valve.duration(high) < most:
+            problem, allowed = f"not less than at {lift_text(lift)}", f"< {result_text(most)} deg"
+            yield Fault(f"{name}.{high}_deg", valve.duration(high), problem, allowed)
 
 
 def _ratio(drive: Drive, arm: str) -> float:

@@ -43,6 +43,7 @@ from core.valves.new_trains import (
     VALVE_VALUES,
     CardValue,
     TrainCard,
+    duration_faults,
     followed,
     new_train,
     with_card,
@@ -66,7 +67,7 @@ from kindyna_gui.valves.timing_diagram import TimingDiagram
 
 VALVES = ("inlet", "exhaust")
 FORM_WIDTH, TYPICAL_SIZE, LEAST_SIZE = 400, QSize(1240, 700), QSize(1000, 620)
-THUMB, PLOT_HEIGHT, FIGURES_HEIGHT = QSize(84, 60), 110, 236
+THUMB, PLOT_HEIGHT, FIGURES_HEIGHT, FIGURES_WIDTH = QSize(84, 60), 110, 236, 304
 PAUSE_MS = 150  # from a value to the figures of the valves, or to the search for the nearest one that fits
 LIFT_UNITS = ("mm", "in", "thou")
 
@@ -223,11 +224,12 @@ class ValveTrainDialog(QDialog):
             plot.show_numbers(False)
         curves = fill(QVBoxLayout(), *((plot, 1) for plot in self.plots), margins=0, spacing=2)
         self.figures.setFixedHeight(FIGURES_HEIGHT)
+        self.figures.setMinimumWidth(FIGURES_WIDTH)
         right = fill(QVBoxLayout(), (self.diagram, 1), self.facts, self.figures, margins=0)
-        shown = widget_with(fill(QHBoxLayout(), (curves, 4), (right, 3), margins=0, spacing=12))
+        shown = widget_with(fill(QHBoxLayout(), (curves, 4), (right, 3), margins=0, spacing=8))
         self.cover = FadedCover(shown)
-        middle = fill(QHBoxLayout(), left, (shown, 1), spacing=12)
-        fill(QVBoxLayout(self), (middle, 1), self.buttons, margins=(12, 10, 12, 10))
+        middle = fill(QHBoxLayout(), left, (shown, 1), spacing=8)
+        fill(QVBoxLayout(self), (middle, 1), self.buttons, margins=(8, 10, 8, 10))
         rows, of_lobe = (
             [(valve, getattr(row, valve)) for valve in VALVES for row in part] for part in (GRID, LOBE_ROWS)
         )
@@ -422,7 +424,7 @@ class ValveTrainDialog(QDialog):
         for row in ("first", "second"):
             box, lift = self.boxes[VALVES[0], f"{row}_at_mm"], getattr(self.card.inlet, f"{row}_at_mm")
             overlaps.append(f"{short(self.card.overlap_deg(row))}° at {box.card_text(lift)}")
-        area = "" if pair.overlap_area is None else f"; {short(pair.overlap_area)} mm·° of lift"
+        area = "" if pair.overlap_area is None else f"\nOverlap area {short(pair.overlap_area)} mm·°"
         return f"Overlap {', '.join(overlaps)}{area}"
 
     def _refuse(self, why: str, nearest: float | None = None) -> None:
@@ -433,7 +435,14 @@ class ValveTrainDialog(QDialog):
         self.message.show_refusal(why, value_remedies(box.card_text, nearest, valid, self._use, back))
 
     def _reason(self, error: KindynaError) -> str:
-        """First reason why the card makes no valve train."""
+        """First reason why the card makes no valve train, in the numbers of its boxes."""
+        lift_box = self.boxes[VALVES[0], "first_at_mm"]
+        for fault in duration_faults(self.card, lift_box.card_text):
+            valve, _, name = fault.path.partition(".")
+            box = self.boxes[valve, name]
+            return sentence(
+                f"{box.accessibleName()} {box.card_text(fault.value)}: {fault.problem}; allowed: {fault.allowed}"
+            )
         first = DesignError(error.faults[:1]) if isinstance(error, DesignError) else error
         return reason(self._before or new_train(TrainCard()), first)
 

@@ -22,7 +22,7 @@ from core.process import keep_freed_memory, resources
 from core.project import load, load_drawing
 from kindyna_gui import dialogs
 from kindyna_gui import settings as preferences
-from kindyna_gui.background import PendingResult
+from kindyna_gui.background import Background, PendingResult
 from kindyna_gui.documents.edits import Refusal
 from kindyna_gui.documents.pins import Pins
 from kindyna_gui.documents.session import Session
@@ -661,6 +661,8 @@ class MainWindow(Window):
         self.status.leave()
         for pending in self.session.findChildren(PendingResult):
             pending.close()
+        for work in self.findChildren(Background):  # of pages and dialogs that are still open
+            work.close()
         if self._papers is not None:
             self._papers.leave()
         self.recovery.close()

@@ -178,6 +178,15 @@ def test_a_card_without_a_lobe_is_refused(values: dict[str, float], words: str) 
     assert words in str(raised.value)
 
 
+def test_durations_that_contradict_each_other_are_said_in_the_lifts_of_the_card() -> None:
+    """The motion of the finger is the valve's, twice as high as the lobe of the card."""
+    with pytest.raises(DesignError) as raised:
+        new_train(card("finger", ratio=2.0, lift_mm=5.0, first_at_mm=0.08, second_at_mm=0.6, second_deg=270.0))
+    (first, second) = raised.value.faults
+    assert (first.path, second.path) == ("inlet.second_deg", "exhaust.second_deg")
+    assert (first.value, first.problem, first.allowed) == (270.0, "not less than at 0.08 mm", "< 268 deg")
+
+
 def test_a_design_without_a_pair_of_valves_has_no_card() -> None:
     design = new_train(card())
     with pytest.raises(KindynaError, match="no inlet and exhaust valve"):

@@ -331,3 +331,35 @@ def test_a_lobe_with_another_closing_side_is_shown_and_kept(user: User, tmp_path
         user.choose(*EDIT)
     assert user.session.full_design.drives[0].motion == before
     assert user.session.full_design.drives[0].valve.centre_deg == 104.0  # type: ignore[union-attr]
+
+
+def test_a_refused_duration_is_said_in_the_numbers_of_the_card(user: User) -> None:
+    """The lifts of the card are those of the lobe, in inches; the motion is the valve's, in mm."""
+
+    def act(dialog: ValveTrainDialog) -> None:
+        dialog.unit.setCurrentIndex(dialog.unit.findText("in"))
+        shown = dialog.boxes["exhaust", "first_at_mm"].text()
+        assert shown.startswith("0.0031")
+        enter(dialog, "exhaust", "second_deg", "300")
+        text = dialog.message.text()
+        assert text == f"Exhaust, duration, second lift 300°: not less than at {shown} in; allowed: < 266°"
+        dialog.reject()
+
+    user.session.open(EXAMPLE)
+    with answering(ValveTrainDialog, act):
+        user.choose(*EDIT)
+
+
+def test_the_texts_of_the_card_have_one_line_each_in_a_small_window(user: User) -> None:
+    def act(dialog: ValveTrainDialog) -> None:
+        dialog.resize(1000, 700)
+        wait_for(lambda: dialog.figures.rows.rowCount() > 5)
+        line = dialog.facts.fontMetrics().height()
+        assert dialog.facts.height() < 2.9 * line, "overlap and its area"
+        heights = {dialog.figures.rowHeight(k) for k in range(dialog.figures.rows.rowCount())}
+        assert max(heights) < 1.9 * line
+        dialog.reject()
+
+    user.session.open(EXAMPLE)
+    with answering(ValveTrainDialog, act):
+        user.choose(*EDIT)
