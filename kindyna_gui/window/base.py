@@ -186,7 +186,16 @@ class Window(QMainWindow):
 
     def view(self, name: str) -> View | None:
         """Return a view by its name in ``VIEWS``; None while it has not been created."""
-        raise NotImplementedError
+        dock = self.docks.get(name)
+        return dock.view if dock is not None else self.centre.page(name)
+
+    def drawing(self, in_front: bool = False) -> Any:
+        """Return the drawing of the mechanism, and bring it to the front."""
+        return self.show_view("mechanism") if in_front else self.view("mechanism")
+
+    def close_view(self, name: str) -> None:
+        """Close the dock of a view."""
+        self.docks[name].close()
 
     def show_task(self, name: str) -> None:
         """Show one of ``TASKS`` in the layout last used."""

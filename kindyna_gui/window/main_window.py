@@ -189,11 +189,6 @@ class MainWindow(Window):
 
     # -- views --------------------------------------------------------------------------------------------
 
-    def view(self, name: str) -> View | None:
-        """Return a view by its name in ``VIEWS``; None while it has not been created."""
-        dock = self.docks.get(name)
-        return dock.view if dock is not None else self.centre.page(name)
-
     def show_view(self, name: str) -> View:
         """Bring a view to the front and return it."""
         if VIEWS[name].area == CENTRE:
@@ -402,14 +397,6 @@ class MainWindow(Window):
         """Switch drawing with the mouse on or off."""
         view: Any = self.show_view("mechanism")
         self._drawing_switched(view.draw(on, tool) and on)
-
-    def drawing(self, in_front: bool = False) -> Any:
-        """Return the drawing of the mechanism."""
-        return self.show_view("mechanism") if in_front else self.view("mechanism")
-
-    def close_view(self, name: str) -> None:
-        """Close the dock of a view."""
-        self.docks[name].close()
 
     def place_underlay(self) -> None:
         """Show the bar that places an image under the drawing."""

@@ -154,7 +154,7 @@ def test_a_path_drawn_in_one_stroke_is_followed_within_a_percent(user: User) -> 
     assert best is not None
     assert view.task.path is not None
     size = np.ptp([point.x_mm for point in view.task.path.points])
-    assert best.error_mm < 0.02 * size
+    assert best.error_mm < 0.01 * size
     assert not best.defects
     QTest.mouseClick(view.strip.put_button, LEFT)
     settle()

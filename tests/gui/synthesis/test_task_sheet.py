@@ -187,6 +187,17 @@ def test_the_menu_of_a_pivot_makes_it_a_moving_one_at_the_same_position(user: Us
     assert not sheet.task.pivots
 
 
+def test_the_line_of_a_moving_pivot_is_turned_on_the_sheet_and_given_on_the_body(user: User) -> None:
+    poses = (BodyPose(10.0, 20.0, 90.0), *POSES[1:])
+    sheet = Sheet(user, Task(kind="poses", poses=poses, pivots=(Pivot(dyad=1, of="fixed", line=(40.0, -40.0, 30.0)),)))
+    sheet.choose(40.0 - 40.0j, "Moving pivot, on the body")
+    (pivot,) = sheet.task.pivots
+    assert (pivot.of, pivot.line) == ("moving", pytest.approx((-60.0, -30.0, -60.0)))
+    arm = 42.0 / sheet.canvas.scale_now
+    sheet.drag(40.0 - 40.0j + arm * np.exp(1j * np.pi / 6.0), 40.0 - 10.0j)
+    assert sheet.task.pivots[0].line == pytest.approx((-60.0, -30.0, 0.0))
+
+
 # -- a path by points ------------------------------------------------------------------------------------
 
 
