@@ -185,7 +185,9 @@ def _globoid_faults(cam: GloboidalCam, path: str) -> Iterator[Fault]:
             f"< {room:g} mm",
         )  # fmt: skip
     else:
-        yield from _hole_faults(cam, path, room, "the waist of the cam, where the rollers end")
+        yield from _hole_faults(
+            cam, path, room - getattr(cam.form, "play_mm", 0.0), "the waist of the cam, where the rollers end"
+        )
 
 
 def _hole_faults(cam: SpatialCam, path: str, core_mm: float, limit: str) -> Iterator[Fault]:

@@ -153,7 +153,7 @@ def _merged_bulge(p: complex, middle: complex, first: float, q: complex, second:
 # -- curves through the points of a file ------------------------------------------------------------------------
 
 
-NEWTON_STEPS = 5  # to the nearest point of a cubic
+NEWTON_STEPS = 5  # to the nearest point of a polynomial
 
 
 class CurveChain(Protocol):
@@ -175,6 +175,35 @@ class CurveChain(Protocol):
         -------
         ndarray (m, k) [mm]
         """
+
+
+def polynomial_distance(powers: np.ndarray, z: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Distance of points from polynomial curves in x = 0 ... 1, by Newton's method.
+
+    The second derivative is neglected: it counts little near the curve.
+
+    Parameters
+    ----------
+    powers : ndarray (m, d + 1) complex [mm]
+        Coefficients of the m curves of degree d, lowest order first.
+    z : ndarray (m, k) complex [mm]
+        Points, k for a curve.
+    part : ndarray (m, k), dimensionless
+        Their approximate x.
+
+    Returns
+    -------
+    ndarray (m, k) [mm]
+    """
+    rows = powers.T[:, :, None]
+    t = np.clip(part, 0.0, 1.0)
+    for step in range(NEWTON_STEPS + 1):
+        value, slope = rows[-1] * t + rows[-2], rows[-1]
+        for row in rows[-3::-1]:
+            value, slope = value * t + row, slope * t + value
+        if step < NEWTON_STEPS:
+            t = np.clip(t - dot(value - z, slope) / dot(slope, slope), 0.0, 1.0)
+    return np.abs(value - z)
 
 
 @frozen(eq=False)
@@ -225,6 +254,10 @@ class Arcs:
         return Arcs(np.stack((p, np.roll(p, -1)), axis=1), b[:, None])
 
 
+_POWERS = np.array([[1, -3, 3, -1], [0, 3, -6, 3], [0, 0, 3, -3], [0, 0, 0, 1]], dtype=float)
+"""Bézier points of a cubic times this: its coefficients, lowest order first."""
+
+
 @frozen(eq=False)
 class Cubics:
     """One cubic over each of n spans.
@@ -254,17 +287,7 @@ class Cubics:
         -------
         ndarray (m, k) [mm]
         """
-        p = self.points[span]
-        c0, c1 = p[:, 0, None], 3.0 * (p[:, 1, None] - p[:, 0, None])
-        c2 = 3.0 * (p[:, 0, None] - 2.0 * p[:, 1, None] + p[:, 2, None])
-        c3 = p[:, 3, None] - 3.0 * p[:, 2, None] + 3.0 * p[:, 1, None] - p[:, 0, None]
-        t = np.clip(part, 0.0, 1.0)
-        for _ in range(NEWTON_STEPS):
-            slope = c1 + t * (2.0 * c2 + t * 3.0 * c3)
-            error = c0 + t * (c1 + t * (c2 + t * c3)) - z
-            # the second derivative of the cubic is neglected: it counts little near the curve
-            t = np.clip(t - dot(error, slope) / dot(slope, slope), 0.0, 1.0)
-        return np.abs(c0 + t * (c1 + t * (c2 + t * c3)) - z)
+        return polynomial_distance(self.points[span] @ _POWERS, z, part)
 
     @property
     def vertices(self) -> np.ndarray:

@@ -20,9 +20,9 @@ from core.frozen import frozen
 from core.motion import TURN
 from core.number_text import result_text, rounded_up
 from core.numerics.roots import gauss
-from core.output.solids.blank import BLANK_RADIUS, blank_heights, motion_range
+from core.output.solids.blank import BLANK_RADIUS, blank_heights, floor_radius, motion_range
 from core.output.solids.body import Body, BodyBuilder, CylinderSurface, reversed_loop
-from core.output.solids.disk import required
+from core.output.solids.disk import hole_outline, required
 from core.output.solids.outline import Outline, area
 from core.output.solids.patches import (
     BETWEEN,
@@ -44,7 +44,6 @@ from core.output.solids.turned import (
     Halves,
     add_band,
     add_ends,
-    bore_outline,
     chord_angle,
     circle_points,
     circle_rim,
@@ -133,7 +132,7 @@ class BarrelSolid:
         -------
         ndarray (n, 3, 3) [mm]
         """
-        ahead, behind = (self._rows(wall, tolerance) for wall in self.walls)
+        ahead, behind = (self._rings(wall, tolerance) for wall in self.walls)
         low, high = (circle_points(self.radii[1], height, tolerance) for height in self.heights)
         return np.concatenate([
             zipped_triangles(low, behind[-1]),
@@ -144,7 +143,7 @@ class BarrelSolid:
             end_triangles(low, high, self.hole, tolerance),
         ])  # fmt: skip
 
-    def _rows(self, wall: tuple[Patch, ...], tolerance: float) -> np.ndarray:
+    def _rings(self, wall: tuple[Patch, ...], tolerance: float) -> np.ndarray:
         """Corners (m, n, 3) [mm] of triangles of a wall on m cylinders from floor to blank, counter-clockwise seen from +z."""
         steps = [grid_steps(patch, tolerance) for patch in wall]
         along = max(m for _, m in steps)
@@ -172,15 +171,16 @@ def barrel_solid(study: Study, tolerance: float) -> BarrelSolid:
     from core.spatial import AHEAD, BEHIND
 
     cam = study.design.drive.cam
-    radii = MM * (study.machine.inner - study.machine.play), required(cam, "outer_radius_mm", BLANK_RADIUS)
+    radii = floor_radius(study), required(cam, "outer_radius_mm", BLANK_RADIUS)
     heights = blank_heights(study)
     study.surface  # noqa: B018 - raises where the cam does not exist
     require_smooth(study)
-    hole = bore_outline(cam, radii[0])
-    _require_ends(study, heights, max(MM * float(study.machine.roller_radius(radius / MM)) for radius in radii))
+    hole = hole_outline(cam)
     runs = strip_runs(study, Strip(AHEAD, 1, 0.0, 0.0, TURN, True))
+    walls = [GrooveWall(study, side, radii) for side in (AHEAD, BEHIND)]
+    _require_ends(study, heights, *(MM * wall.require_walls(runs) for wall in walls))
+    (ahead, first), (behind, second) = (_fit_wall(wall, runs, tolerance) for wall in walls)
     starts = np.array([run[0][0] for run in runs])
-    (ahead, first), (behind, second) = (_fit_wall(study, side, runs, radii, tolerance) for side in (AHEAD, BEHIND))
     middle = 1 + int(np.abs(starts[1:] - starts[0] - 0.5 * TURN).argmin())
     return BarrelSolid((ahead, behind), middle, radii, heights, hole, study.sense, max(first, second))
 
@@ -251,8 +251,8 @@ class GrooveWall(ExactFlank):
         share = (point[:2] * by_theta[:2]).sum(axis=0) / (point[:2] * by_u[:2]).sum(axis=0)
         return MM * surface.in_cam(by_theta - share * by_u)[:, :, 0].T
 
-    def require_walls(self, runs: Sequence[Run]) -> None:
-        """Raise NoCam where the wall does not extend from the floor to the blank, or runs back around the cam."""
+    def require_walls(self, runs: Sequence[Run]) -> float:
+        """Largest radius [m] of the roller at the wall. Raises NoCam where the wall misses the floor or runs back around the cam."""
         theta, piece = (np.concatenate(rows) for rows in zip(*(
             (np.linspace(low, high, SAMPLES), np.full(SAMPLES, i)) for run in runs for low, high, i in run
         ), strict=True))  # fmt: skip
@@ -276,14 +276,11 @@ class GrooveWall(ExactFlank):
                 "cam.outer_radius_mm",
                 f"choose at most {self.study.design.drive.cam.outer_mm:g} mm",
             )
+        return float(surface.radius.max())
 
 
-def _fit_wall(
-    study: Study, side: str, runs: Sequence[Run], radii: tuple[float, float], tolerance: float
-) -> tuple[tuple[Patch, ...], float]:
+def _fit_wall(exact: GrooveWall, runs: Sequence[Run], tolerance: float) -> tuple[tuple[Patch, ...], float]:
     """Patches of a wall, whose rims are on the cylinders of floor and blank within the accuracy of the file, and its deviation."""
-    exact = GrooveWall(study, side, radii)
-    exact.require_walls(runs)
     limit = min(tolerance, FIRST)
     for _ in range(ATTEMPTS):
         patches, deviation = fit_patches(exact, runs, limit)
@@ -304,14 +301,14 @@ def _rim_error(patch: Patch, radii: tuple[float, float]) -> float:
     return float(max(errors))
 
 
-def _require_ends(study: Study, heights: tuple[float, float], radius: float) -> None:
-    """Raises NoCam where the groove leaves the blank through one of its ends [mm]; ``radius``: largest one of the roller [mm].
+def _require_ends(study: Study, heights: tuple[float, float], ahead: float, behind: float) -> None:
+    """Raises NoCam where the groove leaves the blank through one of its ends.
 
-    The outermost contacts are above and below the roller's axis, where the motion stops.
+    The outermost contacts are above and below the roller's axis, where the motion stops, at its largest radius ahead and behind [mm].
     """
     low, high = (MM * (y if study.machine.slides else study.machine.lever * np.sin(y)) for y in motion_range(study))
     middle = 0.5 * sum(heights)
-    reach = max(high + radius - middle, middle - low + radius + MM * study.machine.play)
+    reach = max(high + ahead - middle, middle - low + behind)
     if reach >= heights[1] - middle:
         raise NoCam(
             f"{heights[1] - heights[0]:g} mm: the groove reaches {result_text(reach)} mm from the middle of the blank",

@@ -19,7 +19,7 @@ from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.numerics.derivatives import spread
 from core.output.solids.body import Body, BodyBuilder, CircleCurve, CylinderSurface, LineCurve, TorusSurface
-from core.output.solids.disk import required
+from core.output.solids.disk import hole_outline, required
 from core.output.solids.outline import Outline, area
 from core.output.solids.patches import MM
 from core.output.solids.prism import UP
@@ -28,7 +28,6 @@ from core.output.solids.turned import (
     Halves,
     add_band,
     add_ends,
-    bore_outline,
     chord_angle,
     circle_points,
     circle_rim,
@@ -52,24 +51,23 @@ class Zone:
     Attributes
     ----------
     low, high : radius and height of both circles [mm]
-    tube : distance [mm] of a torus from the circle in its tube; 0: a cylinder
-    centre : radius [mm] of that circle
+    major_radius, minor_radius : of a torus [mm]; 0: a cylinder
     """
 
     low: tuple[float, float]
     high: tuple[float, float]
-    tube: float = 0.0
-    centre: float = 0.0
+    major_radius: float = 0.0
+    minor_radius: float = 0.0
 
     @property
     def volume(self) -> float:
-        """Volume [mm³] about the axis, ∫π ρ² dz, on a torus with ρ = D - √(t² - z²)."""
-        if not self.tube:
+        """Volume [mm³] about the axis, ∫π ρ² dz, on a torus with ρ = D - √(r² - z²)."""
+        if not self.minor_radius:
             return pi * self.low[0] ** 2 * (self.high[1] - self.low[1])
-        t, d = self.tube, self.centre
+        r, d = self.minor_radius, self.major_radius
 
         def integral(z: float) -> float:
-            return (d * d + t * t) * z - z**3 / 3.0 - d * (z * sqrt(max(t * t - z * z, 0.0)) + t * t * asin(z / t))
+            return (d * d + r * r) * z - z**3 / 3.0 - d * (z * sqrt(max(r * r - z * z, 0.0)) + r * r * asin(z / r))
 
         return pi * (integral(self.high[1]) - integral(self.low[1]))
 
@@ -78,26 +76,29 @@ class Zone:
     ) -> None:
         """Add its faces between rims."""
         pairs = list(zip(lower[0], upper[0], strict=True))
-        if not self.tube:
+        if not self.minor_radius:
             surface = CylinderSurface(np.zeros(3), UP, self.low[0])
             add_band(builder, surface, lower[1], upper[1], [builder.edge(LineCurve(), *pair) for pair in pairs])
             return
         seams = []
         for angle, pair in zip(SEAMS, pairs, strict=True):
             cos, sin = np.cos(angle), np.sin(angle)
-            arc = CircleCurve(self.centre * np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), self.tube)
+            arc = CircleCurve(
+                self.major_radius * np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), self.minor_radius
+            )
             seams.append(builder.edge(arc, *pair))
-        torus = TorusSurface(np.zeros(3), UP, self.centre, self.tube)
+        torus = TorusSurface(np.zeros(3), UP, self.major_radius, self.minor_radius)
         add_band(builder, torus, lower[1], upper[1], seams, is_along=False)
 
     def circles(self, tolerance: float) -> list[tuple[float, float]]:
         """Radius and height [mm] of circles between which cones keep half of a tolerance [mm], without the last one."""
-        if not self.tube:
+        if not self.minor_radius:
             return [self.low]
-        first, last = (asin(z / self.tube) for _, z in (self.low, self.high))
-        count = ceil((last - first) / chord_angle(self.tube, 0.5 * tolerance))
+        r, d = self.minor_radius, self.major_radius
+        first, last = (asin(z / r) for _, z in (self.low, self.high))
+        count = ceil((last - first) / chord_angle(r, 0.5 * tolerance))
         angles = [first + (last - first) * k / count for k in range(1, count)]
-        return [self.low, *((self.centre - self.tube * np.cos(e), self.tube * np.sin(e)) for e in angles)]
+        return [self.low, *((d - r * np.cos(angle), r * np.sin(angle)) for angle in angles)]
 
 
 def _turned(builder: BodyBuilder, zones: tuple[Zone, ...]) -> tuple[Halves, Halves]:
@@ -109,7 +110,7 @@ def _turned(builder: BodyBuilder, zones: tuple[Zone, ...]) -> tuple[Halves, Halv
     return rims[0][1], rims[-1][1]
 
 
-def _rows(zones: tuple[Zone, ...], tolerance: float) -> list[np.ndarray]:
+def _rings(zones: tuple[Zone, ...], tolerance: float) -> list[np.ndarray]:
     """Corners (n, 3) [mm] of triangles on circles from the lower to the upper end."""
     circles = [*(circle for zone in zones for circle in zone.circles(tolerance)), zones[-1].high]
     widest = max(radius for radius, _ in circles)
@@ -127,13 +128,14 @@ class UncutBlank:
     Attributes
     ----------
     strips : the flanks
-    side, floor : zones of the blank and of the floor, from the lower to the upper end
+    side : zones of the blank, from the lower to the upper end
+    floor : zone of the floor
     hole : outline of the bore with its keyway
     """
 
     strips: Strips
     side: tuple[Zone, ...]
-    floor: tuple[Zone, ...]
+    floor: Zone
     hole: Outline
     points: Mapping[str, np.ndarray] = field(default_factory=dict)
 
@@ -153,7 +155,7 @@ class UncutBlank:
         """The blank, a sheet for the floor, and one for each flank."""
         blank, floor = BodyBuilder(), BodyBuilder()
         add_ends(blank, _turned(blank, self.side), (self.side[0].low[1], self.side[-1].high[1]), self.hole)
-        _turned(floor, self.floor)
+        _turned(floor, (self.floor,))
         return blank.body("blank", is_closed=True), floor.body("floor", is_closed=False), *self.strips.bodies
 
     def triangles(self, tolerance: float) -> np.ndarray:
@@ -168,7 +170,7 @@ class UncutBlank:
         -------
         ndarray (n, 3, 3) [mm]
         """
-        side = _rows(self.side, tolerance)
+        side = _rings(self.side, tolerance)
         bands = [paired_triangles(*pair) for pair in pairwise(side)]
         ends = end_triangles(side[0], side[-1], self.hole, tolerance)
         return np.concatenate([*bands, ends, self.sheet_triangles(tolerance)])
@@ -184,7 +186,7 @@ class UncutBlank:
         -------
         ndarray (n, 3, 3) [mm]
         """
-        bands = [paired_triangles(*pair) for pair in pairwise(_rows(self.floor, tolerance))]
+        bands = [paired_triangles(*pair) for pair in pairwise(_rings((self.floor,), tolerance))]
         return np.concatenate([*bands, self.strips.triangles(tolerance)])
 
     def rims(self, tolerance: float) -> tuple[np.ndarray, ...]:
@@ -210,63 +212,18 @@ def uncut_blank(study: Study, tolerance: float) -> UncutBlank:
     KindynaError
         The tolerance requires too many spans.
     NoCam
-        A dimension of the blank is missing, a bore reaches the floor, or a flank has an edge.
+        A dimension of the blank is missing, the rollers are outside of it, or a flank has an edge.
     """
     from core.spatial import SIDES
 
-    cam, machine = study.design.drive.cam, study.machine
+    cam = study.design.drive.cam
     low, high = blank_heights(study)
     if isinstance(cam, GloboidalCam):
-        tip = MM * (machine.outer + machine.play)
-        throat, half = cam.centre_distance_mm - tip, 0.5 * (high - low)
-        if cam.outer_radius_mm is not None and cam.outer_radius_mm <= throat:
-            raise NoCam(
-                f"{cam.outer_radius_mm:g} mm: the rollers do not reach into the blank",
-                "cam.outer_radius_mm",
-                f"choose more than {throat:g} mm",
-            )
-        side = _arc_zones(cam, half)
-        floor = (_torus(cam, tip, min(half, _height(cam, tip))),)
-        radius = side[-1].high[0]
-        distance = hypot(cam.centre_distance_mm - radius, half)
-        limit = atan2(half, cam.centre_distance_mm - radius) + asin(min(1.0, MM * machine.radius / distance))
+        side, floor = _globoid(study, cam, 0.5 * (high - low))
     else:
-        throat, radius = MM * (machine.inner - machine.play), required(cam, "outer_radius_mm", BLANK_RADIUS)
-        side, floor = ((Zone((r, low), (r, high)),) for r in (radius, throat))
-        limit = asin(min(1.0, (0.5 * (high - low) + MM * machine.radius) / (MM * machine.lever or np.inf)))
-    hole = bore_outline(cam, throat)
-    return UncutBlank(spatial_strips(study, SIDES, tolerance, limit), side, floor, hole)
-
-
-def _torus(cam: GloboidalCam, tube: float, height: float) -> Zone:
-    """Torus about the axis of the turret at a distance from it, up to a height on both sides."""
-    radius = cam.centre_distance_mm - sqrt(tube**2 - height**2)
-    return Zone((radius, -height), (radius, height), tube, cam.centre_distance_mm)
-
-
-def _height(cam: GloboidalCam, tube: float) -> float:
-    """Height at which a torus meets the cylinder of the blank, or ends [mm]."""
-    cylinder = cam.centre_distance_mm if cam.outer_radius_mm is None else cam.outer_radius_mm
-    return sqrt(max(tube**2 - max(cam.centre_distance_mm - cylinder, 0.0) ** 2, 0.0))
-
-
-def _arc_zones(cam: GloboidalCam, half: float) -> tuple[Zone, ...]:
-    """Torus along the rollers' inner ends between cylinders of the blank radius. Raises NoCam where both do not meet."""
-    radius, distance, tube = cam.outer_radius_mm, cam.centre_distance_mm, cam.roller_inner_mm
-    if radius is not None and radius <= distance - tube:
-        return (Zone((radius, -half), (radius, half)),)
-    height = _height(cam, tube)
-    if half < min(height + SHORTEST, tube):
-        return (_torus(cam, tube, half),)
-    if radius is None or radius >= distance:
-        raise NoCam(
-            f"{'missing' if radius is None else f'{radius:g} mm'}: the arc about the turret's axis ends {tube:g} mm from the middle, "
-            f"before the blank, whose half length is {half:g} mm",
-            "cam.outer_radius_mm",
-            f"give a radius below {distance:g} mm, or shorten the blank",
-        )
-    torus = _torus(cam, tube, height)
-    return Zone((radius, -half), (radius, -height)), torus, Zone((radius, height), (radius, half))
+        radius, inner = required(cam, "outer_radius_mm", BLANK_RADIUS), floor_radius(study)
+        side, floor = (Zone((radius, low), (radius, high)),), Zone((inner, low), (inner, high))
+    return UncutBlank(spatial_strips(study, SIDES, tolerance, _limit(study, side)), side, floor, hole_outline(cam))
 
 
 def blank_heights(study: Study) -> tuple[float, float]:
@@ -282,3 +239,69 @@ def motion_range(study: Study) -> tuple[float, float]:
     program = study.program
     y = find_extremes(lambda at: {"": spread(program.state(at).displacement[0], at.theta.size)}, program)[""]
     return y.low.value, y.high.value
+
+
+def floor_radius(study: Study) -> float:
+    """Distance [mm] of the floor of the grooves from the axis of the cam, of a globoidal cam in the middle."""
+    cam, machine = study.design.drive.cam, study.machine
+    if isinstance(cam, GloboidalCam):
+        return float(cam.centre_distance_mm - MM * (machine.outer + machine.play))
+    return float(MM * (machine.inner - machine.play))
+
+
+def _limit(study: Study, side: tuple[Zone, ...]) -> float:
+    """Angle [rad] of the turret at which a roller has left the blank: that of its corner and of the roller's radius."""
+    cam, radius = study.design.drive.cam, MM * study.machine.radius
+    (end, high), (_, low) = side[-1].high, side[0].low
+    half = 0.5 * (high - low)
+    if isinstance(cam, GloboidalCam):
+        away = cam.centre_distance_mm - end
+        return atan2(half, away) + asin(min(1.0, radius / hypot(away, half)))
+    return asin(min(1.0, (half + radius) / (MM * study.machine.lever))) if study.machine.is_turret else 0.5 * pi
+
+
+# -- globoidal cams ---------------------------------------------------------------------------------------------
+
+
+def _globoid(study: Study, cam: GloboidalCam, half: float) -> tuple[tuple[Zone, ...], Zone]:
+    """Side of the blank of a half length [mm], and floor of the grooves. Raises NoCam where the rollers are outside of the blank."""
+    throat = floor_radius(study)
+    if cam.outer_radius_mm is not None and cam.outer_radius_mm <= throat:
+        raise NoCam(
+            f"{cam.outer_radius_mm:g} mm: the rollers do not reach into the blank",
+            "cam.outer_radius_mm",
+            f"choose more than {throat:g} mm",
+        )
+    side, tip = _arc_zones(cam, half), cam.centre_distance_mm - throat
+    return side, _torus(cam, tip, min(half, _height(cam, tip)))
+
+
+def _torus(cam: GloboidalCam, distance: float, height: float) -> Zone:
+    """Torus at a distance [mm] from the axis of the turret, up to a height [mm] on both sides."""
+    radius = cam.centre_distance_mm - sqrt(distance**2 - height**2)
+    return Zone((radius, -height), (radius, height), cam.centre_distance_mm, distance)
+
+
+def _height(cam: GloboidalCam, distance: float) -> float:
+    """Height [mm] at which the torus at this distance from the axis of the turret meets the cylinder of the blank, or ends."""
+    cylinder = cam.centre_distance_mm if cam.outer_radius_mm is None else cam.outer_radius_mm
+    return sqrt(max(distance**2 - max(cam.centre_distance_mm - cylinder, 0.0) ** 2, 0.0))
+
+
+def _arc_zones(cam: GloboidalCam, half: float) -> tuple[Zone, ...]:
+    """Torus along the rollers' inner ends between cylinders of the blank radius. Raises NoCam where both do not meet."""
+    radius, centre_distance, inner = cam.outer_radius_mm, cam.centre_distance_mm, cam.roller_inner_mm
+    if radius is not None and radius <= centre_distance - inner:
+        return (Zone((radius, -half), (radius, half)),)
+    height = _height(cam, inner)
+    if half < min(height + SHORTEST, inner):
+        return (_torus(cam, inner, half),)
+    if radius is None or radius >= centre_distance:
+        raise NoCam(
+            f"{'missing' if radius is None else f'{radius:g} mm'}: the arc about the turret's axis ends {inner:g} mm from the middle, "
+            f"before the blank, whose half length is {half:g} mm",
+            "cam.outer_radius_mm",
+            f"give a radius below {centre_distance:g} mm, or shorten the blank",
+        )
+    torus = _torus(cam, inner, height)
+    return Zone((radius, -half), (radius, -height)), torus, Zone((radius, height), (radius, half))

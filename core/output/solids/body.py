@@ -106,21 +106,21 @@ class CylinderSurface:
 
 @frozen(eq=False)
 class TorusSurface:
-    """A torus, whose normal points away from the circle in its tube.
+    """A torus, whose normal points away from the circle in its middle.
 
     Attributes
     ----------
     centre : ndarray (3,) [mm]
     axis : ndarray (3,), dimensionless
         Unit vector.
-    radius, tube : float [mm]
+    major_radius, minor_radius : float [mm]
         Radius of the circle about the axis, and distance of the surface from that circle.
     """
 
     centre: np.ndarray
     axis: np.ndarray
-    radius: float
-    tube: float
+    major_radius: float
+    minor_radius: float
 
 
 @frozen(eq=False)

@@ -11,18 +11,17 @@ from core.frozen import frozen
 from core.motion import Angles
 from core.motion.extremes import find_extremes
 from core.number_text import rounded_up
-from core.numerics.derivatives import dot
 from core.numerics.lazy import checkpoint
 from core.output.files.fewest import ROUNDING, piece_deviation
 from core.output.files.fitted_curve import CERTAIN, exact_curve
 from core.output.files.profile_curve import ProfileCurve
+from core.output.files.profile_fit import CurveChain, polynomial_distance
 from core.output.files.profile_request import ProfileRequest
 from core.output.solids.outline import Arc, Outline, Spline, area, hermite_spline, reversed_outline
 from core.study import Study
 
 WIDEST = np.deg2rad(30.0)  # cam angle of a span
 MOST_SPANS = 20_000
-NEWTON_STEPS = 6  # to the nearest point of a span
 SAME = 1e-9  # relative: difference of curvatures that counts as rounding
 PARTS = np.linspace(0.0, 1.0, 7)  # positions in a piece of the motion at which it is compared with a circle
 
@@ -59,7 +58,7 @@ class _Nodes:
 
 
 @frozen(eq=False)
-class _Quintics:
+class _Quintics(CurveChain):
     """Quintics over m spans that have point, tangent and curvature of the curve at both ends.
 
     Attributes
@@ -70,30 +69,7 @@ class _Quintics:
     powers: np.ndarray
 
     def distance(self, span: np.ndarray, z: np.ndarray, part: np.ndarray) -> np.ndarray:
-        """Distance of points from the quintics over given spans, by Newton's method.
-
-        Parameters
-        ----------
-        span : ndarray (m,), dimensionless
-            Indices of the spans.
-        z : ndarray (m, k) complex [mm]
-            Points, k for a span.
-        part : ndarray (m, k), dimensionless
-            Their approximate position along the span, 0 ... 1.
-
-        Returns
-        -------
-        ndarray (m, k) [mm]
-        """
-        powers = self.powers[span].T[:, :, None]
-        t = np.clip(part, 0.0, 1.0)
-        for step in range(NEWTON_STEPS + 1):
-            value, slope = powers[-1], np.zeros_like(powers[-1])
-            for power in powers[-2::-1]:
-                value, slope = value * t + power, slope * t + value
-            if step < NEWTON_STEPS:
-                t = np.clip(t - dot(value - z, slope) / dot(slope, slope), 0.0, 1.0)
-        return np.abs(value - z)
+        return polynomial_distance(self.powers[span], z, part)
 
 
 # z, dz/dx, d²z/dx² at x = 0 and x = 1 -> coefficients of the quintic

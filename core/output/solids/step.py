@@ -248,7 +248,7 @@ def _cylinder(data: _Entities, surface: CylinderSurface) -> int:
 
 def _torus(data: _Entities, surface: TorusSurface) -> int:
     placement = data.placement(surface.centre, surface.axis)
-    return data.add(f"TOROIDAL_SURFACE('',#{placement},{real(surface.radius)},{real(surface.tube)})")
+    return data.add(f"TOROIDAL_SURFACE('',#{placement},{real(surface.major_radius)},{real(surface.minor_radius)})")
 
 
 def _spline_surface(data: _Entities, surface: SplineSurface) -> int:

@@ -11,9 +11,6 @@ from math import acos, ceil, pi
 
 import numpy as np
 
-from core.cam.checks import keyway_reach
-from core.design.spatial import SpatialCam
-from core.errors import NoCam
 from core.output.solids.body import (
     BodyBuilder,
     CircleCurve,
@@ -25,13 +22,11 @@ from core.output.solids.body import (
     Surface,
     reversed_loop,
 )
-from core.output.solids.disk import hole_outline
 from core.output.solids.mesh import level_triangles, wall_triangles
 from core.output.solids.outline import Outline, polygon
 from core.output.solids.patches import greville, spline_through
 from core.output.solids.prism import UP, Prism, Wall
 
-MM = 1e3
 UPRIGHT = 1e-9  # [mm] around the cylinder, from which a seam is no straight line
 HELIX = KnotVector(5, np.linspace(0.0, 1.0, 4), (6, 1, 1, 6))
 
@@ -90,19 +85,6 @@ def add_ends(builder: BodyBuilder, rims: tuple[Halves, Halves], heights: tuple[f
         loops[1].append(tuple((first + count + i, True) for i in range(count)))
     for height, normal, around in zip(heights, (-UP, UP), loops, strict=True):
         builder.face(PlaneSurface(np.array([0.0, 0.0, height]), normal), *around)
-
-
-def bore_outline(cam: SpatialCam, floor: float) -> Outline:
-    """Outline of the bore with its keyway. Raises NoCam where it reaches the floor [mm] of the grooves."""
-    hole = hole_outline(cam)
-    reach = max(MM * keyway_reach(cam), 0.5 * (cam.bore_mm or 0.0))
-    if reach >= floor:
-        raise NoCam(
-            f"bore and keyway reach {reach:g} mm from the axis, the floor of the grooves is {floor:g} mm from it",
-            "cam.keyway_depth_mm" if cam.keyway_depth_mm else "cam.bore_mm",
-            "make the keyway or the bore smaller",
-        )
-    return hole
 
 
 # -- triangles --------------------------------------------------------------------------------------------------

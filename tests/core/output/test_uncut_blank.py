@@ -141,11 +141,6 @@ def test_stl_of_a_blank_is_watertight(tmp_path: Path) -> None:
         ({"outer_radius_mm": None}, "cam.outer_radius_mm: missing: the arc about the turret's axis ends 48 mm"),
         ({"outer_radius_mm": 130.0}, "cam.outer_radius_mm: 130 mm: the arc about the turret's axis ends 48 mm"),
         ({"outer_radius_mm": 56.0}, "cam.outer_radius_mm: 56 mm: the rollers do not reach into the blank"),
-        ({"bore_mm": 106.0}, "cam.keyway_depth_mm: bore and keyway reach"),
-        (
-            {"bore_mm": 112.0, "keyway_width_mm": None, "keyway_depth_mm": None, "keyway_angle_deg": None},
-            "cam.bore_mm: ",
-        ),
     ],
 )
 def test_faults_are_named_in_one_line(tmp_path: Path, changes: dict[str, float | None], said: str) -> None:

@@ -123,11 +123,10 @@ def test_flanks_of_a_cam_in_space(user: User, tmp_path: Path) -> None:
     user.session.start(load(example("barrel_feeder")))
 
     def act(dialog: SurfaceDialog) -> None:
-        assert computed(dialog).startswith("8 faces, at most ")
-        dialog.form.boxes["solid"].click()
         assert computed(dialog).startswith("21 faces, "), "the solid of a slide's groove"
         assert dialog.picture.shown.is_closed, "what is written is drawn"
         dialog.form.boxes["solid"].click()
+        assert computed(dialog).startswith("8 faces, at most ")
         pick(dialog.form.boxes["flank"], "Ahead")
         assert computed(dialog).startswith("4 faces, at most ")
         seen = dialog.picture.grab().toImage()
