@@ -239,6 +239,8 @@ class MechanismView(MechanismMouseView):
             self._draw(study)
         except KindynaError:
             self._is_blank = True
+        if self.canvas.fitted and self._sheet is not None:
+            self._sheet.fit()
         self.canvas.viewport().update()
 
     def joints(self) -> dict[str, complex]:

@@ -178,6 +178,11 @@ class FindLinkageView(View):
         task = self.task
         with suppress(KindynaError):  # a file that cannot be read, as the search says
             task = with_points(task)
+        if task.kind != self.sheet.task.kind and task.kind not in (
+            POSES,
+            PATH,
+        ):  # nothing of it is drawn under the mouse
+            self._refit()
         self.sheet.show_task(task)
         self._request(PAUSE_MS)
 

@@ -185,6 +185,7 @@ class TaskSheet(QObject):
         canvas.viewport().installEventFilter(self)
         canvas.installEventFilter(self)
         canvas.setCursor(Qt.CursorShape.CrossCursor)
+        canvas.setFocus()
 
     def stop(self) -> None:
         """Give mouse and keys back."""

@@ -347,6 +347,24 @@ def test_values_and_cards_are_in_the_preferred_unit(user: User) -> None:
         settings.choose({}, False)
 
 
+def test_another_design_and_the_dock_opened_again_show_the_full_task(user: User) -> None:
+    far = tuple(BodyPose(1000.0 + pose.x_mm, pose.y_mm, pose.angle_deg) for pose in POSES)
+    sheet = Sheet(user, Task(kind="poses", poses=far))
+
+    def sees_all() -> bool:
+        return all(sheet.viewport.rect().contains(sheet.pixel(pose.z)) for pose in far)
+
+    assert not sees_all()
+    user.session.open(EXAMPLE.with_name("transfer_lift.toml"))
+    settle()
+    assert sees_all()
+    sheet.canvas.show_region(QPointF(40.0, 0.0), 2.0)
+    user.window.docks["find_linkage"].close()
+    settle()
+    user.choose("Compo", "Find a linkage")
+    assert sees_all()
+
+
 # -- errors and the search -------------------------------------------------------------------------------
 
 
