@@ -359,7 +359,8 @@ def reasons(design: Design, error: KindynaError) -> Reasons:
     """Path, name and sentence of each fault that an error reports; path and name are empty where it concerns no field."""
     if isinstance(error, DesignError):
         rows: Iterable[tuple[str, str]] = (
-            (f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in error.faults
+            (f.path, f"{f.problem}; allowed: {_choices_text(f.allowed)}" if f.allowed else f.problem)
+            for f in error.faults
         )
     else:
         path = getattr(error, "field", "")
@@ -369,6 +370,12 @@ def reasons(design: Design, error: KindynaError) -> Reasons:
         (path, name_of(design, path) if path else "", text if is_file_error else named(design, text))
         for path, text in rows
     )
+
+
+def _choices_text(allowed: str) -> str:
+    """Allowed values of a fault, the words of a choice as the window writes them."""
+    *words, last = (choice_text(word) for word in allowed.split(" | "))
+    return f"{', '.join(words)} or {last}" if words else allowed
 
 
 def reason(design: Design, error: KindynaError) -> str:

@@ -309,6 +309,11 @@ class Field(QObject):
 
         return FloatingRefusal(self.editor)
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the typed value is not applied yet."""
+        return self.session.is_waiting(self.spec.path, self.spec.read)
+
     def refresh(self, design: Design) -> None:
         """Show the value of a design, unless the editor holds a refused text or one that is being typed."""
         if self.mark is not None:
@@ -319,7 +324,7 @@ class Field(QObject):
             self.mark.setToolTip(
                 f"{self.spec.info.label} is {meaning}; click to change" + (f"\n\n{why}" if why else "")
             )
-        self.editor.set_waiting(self.session.is_waiting(self.spec.path, self.spec.read))
+        self.editor.set_waiting(self.is_waiting)
         self._misfit = self.session.misfit.at(self.spec.path)
         self._show_refusals()
         if not (self.editor.is_refused or (isinstance(self.editor, NumberBox) and self.editor.is_typing)):

@@ -94,6 +94,14 @@ class StrokeField(Field):
         self.editor.setProperty(FIELD, None)  # not in the file
         self.editor.setProperty(HELP, "making#Stroke, above the diagram")
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the levels at the ends of the segments wait; between them an incomplete motion is not known."""
+        return self.session.is_waiting(self.spec.path, lambda design: stroke(require_motion(design)))
+
+    def _show(self, design: Design) -> None:
+        super()._show(design if self.is_waiting else self.session.design)
+
     def edit(self, value: Any, text: str) -> None:
         if not self.is_obsolete:
             design = self.session.typed

@@ -9,6 +9,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import CurveBound, CurveLimits, OptimalCurve, edited, require_motion
 from kindyna_gui.forms.fields import WordBox
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import name_of
 from kindyna_gui.motion.curve_lists import ListsTable
 
@@ -204,4 +205,24 @@ def test_a_law_of_least_torque_is_chosen_and_marked_local(user: User) -> None:
     box.activated.emit(box.currentIndex())
     settle()
     assert user.design.drive.motion.segments[1].curve.minimise == "torque", "there is no servo"
-    assert "Needs [servo]" in user.field(f"{PATH}.minimise").trouble
+    trouble = user.field(f"{PATH}.minimise").trouble
+    assert "Needs [servo]" in trouble
+    assert "rms of acceleration, rms of jerk, torque or contact force" in trouble, "the words of the field itself"
+    assert "_" not in trouble
+
+
+def test_a_refused_limit_reddens_its_own_field_alone(user: User) -> None:
+    """The law falls below its end before an obstacle, so that the true stroke is larger than the rise."""
+    user.session.edit(f"{PATH}.points", (), "No points")
+    user.session.edit(f"{PATH}.below", (CurveBound(0.0, 0.4, 0.2),), "Add an obstacle")
+    user.session.edit(f"{PATH}.limits.velocity", 1.9, "Limit the velocity")
+    user.wait_for_laws()
+    stroke = user.field("motion.stroke_mm").editor
+    assert isinstance(stroke, NumberBox)
+    shown = stroke.text()
+    assert float(shown) > 150.001
+    user.enter(f"{PATH}.limits.jerk", "20")
+    user.wait_for_laws()
+    assert "No law keeps this limit" in user.field(f"{PATH}.limits.jerk").trouble
+    assert not stroke.is_waiting
+    assert stroke.text() == shown
