@@ -232,6 +232,11 @@ def leading(part: Any, order: int = 0) -> Any:
     return _with_info(part, weight=MAIN, order=order)
 
 
+def early(part: Any) -> Any:
+    """Field below the leading ones of its form, folded while it has no value."""
+    return _with_info(part, order=-1)
+
+
 def seldom(part: Any) -> Any:
     """Field that is folded until its value differs from the default."""
     return _with_info(part, weight=SELDOM, usual=part.default)

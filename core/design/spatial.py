@@ -11,6 +11,7 @@ from core.design.fields import (
     LONGEST_MM,
     MAIN,
     chosen_by_word,
+    early,
     leading,
     length,
     number,
@@ -109,7 +110,7 @@ class BarrelCam(SpatialCam):
 
     kind: ClassVar[str] = "barrel"
     label: ClassVar[str] = "Barrel cam"
-    arm_mm: float | None = leading(_known("Arm", "axis of the turret or arm to the roller, of a motion in degrees"))
+    arm_mm: float | None = early(_known("Arm", "axis of the turret or arm to the roller, of a motion in degrees"))
 
 
 @frozen(kw_only=True)

@@ -29,6 +29,7 @@ from core.spatial.picture import (
 )
 from core.spatial.shape import turret_limit
 
+NEAR_END = 0.015  # from the ends of the blank to the ends of the lines on it, by its length
 ROWS = 3  # lines on a flank of a globoidal cam
 ANGLES = 240  # steps of the edges around the turn
 RIM = DIRECTIONS = 48  # points of a roller's rim, directions in which the outline of a roller is searched
@@ -378,9 +379,10 @@ def _drawn(axes: np.ndarray, vector: np.ndarray) -> complex:
 
 
 def _inside(machine: Machine, points: np.ndarray, elevations: tuple[float, float]) -> np.ndarray:
-    """Part (3, k) of an edge between the ends of the blank."""
+    """Part (3, k) of an edge between the ends of the blank, whose lines stay visible."""
     height = elevation(machine, points)
-    return points[:, (height >= elevations[0] - 1e-12) & (height <= elevations[1] + 1e-12)]
+    margin = NEAR_END * (elevations[1] - elevations[0])
+    return points[:, (height >= elevations[0] + margin) & (height <= elevations[1] - margin)]
 
 
 def _polar(machine: Machine, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -233,9 +233,16 @@ def fill_plot(
 def report_scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
     """Mechanism at its largest pressure angle, where normal and instant centre are clearly visible."""
     scene = MechanismScene(study, theme, closest, still=True)
-    at = int(np.argmax(study.cam.flank.pressure_angle)) if study.has_disk else study.theta.size // 8
-    scene.set_index(at)
+    scene.set_index(_steepest(scene, study))
     return scene
+
+
+def _steepest(scene: MechanismScene, study: Study) -> int:
+    """Sample with the largest pressure angle; an eighth of a turn without a cam."""
+    if study.has_disk:
+        return int(np.argmax(study.cam.flank.pressure_angle))
+    surface = None if scene.geometry is None else scene.geometry.surface
+    return study.theta.size // 8 if surface is None else int(np.argmax(surface.pressure_angle))
 
 
 def _mechanism_file(ending: str, study: Study) -> bytes:

@@ -166,7 +166,7 @@ def _untitled(sections: Iterable[Section]) -> list[Section]:
 def _glance(subject: Subject) -> list[Section]:
     """The first page: the machine, the main figures and the findings."""
     study = subject.study
-    drawn = is_complete(study.camshaft) if subject.scope == SHAFT else "linkage" in study.stages
+    drawn = is_complete(study.camshaft) if subject.scope == SHAFT else "linkage" in study.stages or study.has_surface
     pictures = subject.pictures({GLANCE: "The machine, to scale."}) if drawn else ()
     rows = [
         (label, value, unit, Number(angle) if angle is not None else "")
@@ -275,7 +275,8 @@ def _motion(subject: Subject) -> list[Section]:
 def _cam(subject: Subject) -> list[Section]:
     if subject.study.has_surface:
         in_space = {"cam": "Pressure angle, curvature and sliding over one turn, each the worst along the roller."}
-        return section("Curves of the cam", *subject.pictures(in_space))
+        views = "The cam with its rollers and the output, to scale, in side view and end view, where the pressure angle is greatest."
+        return _with(section("Curves of the cam", *subject.pictures(in_space)), subject.pictures({"mechanism": views}))
     if not subject.study.has_disk:
         return []
     curves = {"cam": "Pressure angle, curvature and radius of the cam over one turn."}

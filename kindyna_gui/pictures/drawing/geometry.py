@@ -34,6 +34,7 @@ UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
 UNIT_STEPS = 60  # sizes that symbols may have, per factor of ten
 BEARING = 8.0  # units from the centre of a cam that cannot be drawn, for its bearing
 EXTERNAL_KEYS = ("external_force_n", "force_n", "torque_nm")
+TEXT_ROOM = 0.25  # of a force's value next to a cam in space, by the cam's extent
 FAR = 0.15  # an instant centre farther outside than this fraction of the mechanism's size does not widen the view
 
 
@@ -382,6 +383,9 @@ class Geometry:
         sweep = max([sweep, *(float(np.abs(flank.profile).max()) * MM for flank in self.other_flanks)])
         boxes = [(-sweep, -sweep, sweep, sweep)] if self.has_cam else []
         boxes += [(low.real, low.imag, high.real, high.imag) for low, high in self.view_boxes]
+        if boxes and self.external and self.space is not None and self.space.machine.slides:
+            room = TEXT_ROOM * boxes[0][2]  # for the value of a force at the end of the slide's travel
+            boxes.append((boxes[0][0] - room, 0.0, boxes[0][2], 0.0))
         if self.space is not None and self.space.machine.is_turret:
             reach = self.space.turret_reach * MM
             boxes.append((-reach, -reach, reach, reach))

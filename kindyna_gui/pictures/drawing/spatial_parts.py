@@ -91,7 +91,7 @@ def _side_view(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
     yield DrawnPart(
         "axis", Outline(segments([(ends[0], ends[1])]), theme.pen(theme.quiet, THIN, CHAIN)), ("cam",), Z_EDGES
     )
-    yield _title("side", f"{geometry.study.design.drive.cam.label}, side view", geometry.view_boxes[0], geometry, theme)
+    yield _title("side", "Side view", geometry.view_boxes[0], geometry, theme)
 
 
 def _end_view(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -124,7 +124,7 @@ def _end_view(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
             scaled(shape, 1.0, centre), theme.pen(theme.cam_line, THIN), brush(theme.cam_line) if "." in key else None
         )
         yield DrawnPart(key, arrow, ("cam",), Z_EDGES)
-    yield _title("end", f"{geometry.study.design.drive.cam.label}, end view", geometry.view_boxes[1], geometry, theme)
+    yield _title("end", "End view", geometry.view_boxes[1], geometry, theme)
 
 
 def _title(key: str, text: str, box: tuple[complex, complex], geometry: Geometry, theme: Theme) -> DrawnPart:

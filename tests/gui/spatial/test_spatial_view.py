@@ -165,6 +165,9 @@ def test_the_report_has_the_curves_of_the_cam(tmp_path: Path) -> None:
     text = out.read_text("utf-8")
     assert "Pressure angle, curvature and sliding over one turn" in text
     assert "Sliding of the roller" in text
+    assert "in side view and end view" in text
+    assert text.count("<svg") == 5, "the machine, motion, views, curves of the cam, forces"
+    assert "End view" in text
 
 
 def test_only_the_page_that_is_seen_is_computed(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
