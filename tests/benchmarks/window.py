@@ -5,8 +5,9 @@
 The lift at 1440 x 900, offscreen, 1800 cam angles, forms and motion on the left of the mechanism, findings below it, and on
 its right six plots or, with all docks open, twelve; a six-bar beside lengths, centres and three plots, its frames at
 1920 x 1080 too; several drives on one shaft beside three plots. What is drawn with the mouse stands beside twelve plots at
-1920 x 1080, as does a length stepped by key, and a move counts until the next one is taken up, as of a hand that goes on. Times are
-processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what slows the
+1920 x 1080, as does a length stepped by key; a pose of a task is drawn on its sheet over its cards. A move counts until the next
+one is taken up, as of a hand that goes on. Times are processor time of the window's thread, the median of rounds in which
+everything is measured in turn, so that what slows the
 machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of the same
 plots and drawings in the same run. Tables that are read rather than watched follow when editing pauses: they are a row of
 their own, painted into pictures, beside the same pictures without news. The start is measured from the process to the first
@@ -50,6 +51,7 @@ from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
 from kindyna_gui.settings import Preferences
+from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import LEFT, RIGHT, VIEWS, Dock, ViewRow, lazily
 from kindyna_gui.window.main_window import MainWindow
@@ -76,6 +78,7 @@ THEME_KERNEL, THEME = "theme to paint, by every widget", "light and dark"
 PIN_KERNEL, PINNED = "edit to paint, by one without a pin", "a variant pinned"
 SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
 EIGHT_BAR_KERNEL = "drag to paint, eight-bar"
+TASK_KERNEL, POSE = "drag to paint, a task", "a pose"
 SIX_BAR_KERNELS = tuple(f"{kernel}, six-bar" for kernel in (EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL))
 UNIT, DRIVES_KERNEL = "transfer_unit", "animation, several drives"
 WIDE, WIDE_KERNEL = (1920, 1080), "animation, six-bar at 1920 x 1080"
@@ -123,6 +126,7 @@ def names() -> tuple[str, ...]:
         f"{THEME_KERNEL}: {THEME}",
         *linkage,
         f"{EIGHT_BAR_KERNEL}: {JOINT}",
+        f"{TASK_KERNEL}: {POSE}",
     )
 
 
@@ -133,7 +137,7 @@ def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, more: bool =
         rows = [row for plots in layouts for row in _measured(plots, rounds)] + _stepped(rounds)
         rows += _six_bar(rounds, more)
         rows += _joint_drawn(rounds, SIX_BAR_KERNELS[1], load(example(SIX_BAR)))
-        rows += _joint_drawn(rounds, EIGHT_BAR_KERNEL, chain(8))
+        rows += _joint_drawn(rounds, EIGHT_BAR_KERNEL, chain(8)) + _pose_drawn(rounds)
         return rows + _drives(rounds) if more else rows
 
 
@@ -246,6 +250,35 @@ def _joint_drawn(rounds: int, kernel: str, linkage: Design) -> list[Row]:
         assert len(seen) == MANY + 1, "every plot and the mechanism are on screen"
         with _drawing_a_joint(window) as drag:
             return _rows(kernel, MANY, _drawn(window, {JOINT: drag, BARE: _bare(seen)}, rounds))
+    finally:
+        dismiss(window)
+
+
+def _pose_drawn(rounds: int) -> list[Row]:
+    """A pose of a task on its sheet, with the cards of the linkages found for it meanwhile by another thread."""
+    window = hidden_window(load(example("four_bar")), WIDE)
+    try:
+        window.show_task("compo")
+        view = window.show_view("find_linkage")
+        assert isinstance(view, FindLinkageView)
+        rest(window)
+        assert view.sheet.canvas is not None
+        paper, cards = view.sheet.canvas.viewport(), view.strip.board.list.viewport()
+        assert cards.isVisible(), "there are linkages"
+        start = view.sheet.pixel(view.task.poses[1].z)
+        none, left = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
+
+        def move(count: int) -> None:
+            before = view.task
+            at = start + QPointF(20.0 + 20.0 * (count % 7), 20.0 * (count % 2))
+            event = QMouseEvent(QEvent.Type.MouseMove, at, paper.mapToGlobal(at), left, left, none)
+            QApplication.sendEvent(paper, event)
+            assert view.task != before, "each move is another task"
+
+        QTest.mousePress(paper, left, none, start.toPoint())
+        rows = _rows(TASK_KERNEL, 0, _drawn(window, {POSE: move, BARE: _bare([paper, cards])}, rounds))
+        QTest.mouseRelease(paper, left, none, start.toPoint())
+        return rows
     finally:
         dismiss(window)
 

@@ -26,6 +26,7 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
     drawn = [("drag to paint", method, 12) for method in (window.DRAG, "bare repaint")]
     joint = [("drag to paint, six-bar", method, 12) for method in (window.JOINT, "bare repaint")]
     eight_bar = [(window.EIGHT_BAR_KERNEL, method, 12) for method in (window.JOINT, "bare repaint")]
+    pose = [(window.TASK_KERNEL, method, 0) for method in (window.POSE, "bare repaint")]
     methods = (("edit to paint", "edit of a link"), ("animation", "frame"))
     six_bar = [(f"{kernel}, six-bar", name, 3) for kernel, own in methods for name in (own, "bare repaint")]
     beyond = (window.WIDE_KERNEL, window.DRIVES_KERNEL)
@@ -41,6 +42,7 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
         *wide,
         *joint,
         *eight_bar,
+        *pose,
         *drives,
     ]
     assert all(row.seconds > 0.0 for row in rows)
