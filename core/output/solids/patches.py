@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MM = 1e3
 BY_ANGLE, ALONG = 5, 3  # degrees
 WIDEST = np.deg2rad(12.0)  # cam angle of a span at first
+NARROWEST = 1e-6  # [rad] span of a flank that is smooth
 MOST_SPANS = 1000  # of a patch, which limits memory
 ALONG_SPANS = (1, 2, 4, 8, 16, 32)
 ALONG_PART = 0.25  # of the tolerance, for the direction along the roller
@@ -99,21 +100,20 @@ class ExactFlank:
 
     def require_no_edge(self, runs: Sequence[Run]) -> None:
         """Raise NoCam where the flank is undercut at one of many samples."""
-        from core.spatial import KINDS
-
         parts = np.linspace(0.0, 1.0, 33)
         theta = np.concatenate([low + (high - low) * parts for run in runs for low, high, _ in run])
         piece = np.repeat([i for run in runs for _, _, i in run], parts.size)
         margin = self.flank(theta, piece, np.linspace(*self.ends, 9)).margin.min(axis=0)
         if margin.min() <= 0.0:
-            angle = float(np.rad2deg(theta[margin.argmin()]))
-            gentler = KINDS[self.study.machine.kind].gentler
-            raise NoCam(
-                f"the flank {self.side} is undercut: it has an edge",
-                "cam.roller_radius_mm",
-                f"use a smaller roller, or {gentler}",
-                [(angle, angle)],
-            )
+            raise self.edge(float(theta[margin.argmin()]), "is undercut: it has an edge")
+
+    def edge(self, theta: float, problem: str) -> NoCam:
+        """Error of a flank with an edge at a cam angle [rad]."""
+        from core.spatial import KINDS
+
+        angle, gentler = float(np.rad2deg(theta)), KINDS[self.study.machine.kind].gentler
+        remedy = f"use a smaller roller, or {gentler}"
+        return NoCam(f"the flank {self.side} {problem}", "cam.roller_radius_mm", remedy, [(angle, angle)])
 
     def has_kink(self, before: int, after: int) -> bool:
         """Whether the third derivative of the motion jumps between two pieces."""
@@ -226,6 +226,8 @@ def _fit_patch(exact: ExactFlank, pieces: Run, along: KnotVector, tolerance: flo
             bad = error >= error.max() * 0.95
         if nodes.size > MOST_SPANS:
             raise KindynaError(_too_fine(tolerance))
+        if np.diff(nodes).min() < NARROWEST:
+            raise exact.edge(float(nodes[np.diff(nodes).argmin()]), "has an edge")
         middles = 0.5 * (nodes[:-1] + nodes[1:])[bad]
         edges = [np.sort(np.append(e, middles[(middles > e[0]) & (middles < e[-1])])) for e in edges]
     return Patch(basis, along, points, _is_outward(exact, patch, nodes, owner)), deviation

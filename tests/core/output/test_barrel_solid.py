@@ -155,3 +155,24 @@ def test_a_kernel_reads_a_valid_solid(tmp_path: Path, rotation: str, unit: str, 
     shape = kernel_shape(out)
     assert is_valid(shape)
     assert volumes(shape, 1e-5) == [pytest.approx(facts["volume_mm3"], rel=1e-8)]
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+def test_the_roller_may_move_where_the_walls_are_joined(tmp_path: Path, rotation: str) -> None:
+    """At cam angles 0 and 180° both walls are at different angles around the cam; helices on floor and blank join them."""
+    design = barrel(tmp_path, rotation)
+    conditions = "start = { velocity = 0.15, acceleration = 0.0 }\nend = { velocity = 0.15, acceleration = 0.0 }\n"
+    text = design.read_text("utf-8").replace('law = "cycloidal"\n', f'law = "polynomial"\n{conditions}')
+    design.write_text(text, "utf-8")
+    facts = written(design, tmp_path / "cam.step", "--solid")
+    shape = kernel_shape(tmp_path / "cam.step")
+    assert is_valid(shape)
+    assert volumes(shape, 1e-5) == [pytest.approx(facts["volume_mm3"], rel=1e-8)]
+    (faces,) = StepFile((tmp_path / "cam.step").read_bytes()).shells.values()
+    check_topology(faces, is_closed=True, accuracy=2e-6)
+    rims = [edge for face in faces if face.surface.kind == "CYLINDRICAL_SURFACE" for edge, _ in face.loops[0]]
+    helices = {
+        edge.number for edge in rims if edge.curve.kind not in ("LINE", "CIRCLE") and len(edge.curve.data[2]) == 8
+    }
+    assert len(helices) == 2, "across the floor; those on the blank are upright"

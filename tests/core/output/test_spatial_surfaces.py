@@ -293,6 +293,16 @@ def test_faults_are_named_in_one_line(tmp_path: Path, words: list[str], said: st
     assert faults.count("\n") == 1
 
 
+def test_an_arm_that_turns_around_is_refused_at_the_angle(tmp_path: Path) -> None:
+    design = barrel(tmp_path, unit="deg")
+    text = design.read_text("utf-8").replace("start_deg = 0.0", "start_deg = -180.0\nadvance_deg = 360.0")
+    text = text.replace("rise_deg = 25.0", "rise_deg = 180.0").replace("rise_deg = -25.0", "rise_deg = 180.0")
+    design.write_text(text, "utf-8")
+    code, _, faults = run(design, "--out", tmp_path / "cam.step")
+    assert (code, faults.count("\n")) == (2, 1)
+    assert faults.startswith("cam.roller_radius_mm: the flank ahead has an edge at cam angle 135 deg")
+
+
 @pytest.mark.stress
 @pytest.mark.parametrize("name", ["barrel_feeder", "globoidal_indexer"])
 def test_a_kernel_reads_valid_flanks(tmp_path: Path, name: str) -> None:
