@@ -47,7 +47,9 @@ def values(info: Info) -> st.SearchStrategy[Any]:
         return st.sampled_from(info.choices)
     low = None if info.low == -math.inf else info.low
     high = None if info.high == math.inf else info.high
-    numbers = st.floats(low, high, exclude_min=info.open_low, allow_nan=False, allow_infinity=False)
+    numbers = st.floats(
+        low, high, exclude_min=info.open_low, exclude_max=info.open_high, allow_nan=False, allow_infinity=False
+    )
     return st.none() | numbers if info.optional else numbers
 
 

@@ -59,7 +59,7 @@ class Info:
     ----------
     label, help : texts of the form
     low, high : range of a number, ``LARGEST`` where there is no limit
-    open_low : whether ``low`` itself is excluded
+    open_low, open_high : whether ``low``, ``high`` itself is excluded
     choices : the allowed words
     numbers : the allowed whole numbers, where not all from low to high are allowed
     step : step of a spin box, 0 = by magnitude
@@ -81,6 +81,7 @@ class Info:
     low: float = -LARGEST
     high: float = LARGEST
     open_low: bool = False
+    open_high: bool = False
     choices: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
     step: float = 0.0
@@ -120,7 +121,8 @@ class Info:
             return f"{'>' if self.open_low else '>='} {self.low:g}{symbol}"
         if self.whole:
             return f"{self.low} ... {self.high}{symbol}"
-        return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
+        low, high = ("above " if self.open_low else ""), ("below " if self.open_high else "")
+        return f"{low}{self.low:g} ... {high}{self.high:g}{symbol}"
 
     def admits(self, value: Any) -> bool:
         """Whether a value is in the range or among the choices."""
@@ -133,7 +135,8 @@ class Info:
         if self.whole and not isinstance(value, int):
             return False
         above = value > self.low if self.open_low else value >= self.low
-        return bool(above and value <= self.high and math.isfinite(value))
+        below = value < self.high if self.open_high else value <= self.high
+        return bool(above and below and math.isfinite(value))
 
     def nearest(self, value: float) -> float | None:
         """The allowed number nearest to a value; None where there is none, as next to an excluded end of the range."""
@@ -160,6 +163,7 @@ def number(
     high: float = LARGEST,
     *,
     open_low: bool = False,
+    open_high: bool = False,
     default: Any = NOTHING,
     help: str = "",
     step: float = 0.0,
@@ -175,6 +179,7 @@ def number(
         low,
         high,
         open_low,
+        open_high,
         step=step,
         optional=default is None,
         of_motion=of_motion,

@@ -291,6 +291,7 @@ def _direction(z: complex) -> float:
 
 
 LINES, AREA_LINES, GRID, COARSE_GRID, COARSE_LINES = 48, 30, 16, 10, 7
+SKEW = 70.0  # direction of lines for moving pivots [deg]
 
 
 def sweeps(poses: int, pivots: Sequence[Pivot], area: Area, reach: float) -> tuple[tuple[Pivot, ...], ...]:
@@ -355,7 +356,8 @@ def _area_points(area: Area, n: int) -> list[Pivot]:
 
 
 def _moving_lines(reach: float, n: int) -> list[Pivot]:
-    return [Pivot(of=MOVING, line=(float(x), 0.0, 90.0)) for x in _spread(-reach, reach, n)]
+    """Skew lines: poses without a turn have dyads on a line that is often upright or across."""
+    return [Pivot(of=MOVING, line=(float(x), 0.0, SKEW)) for x in _spread(-reach, reach, n)]
 
 
 def _along(pivot: Pivot, area: Area, n: int) -> list[Pivot]:

@@ -43,7 +43,7 @@ SAME_ERROR = 1e-9  # of the size: errors that differ by less are equal
 OTHER_ASSEMBLY = 0.5  # of the error: another assembly with a smaller one fits the task
 EXACT = 1e-6  # of the size, beyond the error with which it was proposed: a smaller error needs no other assembly
 TURNS_FREELY = 1e-9
-SAME_LINKAGE = 1e-5  # of the largest coordinate: linkages that differ by less are one
+SAME_LINKAGE = 1e-4  # of the largest coordinate: linkages that differ by less are one
 
 
 @frozen(eq=False)

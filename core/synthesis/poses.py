@@ -104,13 +104,17 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     Raises
     ------
     DesignError
-        There are no two real dyads; the message names the smallest tried turn or shift of one pose that gives two.
+        There are no two real dyads, and the message names the smallest tried turn or shift of one pose that gives two; or no two of
+        them make a linkage.
     """
     dyads = pose_dyads(task)
     if not _has_pair(dyads):
         raise DesignError([_no_dyads(task)])
     z, angles = body_positions(task)
-    for first, second in _pairs(dyads, z, np.exp(1j * angles), task):
+    pairs = list(_pairs(dyads, z, np.exp(1j * angles), task))
+    if not pairs:
+        raise DesignError([_no_pair(angles)])
+    for first, second in pairs:
         checkpoint()
         yield linkages_of(first, second, task)
 
@@ -169,6 +173,19 @@ def _candidate(first: Dyad, second: Dyad, z: np.ndarray, angles: np.ndarray) -> 
     linkage = linkage_of(first, second, complex(z[0]), float(angles[0]))
     positions = driver_angles(first, z, np.exp(1j * angles))
     return Candidate(linkage, KINDS[second.kind], positions, position_errors(z, angles))
+
+
+def _no_pair(angles: np.ndarray) -> Fault:
+    """Fault of poses whose dyads, swept ones without their defects, make no linkage."""
+    if np.ptp(angles) == 0.0:
+        problem = "have no turn, so that only parallelograms fit, which lock where their links are in one line"
+        return Fault("poses", MISSING, problem, "a turn of one pose")
+    return Fault(
+        "poses",
+        MISSING,
+        "every two dyads have a defect, or a pivot in common",
+        "other poses or pivots, or a larger area",
+    )
 
 
 def _no_dyads(task: Task) -> Fault:

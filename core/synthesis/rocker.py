@@ -70,6 +70,8 @@ def _least_transmission(pivot: complex, psi: float, limit: float) -> float:
     lengths = sorted((a, b, 1.0, d))
     if a <= 0.0 or lengths[0] != a or lengths[3] > limit * lengths[0] or lengths[0] + lengths[3] > sum(lengths[1:3]):
         return -1.0
+    if not 0.5 * psi < abs(cmath.phase(pivot)) < pi - 0.5 * psi:
+        return -1.0  # its ends on both sides of the frame would be two assemblies
     return min(_acute(b, (d + sign * a)) for sign in (1.0, -1.0))
 
 

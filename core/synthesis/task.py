@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import cmath
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import radians
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -139,8 +141,8 @@ class AnglePairs:
 class Swing:
     """Swing of the rocker of a crank-rocker, and the ratio of the times forth and back."""
 
-    swing_deg: float = number("Swing", 0.0, 180.0, open_low=True, step=1.0)
-    time_ratio: float = number("Time ratio", 1.0, 3.0, default=1.0, step=0.1)
+    swing_deg: float = number("Swing", 0.0, 180.0, open_low=True, open_high=True, step=1.0)
+    time_ratio: float = number("Time ratio", 1.0, 3.0, open_high=True, default=1.0, step=0.1)
     frame_mm: float = length("Frame", help="distance of the fixed pivots")
 
 
@@ -242,8 +244,8 @@ def _rule_faults(task: Task) -> Iterator[Fault]:
     required = getattr(task, tables[0])
     if not required and task.kind != POSES:
         yield Fault(tables[0], MISSING, "missing", f"[{tables[0]}]")
-        return
-    yield from {POSES: _pose_faults, PATH: _path_faults, ANGLES: _angle_faults, ROCKER: _swing_faults}[task.kind](task)
+    elif task.kind in _RULES:
+        yield from _RULES[task.kind](task)
 
 
 def _pose_faults(task: Task) -> Iterator[Fault]:
@@ -260,7 +262,12 @@ def _pose_faults(task: Task) -> Iterator[Fault]:
                 return
     has_turn = any(abs((p.angle_deg - poses[0].angle_deg + 180.0) % 360.0 - 180.0) > 1e-7 for p in poses)
     if not has_turn and n > 2 and _are_on_one_line([pose.z for pose in poses], size):
-        yield Fault("poses", MISSING, "are all on one line without a turn", "a turn, or a pose beside the line")
+        yield Fault("poses", MISSING, "are all on one line without a turn", "a turn, or a pose next to the line")
+        return
+    if n > 2 and (pole := _common_pole(poses, size)) is not None:
+        at = f"({round(pole.real, 6) + 0.0:g}, {round(pole.imag, 6) + 0.0:g}) mm"
+        problem = f"are turns about one point, where a single pivot guides the body: {at}"
+        yield Fault("poses", MISSING, problem, "a shift of one pose")
         return
     for i, pivot in enumerate(task.pivots):
         yield from _pivot_faults(pivot, f"pivots[{i}]")
@@ -350,13 +357,10 @@ def _angle_faults(task: Task) -> Iterator[Fault]:
         yield Fault("angles.frame_mm", MISSING, "missing", "> 0 mm")
 
 
-def _swing_faults(task: Task) -> Iterator[Fault]:
-    swing = task.rocker
-    assert swing is not None
-    if swing.swing_deg >= 180.0:
-        yield Fault("rocker.swing_deg", swing.swing_deg, "outside its range", "above 0, below 180 deg")
-    if swing.time_ratio >= 3.0:
-        yield Fault("rocker.time_ratio", swing.time_ratio, "outside its range", "1 ... 3, 3 excluded")
+_RULES: Mapping[str, Callable[[Task], Iterator[Fault]]] = MappingProxyType(
+    {POSES: _pose_faults, PATH: _path_faults, ANGLES: _angle_faults}
+)
+"""Kind of task -> its faults beyond the ranges of its values."""
 
 
 def _count(n: int, noun: str) -> str:
@@ -367,6 +371,18 @@ def task_size(points: Sequence[complex]) -> float:
     """Diagonal of the box of points [mm]."""
     x, y = [z.real for z in points], [z.imag for z in points]
     return abs(complex(max(x) - min(x), max(y) - min(y)))
+
+
+def _common_pole(poses: Sequence[BodyPose], size: float) -> complex | None:
+    """Point about which all poses are turned from the first one; None where there is none."""
+    first, poles = poses[0], []
+    for pose in poses[1:]:
+        turn = cmath.exp(1j * radians(pose.angle_deg - first.angle_deg))
+        if abs(turn - 1.0) <= 1e-9:
+            return None
+        poles.append((pose.z - turn * first.z) / (1.0 - turn))
+    same = all(abs(pole - poles[0]) <= SAME * max(size, abs(poles[0])) for pole in poles)
+    return poles[0] if same else None
 
 
 def _are_on_one_line(points: Sequence[complex], size: float) -> bool:

@@ -124,6 +124,31 @@ def test_no_other_crank_rocker_of_the_swing_transmits_better() -> None:
     assert best.transmission_deg > max(values) - 1e-9
 
 
+@pytest.mark.parametrize("count", [5, pytest.param(150, marks=pytest.mark.stress)])
+def test_no_random_crank_rocker_transmits_better_at_its_swing_and_time_ratio(count: int) -> None:
+    """Swing, time ratio and transmission angle by the law of cosines, with frame 1; each answer has no defect."""
+    rng = np.random.default_rng(5)
+    while count:
+        a, b, c = rng.uniform(0.17, 2.5, 3).tolist()
+        shortest, *middle, longest = sorted((a, b, c, 1.0))
+        if shortest != a or longest > 6.0 * a or shortest + longest > sum(middle) - 0.02:
+            continue
+        rocker, crank = (
+            [acos((side**2 + 1.0 - far**2) / (2.0 * side)) for side, far in rows]
+            for rows in (((c, b + a), (c, b - a)), ((b + a, c), (b - a, c)))
+        )
+        swing, turn = abs(rocker[0] - rocker[1]), abs(crank[0] - crank[1])
+        ratio = (pi + turn) / (pi - turn)
+        if ratio >= 2.99:
+            continue
+        least = min(degrees(acos(abs(b * b + c * c - (1.0 + s * a) ** 2) / (2.0 * b * c))) for s in (1, -1))
+        table = {"swing_deg": degrees(swing), "time_ratio": ratio, "frame_mm": 1.0}
+        answers = synthesise(task_of({"kind": "rocker", "rocker": table})).answers
+        assert [answer.defects for answer in answers] == [()] * len(answers)
+        assert answers[0].transmission_deg > least - 1e-7
+        count -= 1
+
+
 @pytest.mark.parametrize(
     ("table", "message"),
     [
@@ -137,11 +162,18 @@ def test_no_other_crank_rocker_of_the_swing_transmits_better() -> None:
             {"kind": "angles", "angles": {"pairs": LOG_PAIRS, "frame_mm": 9.0, "output": "slider"}},
             "angles.frame_mm = 9.0",
         ),
-        ({"kind": "rocker", "rocker": {"swing_deg": 180.0, "frame_mm": 9.0}}, "rocker.swing_deg = 180.0"),
+        (
+            {"kind": "rocker", "rocker": {"swing_deg": 180.0, "frame_mm": 9.0}},
+            r"rocker.swing_deg = 180.0: outside its range; allowed: above 0 \.\.\. below 180 °",
+        ),
         ({"kind": "rocker", "rocker": {"swing_deg": 0.0, "frame_mm": 9.0}}, "rocker.swing_deg = 0.0"),
         (
             {"kind": "rocker", "rocker": {"swing_deg": 40.0, "frame_mm": 9.0, "time_ratio": 3.0}},
-            "rocker.time_ratio = 3.0",
+            r"rocker.time_ratio = 3.0: outside its range; allowed: 1 \.\.\. below 3$",
+        ),
+        (
+            {"kind": "rocker", "rocker": {"swing_deg": 40.0, "frame_mm": 9.0, "time_ratio": 0.9}},
+            r"rocker.time_ratio = 0.9: outside its range; allowed: 1 \.\.\. below 3$",
         ),
         ({"kind": "rocker"}, "rocker: missing"),
         ({"kind": "spiral"}, "kind = 'spiral': unknown word; allowed: poses | path | angles | rocker"),

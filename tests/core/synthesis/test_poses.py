@@ -177,6 +177,16 @@ def test_fewer_poses_are_swept_and_met_by_the_solved_linkage(count: int, tmp_pat
     assert angles == sorted(angles, reverse=True)
 
 
+@pytest.mark.parametrize("direction", [0.0, 20.0, 45.0, 90.0])
+@pytest.mark.stress
+def test_two_poses_without_a_turn_have_linkages(direction: float) -> None:
+    along = 40.0 * cmath.exp(1j * radians(direction))
+    poses = BodyPose(0.0, 0.0, 0.0), BodyPose(along.real, along.imag, 0.0)
+    synthesis = synthesise(Task(kind="poses", poses=poses))
+    assert synthesis.shown >= 12
+    assert max(answer.error_mm for answer in synthesis.answers) < 1e-9 * 40.0
+
+
 def walk_defects(design, poses, steps: int = 100_000) -> set[str]:
     """Defects of a four-bar by a walk of the driver from the first pose, with the assembly followed by continuity."""
     linkage = design.drive.linkage
@@ -305,6 +315,17 @@ ROWS = [{"x_mm": p.x_mm, "y_mm": p.y_mm, "angle_deg": p.angle_deg} for p in THRE
         (
             {"poses": [{"x_mm": x, "y_mm": 2.0 * x} for x in (0.0, 10.0, 30.0)]},
             "poses: are all on one line without a turn",
+        ),
+        (
+            {
+                "poses": [{"x_mm": 5.0 - y, "y_mm": y, "angle_deg": a} for y, a in ((0.0, 0.0), (5.0, 90.0))]
+                + [{"x_mm": 0.0, "y_mm": -5.0, "angle_deg": -90.0}]
+            },
+            r"poses: are turns about one point, where a single pivot guides the body: \(0, 0\) mm; allowed: a shift of one pose",
+        ),
+        (
+            {"poses": [{"x_mm": x, "y_mm": y} for x, y in ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0))]},
+            r"poses: have no turn, so that only parallelograms fit, which lock .*; allowed: a turn of one pose",
         ),
         (
             {"poses": ROWS, "pivots": [{"of": "fixed", "x_mm": 0.0, "y_mm": 0.0}] * 2},
