@@ -553,17 +553,19 @@ class TimingChart:
     def _paint_forbidden(self, painter: QPainter, spans: Sequence[ForbiddenSpan]) -> None:
         """Fields over the bands of the drives whose bodies are too near, with the names of the bodies."""
         for span in spans:
-            high, low = self.box(min(span.drives)), self.box(max(span.drives))
-            field = QRectF(high.topLeft(), low.bottomRight())
+            field = QRectF(self.box(span.drives[0]).topLeft(), self.box(span.drives[-1]).bottomRight())
             colour = brush(self.theme.limit, 0.22).color()
-            self._fill(painter, field, span.begin, span.end, colour)
+            for band in map(self.box, span.drives):
+                self._fill(painter, band, span.begin, span.end, colour)
             painter.setPen(QPen(QColor(self.theme.limit), 1.0))
             for angle in (span.begin % 360.0, span.end % 360.0):
                 painter.drawLine(QPointF(self.x(angle), field.top()), QPointF(self.x(angle), field.bottom()))
+            is_adjacent = span.drives[-1] - span.drives[0] == len(span.drives) - 1
+            level = field.center().y() if is_adjacent else self.box(span.drives[0]).bottom() - sized(TEXT_HEIGHT) / 2.0
             width = self._metrics.horizontalAdvance(span.names) + 6.0
             middle = self.x((0.5 * (span.begin + span.end)) % 360.0)
             left = min(max(middle - width / 2.0, self.left), self.right - width)
-            box = QRectF(left, field.center().y() - sized(TEXT_HEIGHT) / 2.0, width, sized(TEXT_HEIGHT))
+            box = QRectF(left, level - sized(TEXT_HEIGHT) / 2.0, width, sized(TEXT_HEIGHT))
             self._text_boxes.append(box)
             painter.fillRect(box, brush(self.theme.paper, 0.85))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, span.names)
