@@ -25,6 +25,16 @@ def examples() -> list[tuple[str, Path]]:
     return [(row.name, row.path) for _, rows in subjects() for row in rows]
 
 
+def ready_tasks() -> list[tuple[str, str, Path]]:
+    """Return name, description and file of the ready tasks of *Find a linkage*."""
+    paths = sorted((resources() / "tasks").glob("*.toml"))
+    lines = (path.read_text("utf-8").partition("\n")[0] for path in paths)
+    return [
+        (path.stem.replace("_", " ").capitalize(), text.lstrip("# "), path)
+        for path, text in zip(paths, lines, strict=True)
+    ]
+
+
 def single_examples() -> list[tuple[str, Path]]:
     """Return name and file of the examples with one drive."""
     return [(name, path) for name, path in examples() if "\n[[drives]]\n" not in path.read_text("utf-8")]

@@ -10,12 +10,13 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QPushButton, QVBoxLayout
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QMenu, QPushButton, QVBoxLayout
 
 from core.design import Design
 from core.errors import DesignError, KindynaError
 from core.numerics.lazy import Cancelled
 from core.output.load_text import part_names
+from core.project.files import AnyPath
 from core.study import Study
 from core.synthesis import Answer, Dyad, Task, load_task, save_task
 from core.synthesis.chosen import answer_of_dyads, driven_by_other_link
@@ -28,9 +29,11 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.drives import replace_chosen
 from kindyna_gui.labels import sentence
 from kindyna_gui.linkage.point_paths import path_of, path_points
+from kindyna_gui.look import described
 from kindyna_gui.pictures.style import SCREEN
+from kindyna_gui.places import ready_tasks
 from kindyna_gui.player import Player
-from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot
+from kindyna_gui.rebuilt import STRETCH, add_entry, connect_all, fill, single_shot
 from kindyna_gui.settings import point, symbol_of
 from kindyna_gui.synthesis.answer_strip import AnswerStrip, Proposals, propose
 from kindyna_gui.synthesis.sheet import TaskSheet
@@ -81,6 +84,7 @@ class FindLinkageView(View):
             QHBoxLayout(),
             _button("&Open a task...", self._open_task),
             _button("&Save the task...", self._save_task),
+            self._ready_button(),
             STRETCH,
         )
         self.set_content_layout(fill(QVBoxLayout(), (self.form, 1), files, margins=(8, 6, 6, 6), spacing=6))
@@ -330,10 +334,25 @@ class FindLinkageView(View):
 
     # -- files --------------------------------------------------------------------------------------------
 
+    def _ready_button(self) -> QPushButton:
+        button = described(
+            QPushButton("Ready tas&ks", autoDefault=False), tip="Straight lines, a dwell, a quick return"
+        )
+        menu = QMenu(button)
+        menu.setToolTipsVisible(True)
+        for name, description, path in ready_tasks():
+            entry = add_entry(menu, name, partial(self._open, path), description)
+            entry.setToolTip(description)
+        button.setMenu(menu)
+        return button
+
+    def _open(self, path: AnyPath) -> None:
+        self._read(lambda: self.show_task(load_task(path)))
+
     def _open_task(self) -> None:
         name, _ = QFileDialog.getOpenFileName(self, "Open a task", "", f"{TASK_FILES};;All files (*)")
         if name:
-            self._read(lambda: self.show_task(load_task(name)))
+            self._open(name)
 
     def _save_task(self) -> None:
         name, _ = QFileDialog.getSaveFileName(self, "Save the task", "task.toml", TASK_FILES)

@@ -2,19 +2,22 @@
 
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
+from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QPushButton, QWidget
 from window_user import Open, User, end_pauses, plain, settle, wait_for
 
+from core.contour.underlay import Underlay
 from core.synthesis import Area, BodyPose, PathPoint, Pivot, Task, TracedPath, load_task, save_task
 from kindyna_gui import settings
 from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "four_bar.toml"
+TASKS = EXAMPLE.parents[1] / "tasks"
 LEFT = Qt.MouseButton.LeftButton
 NONE, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier
 POSES = (BodyPose(0.0, 0.0, 0.0), BodyPose(60.0, 20.0, 30.0), BodyPose(110.0, 10.0, 60.0))
@@ -258,6 +261,22 @@ def test_the_path_of_a_point_of_the_mechanism_becomes_the_task(user: User) -> No
     assert [abs(complex(p.x_mm, p.y_mm)) for p in path.points] == pytest.approx(len(path.points) * [30.0], rel=1e-3)
 
 
+def test_a_ready_task_is_opened_and_seen_in_full(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    button = next(b for b in sheet.view.findChildren(QPushButton) if plain(b.text()) == "Ready tasks")
+    menu = button.menu()
+    assert isinstance(menu, QMenu)
+    names = [plain(action.text()) for action in menu.actions()]
+    assert names == ["Arc dwell", "Chebyshev line", "Hoeken line", "Quick return", "Roberts line", "Watt line"]
+    menu.actions()[3].trigger()
+    assert sheet.task == load_task(TASKS / "quick_return.toml")
+    sheet.answered()
+    answer = sheet.view.strip.answer
+    assert answer is not None
+    positions = sheet.view.strip.proposals.positions[0]  # type: ignore[union-attr]
+    assert all(sheet.viewport.rect().contains(sheet.pixel(z)) for path in positions.values() for z in path.tolist())
+
+
 # -- snapping, typing, taking back -----------------------------------------------------------------------
 
 
@@ -270,6 +289,24 @@ def test_the_mouse_snaps_to_a_joint_of_the_mechanism_and_ctrl_leaves_it(user: Us
     assert sheet.task.poses[1].z == pytest.approx(joint, abs=1e-6)
     sheet.drag(joint, joint + 5.0, near, modifier=CTRL)
     assert 1.0 < abs(sheet.task.poses[1].z - joint) * sheet.canvas.scale_now < 6.0
+
+
+def test_the_sheet_is_over_the_underlay_and_snaps_to_its_corners(user: User, tmp_path: Path) -> None:
+    sheet = Sheet(user, poses_task())
+    bare = sheet.canvas.grab().toImage()
+    drawing = ezdxf.new(units=4)
+    drawing.modelspace().add_line((33.3, 44.4), (83.3, 44.4))
+    drawing.saveas(tmp_path / "corner.dxf")
+    desk = user.drawing().underlay
+    desk.put(Underlay(tmp_path / "corner.dxf", opacity=1.0), save=False)
+    settle()
+    at = sheet.pixel(70.0 + 44.4j)
+    sheet.view.strip.run(False)
+    shown = sheet.canvas.grab().toImage()
+    assert any(shown.pixelColor(at.x(), at.y() + k) != bare.pixelColor(at.x(), at.y() + k) for k in (-1, 0, 1))
+    sheet.drag(60.0 + 20.0j, 34.0 + 45.0j)
+    assert sheet.task.poses[1].z == 33.3 + 44.4j
+    desk.put(None, save=False)
 
 
 def test_values_are_typed_during_a_drag_and_for_a_new_pose(user: User) -> None:
