@@ -17,12 +17,12 @@ State = Callable[[np.ndarray], MotionRows]
 OFFSETS = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 37)  # [rad] from a point of one flank to the first points of the other
 ROWS = 3  # distances along the roller of these points
 STEPS = 20  # of Newton's method
-SMALL = 1e-8  # last step, as a part of the roller's outer distance; the least distance is then exact to its square
+SMALL = 1e-6  # last step, as a part of the roller's outer distance; the least distance is exact to its square
 LEAST = 1e-6  # second derivative, relative to lengths along the flanks
 AT_ONCE = 1000  # cam angles
 
 
-def rib_thickness(machine: Machine, motion: MotionRows, state: State, sense: float) -> np.ndarray:
+def rib_thickness(machine: Machine, motion: MotionRows, state: State, sense: float, refined: bool = True) -> np.ndarray:
     """Least thickness of the ribs between neighbouring rollers, d = min |p_behind(θ', u') - p_ahead(θ, u)| over θ', u' and u.
 
     Parameters
@@ -33,6 +33,8 @@ def rib_thickness(machine: Machine, motion: MotionRows, state: State, sense: flo
     state : callable
     sense : float
         Sense of rotation, ±1.
+    refined : bool
+        Without it a lower bound, from the distances of a few points of each flank and their spacing.
 
     Returns
     -------
@@ -43,7 +45,7 @@ def rib_thickness(machine: Machine, motion: MotionRows, state: State, sense: flo
     for lower, upper in pairwise(rollers_at(machine, motion.y)):
         for at in _portions(np.flatnonzero(lower.touches & upper.touches)):
             near = MotionRows(*(row[at] for row in motion)).shifted(lower.offset[at])
-            result[at] = np.fmin(result[at], _distances(machine, near, upper.offset[at], state, sense))
+            result[at] = np.fmin(result[at], _distances(machine, near, upper.offset[at], state, sense, refined))
     return result
 
 
@@ -51,7 +53,9 @@ def _portions(indices: np.ndarray) -> Iterator[np.ndarray]:
     yield from (indices[start : start + AT_ONCE] for start in range(0, indices.size, AT_ONCE))
 
 
-def _distances(machine: Machine, near: MotionRows, offset: np.ndarray, state: State, sense: float) -> np.ndarray:
+def _distances(
+    machine: Machine, near: MotionRows, offset: np.ndarray, state: State, sense: float, refined: bool
+) -> np.ndarray:
     """Least distance (n,) [m] of the flank ahead of a roller from the flank behind another one, of a given offset (n,)."""
     n, grid = near.theta.size, near.theta + OFFSETS[:, None]
     nodes = np.linspace(machine.inner, machine.outer, ROWS)
@@ -60,6 +64,10 @@ def _distances(machine: Machine, near: MotionRows, offset: np.ndarray, state: St
     points = flank(machine, near, nodes[:, None], sense, AHEAD).cam_point
     away = far.reshape(3, 1, -1, n) - points[:, :, None]
     square = np.nan_to_num(dots(away, away), nan=np.inf)  # a cone may have no line of contact at some angles
+    if not refined:
+        steps = (np.diff(far.reshape(3, ROWS, *grid.shape), axis=axis) for axis in (1, 2))
+        between, along = (0.5 * np.sqrt(np.nanmax(dots(step, step))) for step in steps)
+        return np.asarray(np.sqrt(square.min(axis=(0, 1))) - between - np.hypot(between, along))
     row, turn = np.unravel_index(np.argmin(square, axis=1).ravel(), (ROWS, OFFSETS.size))
     column = np.tile(np.arange(n), ROWS)
 

@@ -159,6 +159,24 @@ class SpatialShape:
         ends = np.array([[self.machine.inner], [self.machine.outer]])
         return flank(self.machine, dict(self.tracks)[side], ends, self.sense, side)
 
+    def margin_at(self, u: np.ndarray) -> np.ndarray:
+        """Least margin of the flanks of all rollers in the blank at some distances along them.
+
+        Parameters
+        ----------
+        u : ndarray (m,) [m]
+            Distances.
+
+        Returns
+        -------
+        ndarray (n,), dimensionless
+        """
+        rows = [
+            np.where(touches, flank(self.machine, motion, u[:, None], self.sense, side).margin, np.inf).min(axis=0)
+            for side, motion, touches in _flank_motions(self)
+        ]
+        return np.asarray(np.min(rows, axis=0))
+
     def along_length(self, rows: int) -> dict[str, SpatialFlank]:
         """Side -> flank at equally spaced distances along the roller (rows, n), the inner end first."""
         u = np.linspace(self.machine.inner, self.machine.outer, rows)[:, None]
@@ -318,10 +336,9 @@ def _flank_motions(shape: SpatialShape) -> Iterator[tuple[str, MotionRows, np.nd
 
 
 def _least_margin(shape: SpatialShape) -> np.ndarray:
+    machine = shape.machine
     rows = [
-        np.where(
-            touches, along_roller(shape.machine, motion, shape.sense, side, lambda flank: flank.margin, largest=False)[0], np.inf
-        )
+        np.where(touches, along_roller(machine, motion, shape.sense, side, lambda flank: flank.margin, largest=False)[0], np.inf)
         for side, motion, touches in _flank_motions(shape)
     ]  # fmt: skip
     return np.asarray(np.min(rows, axis=0))

@@ -21,7 +21,7 @@ from core.mechanism import plan_of
 from core.motion.program import ShaftPosition
 from core.numerics.lazy import at_owners, column, map_columns, one_design
 from core.shaft import LoadCurve, combined_load, combined_loads
-from core.study.extremes import extremes_beyond_lash, extremes_of, has_quantity, undercut_on
+from core.study.extremes import extremes_beyond_lash, extremes_of, has_quantity, search_together, undercut_on
 from core.study.highest import clenshaw_curtis_nodes
 from core.study.limits import SPEEDS
 from core.study.loads_of_many import (
@@ -43,6 +43,7 @@ from core.study.quantity_requests import (
     mean_statistic,
     number_fields,
 )
+from core.study.spatial_checks import shape_errors
 from core.study.stages import memory
 from core.study.stages_of_many import NO_VALUE, UNDERCUT, DesignBlock, Results
 from core.study.study import Study
@@ -412,6 +413,8 @@ def study_figures(study: Study, requests: Sequence[QuantityRequest]) -> tuple[li
     """Values in SI units, cam angles [rad] and reason of a single design; NaN where it has no value."""
     reasons = []
     values, thetas = [np.nan] * len(requests), [np.nan] * len(requests)
+    if study.has_surface:
+        search_together(study, _searched_together(study, requests), lambda: None)
     for i, request in enumerate(requests):
         try:
             values[i], thetas[i] = _study_figure(study, request)
@@ -427,7 +430,20 @@ def study_figures(study: Study, requests: Sequence[QuantityRequest]) -> tuple[li
                 reasons += [UNDERCUT for flank in drive.cam.flanks if undercut_on(drive, flank.name)]
             except NoSolution as error:  # at no single angle, but over the turn
                 reasons.append(error.code)
+        reasons += [
+            code for number in with_shape if drives[number].has_surface for code in shape_errors(drives[number])
+        ]
     return values, thetas, reasons[0] if reasons else ""
+
+
+def _searched_together(study: Study, requests: Sequence[QuantityRequest]) -> dict[str, tuple[str, ...]]:
+    """Stage -> quantities whose extremes follow for one cam in space from the same flanks."""
+    names = {request.name for request in requests if request.name and request.statistic not in ("rms", "mean", *TOTALS)}
+    rows = [quantity(name) for name in names]
+    return {
+        stage: tuple(row.name for row in rows if row.stage == stage)
+        for stage in ("motion", "linkage", "cam", "dynamics")
+    }
 
 
 class _NoValue(Exception):

@@ -12,11 +12,15 @@ from core.cam.checks import STRETCHES
 from core.cam.forms import NO_DRIVE, ROUNDING
 from core.findings import ERROR, WARNING, Finding
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from core.motion import TURN
 from core.motion.extremes import Extreme, Extremes, piecewise_angles
 from core.spatial import KINDS
 from core.study.extremes import extremes_of
 from core.study.quantities import names_of
 from core.study.study import Study
+
+SAMPLES, FAR = 181, 0.25
+"""Cam angles at which flanks and ribs are first judged, and the margin of a flank above which it is not judged further."""
 
 CHECKED = ("pressure_angle", "surface_curvature", "flank_margin", "rib_wall")
 """Quantities of the cam from which the findings follow."""
@@ -43,6 +47,16 @@ def has_edge(study: Study) -> bool:
     return surface_extremes(study)["flank_margin"].low.value <= 0.0
 
 
+def shape_errors(study: Study) -> list[str]:
+    """Codes of findings because of which a cam in space cannot be made: an edge, a rib without thickness, a turret that is free."""
+    first = study.at(study.program.angles(np.linspace(0.0, TURN, SAMPLES)))
+    margin = float(first.surface.margin_at(np.linspace(study.machine.inner, study.machine.outer, 5)).min())
+    has_rib = "rib_wall" in checked_quantities(study)
+    distance = float(np.nanmin(first.rib_thickness_at(False), initial=np.inf)) if has_rib else np.inf
+    far = margin > FAR and distance > 0.0
+    return [finding.code for finding in (*(() if far else _edge_findings(study)), *_free_findings(study))]
+
+
 def spatial_findings(study: Study) -> Iterator[Finding]:
     """Findings of the stage ``cam`` of a cam in space, except the limits of the user.
 
@@ -59,21 +73,30 @@ def spatial_findings(study: Study) -> Iterator[Finding]:
     NoCam
         As the stage does.
     """
-    extremes, cam, row = surface_extremes(study), study.design.drive.cam, KINDS[study.machine.kind]
-    worst, limit = extremes["pressure_angle"].high, typical_pressure_limit(study)
+    worst, limit = surface_extremes(study)["pressure_angle"].high, typical_pressure_limit(study)
     angle = degrees(worst.value)
     if angle > limit * (1.0 + ROUNDING):
         severity = ERROR if angle > NO_DRIVE else WARNING
         values: dict[str, float | str] = {"value": angle, "limit": limit, "face": study.machine.kind}
-        yield Finding("pressure-angle", severity, row.size, degrees(worst.theta), values)
+        yield Finding("pressure-angle", severity, KINDS[study.machine.kind].size, degrees(worst.theta), values)
+    yield from _edge_findings(study)
+    yield from _free_findings(study)
+
+
+def _edge_findings(study: Study) -> Iterator[Finding]:
+    """Flanks that are undercut, and a rib whose flanks cross."""
+    extremes, cam, row = surface_extremes(study), study.design.drive.cam, KINDS[study.machine.kind]
     if has_edge(study):
         margin = extremes["flank_margin"].low
-        values = {"face": study.machine.kind, "roller_radius_mm": cam.roller_radius_mm, "remedy": row.gentler}
+        values: dict[str, float | str] = {
+            "face": study.machine.kind,
+            "roller_radius_mm": cam.roller_radius_mm,
+            "remedy": row.gentler,
+        }
         yield Finding("undercut", ERROR, "cam.roller_radius_mm", degrees(margin.theta), values)
     if "rib_wall" in extremes and (thinnest := extremes["rib_wall"].low).value <= 0.0:
         values = {"thickness_mm": 1e3 * thinnest.value}
         yield Finding("rib-vanishes", ERROR, "cam.roller_radius_mm", degrees(thinnest.theta), values)
-    yield from _free_findings(study)
 
 
 def _free_findings(study: Study) -> Iterator[Finding]:

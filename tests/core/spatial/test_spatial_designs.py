@@ -15,7 +15,7 @@ from core.errors import DesignError
 from core.find import find
 from core.output.explain import explained
 from core.project import dumps, load, loads
-from core.study import Study, certificate_of, extremes_of, findings_of
+from core.study import Study, certificate_of, extremes_of, findings_of, many
 from core.study.quantities import quantity
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
@@ -211,6 +211,21 @@ def test_an_exceeded_limit_is_a_finding(text: str, path: str, value: float, code
     findings = findings_of(Study(put(design, path, value)))
     assert code in [finding.code for finding in findings]
     assert all(finding.message for finding in findings)
+
+
+@pytest.mark.parametrize(("text", "path", "values", "reasons"), [
+    (INDEXER, "cam.roller_radius_mm", (16.0, 24.0), ["", "rib-vanishes"]),
+    (INDEXER, "cam.length_mm", (100.0, 90.0), ["", "turret-free"]),
+    (changed(BARREL, ("span_deg = 120.0", "span_deg = 40.0"), ("span_deg = 60.0", "span_deg = 140.0")), "cam.roller_radius_mm",
+     (2.0, 30.0), ["", "undercut"]),
+])  # fmt: skip
+def test_many_designs_say_which_of_them_cannot_be_made(text: str, path: str, values, reasons: list[str]) -> None:
+    design, figures = loads(text, "x"), ["pressure_angle_deg:max", "drive_torque_nm:abs"]
+    results = many(design, {path: values}, figures)
+    assert results.reason.tolist() == reasons
+    for i, value in enumerate(values):
+        extremes = extremes_of(Study(put(design, path, value)), "cam")["pressure_angle"]
+        assert results.value[figures[0]][i] == pytest.approx(np.rad2deg(extremes.high.value), rel=1e-12)
 
 
 def test_a_large_roller_undercuts_a_steep_flank() -> None:
