@@ -284,9 +284,13 @@ def polyval(r: Any, power: np.ndarray) -> Any:
     -------
     ndarray (...) [unit of the coefficients]
     """
-    value = power[-1]
-    for row in power[-2::-1]:
-        value = row + value * r
+    if len(power) == 1:
+        return power[0]
+    value = power[-1] * r
+    value += power[-2]
+    for row in power[-3::-1]:
+        value *= r
+        value += row
     return value
 
 

@@ -18,6 +18,7 @@ from core.findings import ERROR, NOTE, Finding
 from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.number_text import rounded_up
+from core.numerics.derivatives import distinct
 from core.numerics.lazy import checkpoint
 from core.shaft.curve import NODES, LoadCurve, by_blocks, locate, peaks, polyval, powers, rms
 from core.shaft.speed import SpeedCurve, SteadyTurns, deviation_range, speed_fluctuation, steady_speed
@@ -194,17 +195,20 @@ def energy_ranges(curves: Sequence[LoadCurve]) -> tuple[np.ndarray, np.ndarray]:
     -------
     low, high : ndarray (m,) [J]
     """
-    power = np.concatenate([torque_deviation(curve) for curve in curves], axis=1)
+    counts = np.array([curve.width.size for curve in curves])
+    power = np.concatenate([curve.torque for curve in curves], axis=1)
+    power[0] -= np.repeat([curve.mean for curve in curves], counts)
     width = np.concatenate([curve.width for curve in curves])
     integral = np.concatenate((np.zeros((1, width.size)), power / np.arange(1, NODES + 1)[:, None]))
     ends = width * polyval(np.ones(width.size), integral)
-    counts = [curve.width.size for curve in curves]
-    first = np.append(0, np.cumsum(counts)[:-1])
-    begins = np.concatenate([np.append(0.0, np.cumsum(part)[:-1]) for part in np.split(ends, first[1:])])
+    first, begins = np.cumsum(counts) - counts, np.zeros(width.size)
+    for count in distinct(counts).tolist():  # loads with equally many panels at once
+        panels = first[counts == count][:, None] + np.arange(count)
+        begins[panels[:, 1:]] = np.cumsum(ends[panels[:, :-1]], axis=1)
     panel, root = sign_changes(power)
     inside = begins[panel] + width[panel] * polyval(root, integral[:, panel])
     low, high = np.minimum.reduceat(begins, first), np.maximum.reduceat(begins, first)
-    owner = np.repeat(np.arange(len(curves)), counts)[panel]
+    owner = np.repeat(np.arange(counts.size), counts)[panel]
     np.minimum.at(low, owner, inside)
     np.maximum.at(high, owner, inside)
     return low, high
