@@ -337,13 +337,13 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
     patches = list(flank_patches(with_run_out(machine), state, sense, ANGLES, ROWS, beyond=1))
     on_surface = -1 if (machine.kind == "barrel") != _is_slide_rib(machine) else 0
     if machine.kind == "barrel" and not machine.is_turret:
-        ends = elevations = blank.ends(machine, patches)
+        ends = elevations = _ends(machine, blank) or blank.ends(machine, patches)
     else:
         limit = greatest_elevation(machine, state)
         height = limit if machine.kind == "barrel" else machine.outer * float(np.sin(limit))
         elevations, ends = (-limit, limit), (-height, height)
     rows = (-1,) if machine.kind == "barrel" else range(ROWS)  # the walls of a barrel are radial
-    tracks, edges = [], list[np.ndarray]()
+    tracks, edges, is_top = [], list[np.ndarray](), list[bool]()
     for ahead, behind in zip(patches[::2], patches[1::2], strict=True):
         low, high = (ahead, behind) if _is_slide_rib(machine) else (behind, ahead)
         assert ahead.side == AHEAD
@@ -352,7 +352,10 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
             for row in (on_surface, -1 - on_surface)
         ]
         tracks.append(_Track(levels[0], levels[1]))  # type: ignore[arg-type]
-        edges += [_inside(machine, patch.point[:, row], elevations) for patch in (low, high) for row in rows]
+        for points, row in ((patch.point[:, row], row) for patch in (low, high) for row in rows):
+            parts = list(_inside(machine, points, elevations))
+            edges += parts
+            is_top += [row == rows[0]] * len(parts)
     outer = blank.outer if machine.kind == "barrel" else machine.lever - machine.inner * float(np.cos(elevations[1]))
     lever = machine.lever
     origin = -1j * (max(outer, machine.outer) + STAND_OFF * outer) if machine.slides else complex(lever)
@@ -361,9 +364,14 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
     number = np.repeat(np.arange(len(edges)), [part.shape[1] for part in edges])
     return CamViews(
         machine=machine, blank=blank, sense=sense, axes=axes, origin=origin, end_origin=end_origin, ends=ends, elevations=elevations,
-        edges=np.concatenate(edges, axis=1), edge=number,
-        is_top=np.arange(len(edges)) % len(rows) == 0, tracks=tuple(tracks),
+        edges=np.concatenate([np.zeros((3, 0)), *edges], axis=1), edge=number, is_top=np.array(is_top), tracks=tuple(tracks),
     )  # fmt: skip
+
+
+def _ends(machine: Machine, blank: Blank) -> tuple[float, float] | None:
+    """Ends of a blank of known length [m], where a groove may leave it."""
+    half = 0.5 * (machine.length or 0.0)
+    return (blank.middle - half, blank.middle + half) if half else None
 
 
 def _is_slide_rib(machine: Machine) -> bool:
@@ -378,11 +386,13 @@ def _drawn(axes: np.ndarray, vector: np.ndarray) -> complex:
     return complex(axes @ vector)
 
 
-def _inside(machine: Machine, points: np.ndarray, elevations: tuple[float, float]) -> np.ndarray:
-    """Part (3, k) of an edge between the ends of the blank, whose lines stay visible."""
-    height = elevation(machine, points)
-    margin = NEAR_END * (elevations[1] - elevations[0])
-    return points[:, (height >= elevations[0] + margin) & (height <= elevations[1] - margin)]
+def _inside(machine: Machine, points: np.ndarray, elevations: tuple[float, float]) -> Iterator[np.ndarray]:
+    """Parts (3, k) of an edge between the ends of the blank, whose lines stay visible."""
+    height, margin = elevation(machine, points), NEAR_END * (elevations[1] - elevations[0])
+    inside = (height >= elevations[0] + margin) & (height <= elevations[1] - margin)
+    for run in np.split(np.arange(inside.size), np.flatnonzero(np.diff(inside)) + 1):
+        if run.size > 1 and inside[run[0]]:
+            yield points[:, run]
 
 
 def _polar(machine: Machine, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

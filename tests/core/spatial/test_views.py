@@ -119,3 +119,11 @@ def test_the_views_are_aligned_and_do_not_overlap() -> None:
         else:
             assert middle[0].imag == pytest.approx(middle[1].imag)
             assert end[0].real > side[1].real
+
+
+def test_a_groove_that_leaves_its_blank_is_drawn_as_far_as_the_blank() -> None:
+    short = cam_views(replace(GROOVE, length=0.03), swings(0.012), 1.0, BLANK)
+    assert short.ends == pytest.approx((-0.015, 0.015))
+    outline = short.outline(0.7) - short.origin
+    assert (outline.real.min(), outline.real.max()) == pytest.approx((-0.015, 0.015))
+    assert all(np.abs((line - short.origin).real).max() <= 0.015 for _, line in short.edges_at(0.7))
