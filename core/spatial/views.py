@@ -95,6 +95,37 @@ class _Track(NamedTuple):
     floor: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
+class FlankLine(NamedTuple):
+    """Line along a flank, at one distance u along the roller.
+
+    Attributes
+    ----------
+    number, side : roller and side of the flank
+    is_top : bool
+        Whether it is an edge of the blank's surface or of a rib.
+    u : float [m]
+    theta, pressure_angle : ndarray (n,) [rad]
+    point : ndarray (3, n) [m]
+        In the frame of the cam.
+    """
+
+    number: int
+    side: str
+    is_top: bool
+    u: float
+    theta: np.ndarray
+    pressure_angle: np.ndarray
+    point: np.ndarray
+
+
+class EdgePoint(NamedTuple):
+    """Point of an edge in the side view: its line, the number of the point on it, and its position [m]."""
+
+    line: FlankLine
+    sample: int
+    position: complex
+
+
 @frozen(eq=False)
 class CamViews:
     """Both views of a cam in space.
@@ -107,12 +138,11 @@ class CamViews:
         Points of the drawing at the origin of the frame, in the side view and the end view.
     ends : (float, float) [m]
         Least and greatest height of the blank.
+    lines : tuple of FlankLine
     edges : ndarray (3, n) [m]
-        Lines along the flanks in the frame of the cam, one after the other.
+        Points of all lines, one after the other.
     edge : ndarray (n,) int, dimensionless
-        Number of the line of each point.
-    is_top : ndarray of bool, dimensionless
-        Whether a line is an edge of the blank's surface or of a rib.
+        Index of the line of each point.
     tracks : grooves or ribs
     """
 
@@ -124,9 +154,9 @@ class CamViews:
     end_origin: complex
     ends: tuple[float, float]
     elevations: tuple[float, float]
+    lines: tuple[FlankLine, ...]
     edges: np.ndarray
     edge: np.ndarray
-    is_top: np.ndarray
     tracks: tuple[_Track, ...]
 
     def meridian(self, at: np.ndarray, on_floor: bool) -> np.ndarray:
@@ -226,17 +256,31 @@ class CamViews:
         tuple of (bool, ndarray (k,) complex [m])
             Whether the line is an edge that faces the viewer, and its points.
         """
-        cos, sin = float(np.cos(angle)), float(np.sin(angle))
-        x, y, z = self.edges
-        points = np.stack((cos * x - sin * y, sin * x + cos * y, z))
-        in_front = self.axes.viewer @ points >= 0.0
-        drawn = self.origin + self.axes.side @ points
+        in_front, drawn = self._seen(angle)
         ends = np.flatnonzero((in_front[1:] != in_front[:-1]) | (self.edge[1:] != self.edge[:-1])) + 1
         return tuple(
-            (bool(in_front[start] and self.is_top[self.edge[start]]), drawn[start:end])
+            (bool(in_front[start] and self.lines[self.edge[start]].is_top), drawn[start:end])
             for start, end in pairwise((0, *ends.tolist(), in_front.size))
             if end - start > 1
         )
+
+    def _seen(self, angle: float) -> tuple[np.ndarray, np.ndarray]:
+        """Whether the points of all lines face the viewer (n,), and their positions (n,) [m] in the side view."""
+        cos, sin = float(np.cos(angle)), float(np.sin(angle))
+        x, y, z = self.edges
+        points = np.stack((cos * x - sin * y, sin * x + cos * y, z))
+        return self.axes.viewer @ points >= 0.0, self.origin + self.axes.side @ points
+
+    def nearest_edge(self, angle: float, position: complex, reach: float) -> EdgePoint | None:
+        """Point of a visible edge that is nearest to a position of the side view; None beyond a distance [m]."""
+        in_front, drawn = self._seen(angle)
+        is_edge = np.array([line.is_top for line in self.lines], dtype=bool)[self.edge]
+        distance = np.where(in_front & is_edge, np.abs(drawn - position), np.inf)
+        if not distance.size or distance.min() > reach:
+            return None
+        i = int(np.argmin(distance))
+        line = int(self.edge[i])
+        return EdgePoint(self.lines[line], i - int(np.searchsorted(self.edge, line)), complex(drawn[i]))
 
     def down_to_axis(self, edge: np.ndarray) -> np.ndarray:
         """Area between an edge and the axis: material in front of the section or behind it, seen through a groove.
@@ -343,7 +387,7 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
         height = limit if machine.kind == "barrel" else machine.outer * float(np.sin(limit))
         elevations, ends = (-limit, limit), (-height, height)
     rows = (-1,) if machine.kind == "barrel" else range(ROWS)  # the walls of a barrel are radial
-    tracks, edges, is_top = [], list[np.ndarray](), list[bool]()
+    tracks, lines = [], list[FlankLine]()
     for ahead, behind in zip(patches[::2], patches[1::2], strict=True):
         low, high = (ahead, behind) if _is_slide_rib(machine) else (behind, ahead)
         assert ahead.side == AHEAD
@@ -352,19 +396,23 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
             for row in (on_surface, -1 - on_surface)
         ]
         tracks.append(_Track(levels[0], levels[1]))  # type: ignore[arg-type]
-        for points, row in ((patch.point[:, row], row) for patch in (low, high) for row in rows):
-            parts = list(_inside(machine, points, elevations))
-            edges += parts
-            is_top += [row == rows[0]] * len(parts)
+        lines += [
+            FlankLine(
+                patch.number, patch.side, row == rows[0], float(patch.u[row]), patch.theta[run], patch.pressure_angle[row, run],
+                patch.point[:, row, run],
+            )
+            for patch in (low, high) for row in rows for run in _inside(machine, patch.point[:, row], elevations)
+        ]  # fmt: skip
     outer = blank.outer if machine.kind == "barrel" else machine.lever - machine.inner * float(np.cos(elevations[1]))
     lever = machine.lever
     origin = -1j * (max(outer, machine.outer) + STAND_OFF * outer) if machine.slides else complex(lever)
     away = (1.0 + GAP) * outer + ends[1]
     end_origin = origin + complex(axes.side[2]) * away
-    number = np.repeat(np.arange(len(edges)), [part.shape[1] for part in edges])
+    number = np.repeat(np.arange(len(lines)), [line.theta.size for line in lines])
     return CamViews(
         machine=machine, blank=blank, sense=sense, axes=axes, origin=origin, end_origin=end_origin, ends=ends, elevations=elevations,
-        edges=np.concatenate([np.zeros((3, 0)), *edges], axis=1), edge=number, is_top=np.array(is_top), tracks=tuple(tracks),
+        lines=tuple(lines), edges=np.concatenate([np.zeros((3, 0)), *(line.point for line in lines)], axis=1), edge=number,
+        tracks=tuple(tracks),
     )  # fmt: skip
 
 
@@ -387,12 +435,12 @@ def _drawn(axes: np.ndarray, vector: np.ndarray) -> complex:
 
 
 def _inside(machine: Machine, points: np.ndarray, elevations: tuple[float, float]) -> Iterator[np.ndarray]:
-    """Parts (3, k) of an edge between the ends of the blank, whose lines stay visible."""
+    """Indices (k,) of each part of an edge (3, n) between the ends of the blank, whose lines stay visible."""
     height, margin = elevation(machine, points), NEAR_END * (elevations[1] - elevations[0])
     inside = (height >= elevations[0] + margin) & (height <= elevations[1] - margin)
     for run in np.split(np.arange(inside.size), np.flatnonzero(np.diff(inside)) + 1):
         if run.size > 1 and inside[run[0]]:
-            yield points[:, run]
+            yield run
 
 
 def _polar(machine: Machine, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -420,4 +468,4 @@ def _hull(points: np.ndarray) -> np.ndarray:
     return points[farthest[farthest != np.append(farthest[-1], farthest[:-1])]]
 
 
-__all__ = ["AXES", "CamViews", "RollerOutline", "ViewAxes", "cam_views"]
+__all__ = ["AXES", "CamViews", "EdgePoint", "FlankLine", "RollerOutline", "ViewAxes", "cam_views"]

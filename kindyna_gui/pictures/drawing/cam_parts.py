@@ -9,6 +9,7 @@ import cmath
 from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QLineF, QRectF, Qt
@@ -27,6 +28,9 @@ from kindyna_gui.pictures.items import DrawnPart, Loop, Outline, Tag, pinned, st
 from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, keyed_bore, outline, segments
 from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush, no_pen, rgb
 from kindyna_gui.pictures.units import number, readable_text, short
+
+if TYPE_CHECKING:
+    from kindyna_gui.pictures.drawing.spatial_parts import EdgeReading
 
 # -- cam and shaft -------------------------------------------------------------------------------------
 
@@ -453,6 +457,10 @@ class ProfileReading:
     force: float | None = None
     pressure: float | None = None
 
+    def position(self, cam_turn: complex) -> complex:
+        """Position in the drawing [mm] while the x axis of the cam has this direction."""
+        return self.point * cam_turn
+
     @property
     def text(self) -> str:
         """The values in one line."""
@@ -485,11 +493,15 @@ def on_cam(geometry: Geometry, index: int, point: complex) -> bool:
 
 def reading_at(
     geometry: Geometry, index: int, point: complex, reach: float, with_forces: bool = False
-) -> ProfileReading | None:
+) -> ProfileReading | EdgeReading | None:
     """Values at the sample of the profile nearest to a point of the global frame [mm] while the cam is at a sample.
 
     Returns None where the profile is farther away than ``reach`` [mm]. ``with_forces`` adds contact force and pressure.
     """
+    if geometry.space is not None:
+        from kindyna_gui.pictures.drawing.spatial_parts import edge_reading  # as in ``in_space``
+
+        return edge_reading(geometry, index, point, reach)
     if geometry.shape is None:
         return None
     local = point * np.exp(-1j * np.deg2rad(geometry.cam_rotation[index]))

@@ -497,11 +497,9 @@ class Geometry:
 
 def space_views(study: Study) -> CamViews:
     """Side view and end view of a study with a cam in space. Raises NoCam where none is possible."""
-    from core.spatial.picture import blank_of  # few designs have a cam in space
-    from core.spatial.views import cam_views
+    from core.study.spatial_views import spatial_views  # few designs have a cam in space
 
-    shape = study.surface
-    return cam_views(shape.machine, study.motion_rows, shape.sense, blank_of(shape, study.design.drive.cam))
+    return spatial_views(study)
 
 
 def _surface(study: Study) -> SpatialShape | None:

@@ -519,7 +519,7 @@ class MechanismScene(QGraphicsScene):
             self._dot.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
             self._dot.setZValue(Z_DOT)
             self.addItem(self._dot)
-        position = reading.point * np.exp(1j * np.deg2rad(self.geometry.cam_rotation[self.index]))
+        position = reading.position(self.geometry.cam_turn(self.index))
         self._dot.setPos(position.real, position.imag)
         self._dot.show()
 

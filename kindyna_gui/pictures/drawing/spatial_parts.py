@@ -12,11 +12,13 @@ import numpy as np
 from PySide6.QtCore import QPointF
 from PySide6.QtGui import QPainterPath
 
+from core.frozen import frozen
 from core.spatial.views import RollerOutline
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.items import DrawnPart, Outline, Tag, riding
 from kindyna_gui.pictures.shapes import arc_arrow, circle, curve, joined, keyed_bore, outline, scaled, segments
 from kindyna_gui.pictures.style import CHAIN, DOTTED, OUTLINE, THIN, Theme, brush
+from kindyna_gui.pictures.units import number
 
 Z_CAM, Z_REST, Z_EDGES, Z_TURRET, Z_STEM, Z_ROLLER = 2.0, 2.1, 2.5, 2.9, 3.9, 4.0
 BEYOND = 3.0  # of a centre line over the cam, in units
@@ -48,6 +50,35 @@ def part_at(geometry: Geometry, index: int, point: complex) -> str:
         return "turret"
     angle = float(np.deg2rad(geometry.cam_rotation[index]))
     return "cam" if _contains(views.outline(angle) * MM, point) or on_end_view(geometry, point) else ""
+
+
+@frozen
+class EdgeReading:
+    """Values at a point of an edge in the side view: text, and position in the drawing [mm]."""
+
+    text: str
+    point: complex
+
+    def position(self, cam_turn: complex) -> complex:
+        """Position in the drawing [mm]."""
+        return self.point
+
+
+def edge_reading(geometry: Geometry, index: int, point: complex, reach: float) -> EdgeReading | None:
+    """Values at the visible edge nearest to a point [mm]; None where it is farther away than ``reach`` [mm]."""
+    views = geometry.space
+    assert views is not None
+    edge = views.nearest_edge(float(np.deg2rad(geometry.cam_rotation[index])), point / MM, reach / MM)
+    if edge is None:
+        return None
+    line, i, position = edge
+    of_roller = f" of roller {line.number}" if views.machine.rollers > 1 else ""
+    degrees = number(float(np.rad2deg(line.theta[i])), 1)
+    text = (
+        f"Flank {line.side}{of_roller} at {degrees}°: pressure angle {number(float(np.rad2deg(line.pressure_angle[i])), 1)}°, "
+        f"u {number(line.u * MM, 1)} mm along the roller"
+    )
+    return EdgeReading(text, position * MM)
 
 
 def on_end_view(geometry: Geometry, point: complex) -> bool:
@@ -184,4 +215,4 @@ def _pin(k: int, roller: RollerOutline, geometry: Geometry, theme: Theme) -> Ite
     yield DrawnPart(f"stem.roller{roller.number}", item, ("linkage",), Z_STEM, riding(item, geometry.reference, turn))
 
 
-__all__ = ["cam_in_space", "on_end_view", "part_at"]
+__all__ = ["EdgeReading", "cam_in_space", "edge_reading", "on_end_view", "part_at"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +103,27 @@ def test_parts_under_the_mouse_have_names_and_open_their_fields(open_user: Open)
         assert field is not None
         assert focus is not None
         assert focus is field.editor or field.editor.isAncestorOf(focus)
+
+
+def test_the_mouse_reads_the_pressure_angle_on_an_edge(open_user: Open) -> None:
+    """Where the cycloidal rise of 40 mm over 120° is steepest, at its middle: tan ψ = 2 h/(β u) at the blank's radius of 82 mm."""
+    user = open_user(example("barrel_feeder"))
+    user.turn(120.0)
+    canvas, views = user.drawing().canvas, user.drawing().scene.geometry.space
+    angle = np.deg2rad(120.0)
+    line = next(line for line in views.lines if line.side == "ahead")
+    k = int(np.argmin(np.abs(line.theta - np.deg2rad(60.0))))
+    x, y, z = line.point[:, k]
+    assert np.sin(angle) * x + np.cos(angle) * y > 0.0, "it faces the viewer"
+    at = 1e3 * (views.origin + z + 1j * (np.cos(angle) * x - np.sin(angle) * y))
+    QTest.mouseMove(canvas.viewport(), pixel(canvas, at))
+    settle()
+    steepest = np.rad2deg(np.arctan(2.0 * 40.0 / np.deg2rad(120.0) / 82.0))
+    reading = user.drawing().scene.overlay.reading_text
+    number = re.search(r"Flank ahead at (\d+\.\d)°: pressure angle (\d+\.\d)°, u 82", reading)
+    assert number is not None, reading
+    assert float(number[2]) == pytest.approx(steepest, abs=0.3)
+    assert float(number[1]) == pytest.approx(60.0, abs=6.0)
 
 
 def test_a_roller_of_a_turret_has_its_number(open_user: Open) -> None:
