@@ -32,6 +32,7 @@ from core.synthesis.candidates import (
     Candidate,
     Errors,
     is_in_order,
+    shortest_arc,
 )
 from core.synthesis.task import Task
 
@@ -147,8 +148,7 @@ def judge(candidate: Candidate, task: Task) -> Answer | None:
         return None
     if not ranges.ranges:
         return None
-    driver_range = ranges.ranges[0]
-    turns_fully = not ranges.is_swinging and driver_range.is_free
+    driver_range, turns_fully = _task_range(candidate, ranges)
     positions = _in_range(candidate.positions, driver_range, turns_fully)
     inside = np.isfinite(positions)
     error_mm, error_deg = _errors(candidate, linkage, ranges, positions)
@@ -188,6 +188,24 @@ def judge(candidate: Candidate, task: Task) -> Answer | None:
         turns_fully,
     )
     return replace(answer, violated=tuple(_violated(answer, task)))
+
+
+def _task_range(candidate: Candidate, ranges: DriverRanges) -> tuple[DriverRange, bool]:
+    """Range of the driver that contains the task, and whether it is a full turn.
+
+    A linkage that can be folded into one line, such as a parallelogram, only turns fully where the task needs it: else its range ends at
+    the change points, where play decides which assembly follows.
+    """
+    driver_range = ranges.ranges[0]
+    if ranges.is_swinging or not driver_range.is_free:
+        return driver_range, False
+    low, high = shortest_arc(candidate.positions)
+    changes = ranges.changes
+    if not changes or any((change.at - low) % TURN <= high - low for change in changes):
+        return driver_range, True
+    before = max(low - (low - change.at) % TURN for change in changes)
+    after = min(high + (change.at - high) % TURN for change in changes)
+    return DriverRange(before, after, changes[0].joint, changes[0].joint), False
 
 
 def _largest(errors: np.ndarray) -> float:
@@ -313,7 +331,8 @@ def task_positions(answer: Answer) -> np.ndarray:
         NaN for positions outside of the range.
     """
     candidate = answer.candidate
-    return _in_range(candidate.positions, driver_ranges_of(candidate.linkage).ranges[0], answer.turns_fully)
+    driver_range, turns_fully = _task_range(candidate, driver_ranges_of(candidate.linkage))
+    return _in_range(candidate.positions, driver_range, turns_fully)
 
 
 def joint_positions(answer: Answer, count: int) -> Mapping[str, np.ndarray]:
@@ -332,7 +351,8 @@ def joint_positions(answer: Answer, count: int) -> Mapping[str, np.ndarray]:
     """
     linkage = answer.candidate.linkage
     ranges = driver_ranges_of(linkage)
-    low, high = ranges.ranges[0].low, ranges.ranges[0].high
+    driver_range, _ = _task_range(answer.candidate, ranges)
+    low, high = driver_range.low, driver_range.high
     inset = 0.0 if answer.turns_fully else 1e-6 * (high - low)
     at = np.linspace(low + inset, high - inset, count)
     kinematics = unit_speed_kinematics(linkage, at, ranges)

@@ -16,7 +16,7 @@ from core.synthesis.candidates import KINDS, Candidate, driver_angles, is_degene
 from core.synthesis.dyads import PIN, Dyad, ScaledPoses, dyads_through, is_inside, sweeps
 from core.synthesis.judge import position_errors
 from core.synthesis.sieve import best_pairs
-from core.synthesis.task import Area, BodyPose, Task, pivots_of, task_size
+from core.synthesis.task import FIXED, Area, BodyPose, Task, pivots_of, task_size
 
 MOST_CARDS = 24
 """Pairs of a sweep that are judged."""
@@ -64,13 +64,14 @@ def _dyads(poses: Sequence[BodyPose], task: Task, number: int) -> tuple[tuple[Dy
     size = task_size([pose.z for pose in poses])
     scaled = ScaledPoses.of(poses, size or _span(task.area))
     area = task.area or _area(poses, REACH * scaled.size)
-    sets = sweeps(len(poses), pivots_of(task, number), area, REACH * scaled.size)
+    conditions = pivots_of(task, number)
+    sets = sweeps(len(poses), conditions, area, REACH * scaled.size)
     complete = len(sets) == 1
     dyads = []
     for pivots in sets:
         checkpoint()
         dyads += dyads_through(scaled, pivots)
-    if task.area is not None or not complete:
+    if task.area is not None or not (complete or any(pivot.of == FIXED for pivot in conditions)):
         dyads = [dyad for dyad in dyads if is_inside(dyad, area)]
     if not complete:
         farthest = 4.0 * REACH * scaled.size
@@ -113,7 +114,7 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     z, angles = body_positions(task)
     pairs = list(_pairs(dyads, z, np.exp(1j * angles), task))
     if not pairs:
-        raise DesignError([_no_pair(angles)])
+        raise DesignError([_no_pair()])
     for first, second in pairs:
         checkpoint()
         yield linkages_of(first, second, task)
@@ -152,10 +153,9 @@ def _pairs(dyads: PoseDyads, z: np.ndarray, turn: np.ndarray, task: Task) -> Ite
         rows = combinations(dyads.first, 2) if dyads.first == dyads.second else _product(dyads)
         pairs = [(a, b) if a.kind == PIN else (b, a) for a, b in rows]
     else:
-        everything = dyads.all
-        ranked = best_pairs(everything, z, turn, 8 * MOST_CARDS, order=task.limits.order)
-        pairs = [(everything[i], everything[k]) for i, k in ranked]
-        pairs = [(a, b) for a, b in pairs if dyads.are_pair(a, b)][:MOST_CARDS]
+        sides = dyads.first, dyads.second
+        pairs = best_pairs(sides, z, turn, MOST_CARDS, order=task.limits.order)
+        pairs = pairs or best_pairs(sides, z, turn, MOST_CARDS, with_defects=True)
     for first, second in pairs:
         if first.kind == PIN and not is_degenerate(first, second, size):
             yield first, second
@@ -175,17 +175,9 @@ def _candidate(first: Dyad, second: Dyad, z: np.ndarray, angles: np.ndarray) -> 
     return Candidate(linkage, KINDS[second.kind], positions, position_errors(z, angles))
 
 
-def _no_pair(angles: np.ndarray) -> Fault:
-    """Fault of poses whose dyads, swept ones without their defects, make no linkage."""
-    if np.ptp(angles) == 0.0:
-        problem = "have no turn, so that only parallelograms fit, which lock where their links are in one line"
-        return Fault("poses", MISSING, problem, "a turn of one pose")
-    return Fault(
-        "poses",
-        MISSING,
-        "every two dyads have a defect, or a pivot in common",
-        "other poses or pivots, or a larger area",
-    )
+def _no_pair() -> Fault:
+    """Fault of poses whose dyads make no linkage."""
+    return Fault("poses", MISSING, "every two dyads have a pivot in common", "other poses or pivots, or a larger area")
 
 
 def _no_dyads(task: Task) -> Fault:

@@ -73,14 +73,20 @@ class Second:
 
 
 def best_pairs(
-    dyads: Sequence[Dyad], z: np.ndarray, turn: np.ndarray, count: int, *, order: bool = False
-) -> list[tuple[int, int]]:
+    dyads: tuple[Sequence[Dyad], Sequence[Dyad]],
+    z: np.ndarray,
+    turn: np.ndarray,
+    count: int,
+    *,
+    order: bool = False,
+    with_defects: bool = False,
+) -> list[tuple[Dyad, Dyad]]:
     """Pairs of dyads with the largest least transmission angle, among those without sampled defects.
 
     Parameters
     ----------
-    dyads : sequence of Dyad
-        At most ``MOST_DYADS`` of them are used, evenly chosen.
+    dyads : (sequence of Dyad, sequence of Dyad)
+        Those of the first and of the second side, of which a pair has one each; at most ``MOST_DYADS`` of a side are used, evenly chosen.
     z : ndarray (n,) complex [mm]
         Origins of the body at its poses.
     turn : ndarray (n,) complex, dimensionless
@@ -89,37 +95,46 @@ def best_pairs(
         Number of pairs.
     order : bool
         The driver passes the poses in their order.
+    with_defects : bool
+        Pairs with sampled defects too; the transmission angle is then that at the poses.
 
     Returns
     -------
-    list of (int, int)
-        Indices of the driver's dyad, which has two pins, and of the other one; each pair once, the best first.
+    list of (Dyad, Dyad)
+        The driver's dyad, which has two pins, and the other one; each pair once, the best first.
     """
-    chosen = np.unique(np.linspace(0, len(dyads) - 1, min(len(dyads), MOST_DYADS)).astype(int))
-    used = [dyads[i] for i in chosen]
-    second = Second.of(used, complex(z[0]), complex(turn[0]))
-    least: dict[tuple[int, int], tuple[float, tuple[int, int]]] = {}
-    for i, first in enumerate(used):
-        if first.kind != PIN:
-            continue
-        sines = _least_sines(first, second, z, turn, order)
-        sines[i] = 0.0
-        for k in np.flatnonzero(sines > LEAST_SINE):
-            pair = (int(chosen[i]), int(chosen[k]))
-            key = (min(pair), max(pair))
-            if key not in least or sines[k] > least[key][0]:
-                least[key] = float(sines[k]), pair
-    uses: Counter[int] = Counter()
-    pairs: list[tuple[int, int]] = []
+    first, second = (_evenly_chosen(side) for side in dyads)
+    least: dict[frozenset[Dyad], tuple[float, tuple[Dyad, Dyad]]] = {}
+    for drivers, others in ((first, second), (second, first)) if dyads[0] != dyads[1] else ((first, first),):
+        arrays = Second.of(others, complex(z[0]), complex(turn[0]))
+        for driver in drivers:
+            if driver.kind != PIN:
+                continue
+            sines = _least_sines(driver, arrays, z, turn, order, with_defects)
+            for k in np.flatnonzero(sines > LEAST_SINE):
+                pair = driver, others[k]
+                key = frozenset(pair)
+                if len(key) == 2 and (key not in least or sines[k] > least[key][0]):
+                    least[key] = float(sines[k]), pair
+    most_uses = max(MOST_USES, -(-count // min(len(first), len(second))))
+    uses: Counter[Dyad] = Counter()
+    pairs: list[tuple[Dyad, Dyad]] = []
     for _, pair in sorted(least.values(), key=lambda row: -row[0]):
-        if len(pairs) < count and max(uses[i] for i in pair) < MOST_USES:
+        if len(pairs) < count and max(uses[dyad] for dyad in pair) < most_uses:
             uses.update(pair)
             pairs.append(pair)
     return pairs
 
 
-def _least_sines(first: Dyad, second: Second, z: np.ndarray, turn: np.ndarray, order: bool) -> np.ndarray:
-    """Least sine of the transmission angle (n,) for a driver with each second dyad; 0 where a sampled defect is found."""
+def _evenly_chosen(dyads: Sequence[Dyad]) -> list[Dyad]:
+    chosen = np.unique(np.linspace(0, len(dyads) - 1, min(len(dyads), MOST_DYADS)).astype(int))
+    return [dyads[i] for i in chosen]
+
+
+def _least_sines(
+    first: Dyad, second: Second, z: np.ndarray, turn: np.ndarray, order: bool, with_defects: bool
+) -> np.ndarray:
+    """Least sine of the transmission angle (n,) for a driver with each second dyad; 0 where a sampled defect counts and is found."""
     at_poses = z + first.moving * turn
     angles = np.angle(at_poses - first.fixed)
     crank = abs(at_poses[0] - first.fixed)
@@ -128,6 +143,8 @@ def _least_sines(first: Dyad, second: Second, z: np.ndarray, turn: np.ndarray, o
     u, _, factor = second.closure(at_poses, first.moving)
     with np.errstate(invalid="ignore"):
         signed = (u * turn).imag * factor
+    if with_defects:
+        return np.nan_to_num(np.abs(signed).min(axis=1))
     one_assembly = (np.sign(signed) == np.sign(signed[:, :1])).all(axis=1)
     if order and not is_in_order(angles):
         one_assembly[:] = False
@@ -141,6 +158,7 @@ def _least_sines(first: Dyad, second: Second, z: np.ndarray, turn: np.ndarray, o
     inside = np.mod(grid - low, 2.0 * pi) <= high - low
     between = assembled[:, inside].all(axis=1) if inside.any() else np.ones(turns_fully.size, dtype=bool)
     part = sines[:, inside].min(axis=1, initial=np.inf)
-    result = np.where(turns_fully, sines.min(axis=1), np.where(between, part, 0.0))
+    full = sines.min(axis=1)
+    result = np.where(turns_fully & (full > LEAST_SINE), full, np.where(between, part, 0.0))
     result = np.minimum(result, np.abs(signed).min(axis=1))
     return np.where(one_assembly & np.isfinite(result), result, 0.0)

@@ -273,13 +273,18 @@ def _pose_faults(task: Task) -> Iterator[Fault]:
         yield from _pivot_faults(pivot, f"pivots[{i}]")
     if any(not (pivot.line or pivot.z is not None) or (pivot.line and pivot.x_mm is not None) for pivot in task.pivots):
         return
-    yield from next(filter(None, (list(_freedom_faults(task, dyad)) for dyad in (1, 2))), ())
+    yield from next(filter(None, (list(_freedom_faults(task, dyad)) for dyad in (1, 2))), _shared_pivot_faults(task))
     area = task.area
     if area is not None:
         for axis in "xy":
             low, high = getattr(area, f"low_{axis}_mm"), getattr(area, f"high_{axis}_mm")
             if not low < high:
                 yield Fault("area.high", [area.high_x_mm, area.high_y_mm], "bounds are reversed", f"{axis} > {low:g}")
+                return
+            for i, pivot in enumerate(task.pivots):
+                value = getattr(pivot, f"{axis}_mm")
+                if pivot.of == FIXED and value is not None and not low <= value <= high:
+                    yield Fault(f"pivots[{i}].{axis}_mm", value, "is outside of the area", f"{low:g} ... {high:g} mm")
 
 
 def _pivot_faults(pivot: Pivot, path: str) -> Iterator[Fault]:
@@ -310,6 +315,13 @@ def _freedom_faults(task: Task, dyad: int) -> Iterator[Fault]:
         at, _ = rows[-1]
         problem = f"the pivots of dyad {dyad} set {given} conditions, {len(task.poses)} poses leave {free}"
         yield Fault(f"pivots[{at}]", MISSING, problem, f"at most {free}: 2 for a position, 1 for a line")
+
+
+def _shared_pivot_faults(task: Task) -> Iterator[Fault]:
+    """Pivots at a position of both dyads, which would be one link, or turn about one point."""
+    for i, pivot in enumerate(task.pivots):
+        if pivot.dyad is None and not pivot.line:
+            yield Fault(f"pivots[{i}].dyad", MISSING, "missing, two dyads have no pivot at one position", "1 | 2")
 
 
 def _path_faults(task: Task) -> Iterator[Fault]:

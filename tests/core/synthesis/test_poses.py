@@ -13,7 +13,7 @@ from core.__main__ import main
 from core.errors import DesignError
 from core.project import load
 from core.study import Study
-from core.synthesis import Area, BodyPose, Dyad, Pivot, Task, synthesise, task_of
+from core.synthesis import AnswerLimits, Area, BodyPose, Dyad, Pivot, Task, synthesise, task_of
 from core.synthesis.poses import pose_dyads
 
 PIN, GUIDE, TURNING = "pin", "guide", "turning-guide"
@@ -163,6 +163,38 @@ def test_pivots_lie_on_their_lines() -> None:
     for answer in synthesis.answers[: synthesis.shown]:
         for z in answer.candidate.linkage.by_number[1].places.values():
             assert abs(((z - complex(line[0], line[1])) / along).imag) < 1e-9
+
+
+@pytest.mark.parametrize("at", [(0.0, -50.0), (400.0, 90.0)])
+def test_one_typed_pivot_leaves_as_many_linkages_as_none(at: tuple[float, float]) -> None:
+    for poses in (THREE, THREE[:2]):
+        synthesis = synthesise(
+            Task(kind="poses", poses=poses, pivots=(Pivot(dyad=2, of="fixed", x_mm=at[0], y_mm=at[1]),))
+        )
+        shown = synthesis.answers[: synthesis.shown]
+        assert len(shown) >= 20
+        assert max(answer.error_mm for answer in shown) < 1e-9 * 400.0
+        for answer in shown:
+            assert complex(*at) in answer.candidate.linkage.by_number[1].places.values()
+
+
+def test_a_body_that_only_shifts_is_moved_by_parallelograms_that_swing_between_their_dead_positions() -> None:
+    poses = BodyPose(0.0, 0.0), BodyPose(30.0, 10.0), BodyPose(60.0, 0.0)
+    synthesis = synthesise(Task(kind="poses", poses=poses))
+    best = synthesis.answers[0]
+    assert synthesis.shown >= 20
+    assert not best.turns_fully
+    assert best.transmission_deg > 45.0
+    linkage = best.candidate.linkage
+    (o2, o4), (a, b) = (linkage.by_number[1].places.values(), (linkage.by_number[3].places[name] for name in "AB"))
+    assert abs((o4 - o2) - (b - a)) < 1e-9 * 60.0
+
+
+def test_poses_that_no_linkage_passes_in_their_order_have_linkages_with_that_defect() -> None:
+    poses = THREE[0], THREE[2], THREE[1], BodyPose(90.0, 5.0, 60.0)
+    synthesis = synthesise(Task(kind="poses", poses=poses, limits=AnswerLimits(order=True)))
+    assert synthesis.shown == 0
+    assert synthesis.answers[0].defects == ("order",)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
@@ -324,10 +356,6 @@ ROWS = [{"x_mm": p.x_mm, "y_mm": p.y_mm, "angle_deg": p.angle_deg} for p in THRE
             r"poses: are turns about one point, where a single pivot guides the body: \(0, 0\) mm; allowed: a shift of one pose",
         ),
         (
-            {"poses": [{"x_mm": x, "y_mm": y} for x, y in ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0))]},
-            r"poses: have no turn, so that only parallelograms fit, which lock .*; allowed: a turn of one pose",
-        ),
-        (
             {"poses": ROWS, "pivots": [{"of": "fixed", "x_mm": 0.0, "y_mm": 0.0}] * 2},
             r"pivots\[1\]: the fixed pivot of dyad 1",
         ),
@@ -344,6 +372,18 @@ ROWS = [{"x_mm": p.x_mm, "y_mm": p.y_mm, "angle_deg": p.angle_deg} for p in THRE
             "path: is not used by a task of kind poses",
         ),
         ({"poses": ROWS, "area": {"low": [5.0, 0.0], "high": [1.0, 9.0]}}, "area.high"),
+        (
+            {"poses": ROWS, "pivots": [{"of": "fixed", "x_mm": 0.0, "y_mm": 0.0}]},
+            r"pivots\[0\].dyad: missing, two dyads have no pivot at one position; allowed: 1 | 2",
+        ),
+        (
+            {
+                "poses": ROWS,
+                "pivots": [{"dyad": 2, "of": "fixed", "x_mm": 0.0, "y_mm": 70.0}],
+                "area": {"low": [-90.0, -90.0], "high": [90.0, 60.0]},
+            },
+            r"pivots\[0\].y_mm = 70.0: is outside of the area; allowed: -90 ... 60 mm",
+        ),
     ],
 )
 def test_bad_tasks_are_refused_with_their_field(table: dict[str, object], field: str) -> None:

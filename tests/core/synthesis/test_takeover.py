@@ -180,6 +180,18 @@ def test_sequence_conditions_follow_the_strokes_of_a_driver_that_turns_the_other
     assert main(["check", str(file)]) == 0
 
 
+def test_a_parallelogram_swings_between_the_poses_and_never_folds() -> None:
+    shifts = Task(kind="poses", poses=(BodyPose(0.0, 0.0), BodyPose(30.0, 10.0), BodyPose(60.0, 0.0)))
+    takeover = taken_over(synthesise(shifts).answers[0], load(EXAMPLES / "four_bar.toml"))
+    study = Study(takeover.design)
+    assert not {finding.code for finding in findings_of(study)} & {"change-point", "dead-centre", "transmission"}
+    body = study.linkage.bodies["link3"]
+    assert np.abs(body.angle[0]).max() < 1e-9
+    x = 1e3 * body.fixed_point(0j)[0].real
+    assert (x.min(), x.max()) == pytest.approx((0.0, 60.0), abs=1e-6)
+    assert np.isfinite(study.dynamics.torque).all()
+
+
 def test_a_driver_that_turns_fully_is_a_crank() -> None:
     design = taken_over(synthesise(SWING).answers[0], load(EXAMPLES / "transfer_lift.toml")).design
     assert design.drive.motion is None
