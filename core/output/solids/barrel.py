@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import field
 from itertools import pairwise
 from math import ceil
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,12 +26,10 @@ from core.output.solids.outline import Outline, area
 from core.output.solids.patches import (
     BETWEEN,
     MM,
-    ExactFlank,
     Patch,
     Run,
     fit_patches,
     grid_steps,
-    motion_rows,
     patch_grid,
     patch_points,
     spline_value,
@@ -52,15 +49,11 @@ from core.output.solids.turned import (
     paired_triangles,
     zipped_triangles,
 )
+from core.output.solids.walls import GrooveWall
 from core.study import Study
 
-if TYPE_CHECKING:
-    from core.spatial import SpatialFlank
-
-NEWTON = 12  # steps, more than convergence takes
-CONVERGED = 1e-9  # last step relative to the size: the next one would be its square
-REACHED = 1e-9  # relative difference of distances from the axis that counts as rounding
-SAMPLES = 65  # of a piece of the motion, and of a rim
+SAMPLES = 65  # of a rim
+BACK = 1e-9  # [rad] step back that counts as rounding
 FIRST, TIGHTER, ATTEMPTS = 4e-7, 0.2, 4  # tolerance [mm], and its factor until the rims are on their cylinders
 
 
@@ -177,8 +170,8 @@ def barrel_solid(study: Study, tolerance: float) -> BarrelSolid:
     require_smooth(study)
     hole = hole_outline(cam)
     runs = strip_runs(study, Strip(AHEAD, 1, 0.0, 0.0, TURN, True))
-    walls = [GrooveWall(study, side, radii) for side in (AHEAD, BEHIND)]
-    _require_ends(study, heights, *(MM * wall.require_walls(runs) for wall in walls))
+    walls = [GrooveWall(study, side, ends=radii) for side in (AHEAD, BEHIND)]
+    _require_ends(study, heights, *(_largest_radius(wall, runs) for wall in walls))
     (ahead, first), (behind, second) = (_fit_wall(wall, runs, tolerance) for wall in walls)
     starts = np.array([run[0][0] for run in runs])
     middle = 1 + int(np.abs(starts[1:] - starts[0] - 0.5 * TURN).argmin())
@@ -195,88 +188,14 @@ def has_closed_groove(design: Design) -> bool:
 # -- walls ------------------------------------------------------------------------------------------------------
 
 
-class GrooveWall(ExactFlank):
-    """A flank as a function of the cam angle and of the distance from the axis of the cam."""
-
-    def __init__(self, study: Study, side: str, radii: tuple[float, float]) -> None:
-        super().__init__(study, side)
-        self.ends = radii
-
-    def flank(self, theta: np.ndarray, piece: np.ndarray, u: np.ndarray) -> SpatialFlank:
-        """Exact flank at distances from the axis of the cam, which Newton's method converts to those along the roller.
-
-        Parameters
-        ----------
-        theta : ndarray (n,) [rad]
-        piece : ndarray (n,), dimensionless
-        u : ndarray (m,) [mm]
-            Distances from the axis of the cam.
-
-        Returns
-        -------
-        SpatialFlank
-        """
-        from core.spatial import flank
-
-        machine, rows = self.study.machine, motion_rows(self.study, theta, piece)
-        radius = u[:, None] / MM + 0.0 * theta
-        distance = radius
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # of a flank that does not reach a cylinder
-            for _ in range(NEWTON):
-                surface = flank(machine, rows, distance, self.study.sense, self.side)
-                (x, y, _), (x_u, y_u, _) = surface.point, surface.by_u
-                size = np.hypot(x, y)
-                step = (size - radius) * size / (x * x_u + y * y_u)
-                distance = distance - step
-                if np.abs(step).max() <= CONVERGED * self.ends[1] / MM:
-                    break
-            return flank(machine, rows, distance, self.study.sense, self.side)
-
-    def by_theta(self, theta: float, piece: int, u: np.ndarray) -> np.ndarray:
-        """Derivative of the point by cam angle at constant distance from the axis of the cam.
-
-        Parameters
-        ----------
-        theta : float [rad]
-        piece : int, dimensionless
-        u : ndarray (m,) [mm]
-            Distances from the axis of the cam.
-
-        Returns
-        -------
-        ndarray (m, 3) [mm/rad]
-        """
-        surface = self.flank(np.array([theta]), np.array([piece]), u)
-        point, by_theta, by_u = surface.point, surface.by_theta, surface.by_u
-        share = (point[:2] * by_theta[:2]).sum(axis=0) / (point[:2] * by_u[:2]).sum(axis=0)
-        return MM * surface.in_cam(by_theta - share * by_u)[:, :, 0].T
-
-    def require_walls(self, runs: Sequence[Run]) -> float:
-        """Largest radius [m] of the roller at the wall. Raises NoCam where the wall misses the floor or runs back around the cam."""
-        theta, piece = (np.concatenate(rows) for rows in zip(*(
-            (np.linspace(low, high, SAMPLES), np.full(SAMPLES, i)) for run in runs for low, high, i in run
-        ), strict=True))  # fmt: skip
-        surface = self.flank(theta, piece, np.array(self.ends))
-        x, y, _ = MM * surface.cam_point
-        missed = ~(np.abs(np.hypot(x, y)[0] - self.ends[0]) <= REACHED * self.ends[0]) | ~(surface.u[0] > 0.0)
-        polar = -self.study.sense * np.unwrap(np.arctan2(y, x), axis=1)
-        back = (np.diff(polar, axis=1) < -REACHED).any(axis=0)
-        for at, problem in ((missed, "does not reach the floor of the groove"), (back, "runs back around the cam")):
-            if at.any():
-                angle = float(np.rad2deg(theta[at.argmax()]))
-                raise NoCam(
-                    f"the flank {self.side} {problem}",
-                    "cam.roller_inner_mm",
-                    "enlarge it, or swing the arm less",
-                    [(angle, angle)],
-                )
-        if surface.radius.min() <= 0.0:
-            raise NoCam(
-                f"{self.ends[1]:g} mm: the cone of the roller ends below the face of the blank",
-                "cam.outer_radius_mm",
-                f"choose at most {self.study.design.drive.cam.outer_mm:g} mm",
-            )
-        return float(surface.radius.max())
+def _largest_radius(wall: GrooveWall, runs: Sequence[Run]) -> float:
+    """Largest radius [mm] of the roller at the rims of a wall. Raises NoCam where they run back around the cam."""
+    rims = wall.rims(runs)
+    polar = -rims.sense * np.unwrap(np.arctan2(rims.cam_point[1], rims.cam_point[0]), axis=1)
+    back = (np.diff(polar, axis=1) < -BACK).any(axis=0)
+    if back.any():
+        raise wall.edge(float(rims.theta[back.argmax()]), "runs back around the cam")
+    return float(MM * rims.radius.max())
 
 
 def _fit_wall(exact: GrooveWall, runs: Sequence[Run], tolerance: float) -> tuple[tuple[Patch, ...], float]:

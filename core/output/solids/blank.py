@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from functools import partial
 from itertools import pairwise
 from math import asin, atan2, ceil, hypot, pi, sqrt
 
@@ -34,9 +35,11 @@ from core.output.solids.turned import (
     end_triangles,
     paired_triangles,
 )
+from core.output.solids.walls import GrooveWall
 from core.study import Study
 
 BLANK_RADIUS = "the radius of the blank"
+BEYOND = 0.02  # of the depth of the grooves by which flanks extend beyond them
 SEAMS = 0.0, pi  # polar angles
 SHORTEST = 1e-6  # [mm] a lower cylinder is left out
 
@@ -205,7 +208,10 @@ class UncutBlank:
 
 
 def uncut_blank(study: Study, tolerance: float) -> UncutBlank:
-    """Flanks of a cam in space next to its blank; those of a turret extend to where the roller is out of the blank.
+    """Flanks of a cam in space next to its blank.
+
+    The flanks extend a little beyond the blank and the floor, those of a turret to where the roller is out of the blank, so that
+    they can cut it.
 
     Raises
     ------
@@ -223,7 +229,10 @@ def uncut_blank(study: Study, tolerance: float) -> UncutBlank:
     else:
         radius, inner = required(cam, "outer_radius_mm", BLANK_RADIUS), floor_radius(study)
         side, floor = (Zone((radius, low), (radius, high)),), Zone((inner, low), (inner, high))
-    return UncutBlank(spatial_strips(study, SIDES, tolerance, _limit(study, side)), side, floor, hole_outline(cam))
+    walls = partial(GrooveWall, ends=_depths(study))
+    return UncutBlank(
+        spatial_strips(study, SIDES, tolerance, _limit(study, side), walls), side, floor, hole_outline(cam)
+    )
 
 
 def blank_heights(study: Study) -> tuple[float, float]:
@@ -247,6 +256,17 @@ def floor_radius(study: Study) -> float:
     if isinstance(cam, GloboidalCam):
         return float(cam.centre_distance_mm - MM * (machine.outer + machine.play))
     return float(MM * (machine.inner - machine.play))
+
+
+def _depths(study: Study) -> tuple[float, float]:
+    """Depths of the walls of the grooves [mm], a part of their difference beyond the blank and beyond the floor."""
+    cam, floor = study.design.drive.cam, floor_radius(study)
+    if isinstance(cam, GloboidalCam):
+        low, high = cam.roller_inner_mm, cam.centre_distance_mm - floor
+    else:
+        low, high = floor, cam.outer_radius_mm
+    beyond = BEYOND * (high - low)
+    return low - beyond, high + beyond
 
 
 def _limit(study: Study, side: tuple[Zone, ...]) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -78,8 +78,17 @@ class Strips:
         return np.concatenate([patch_triangles(patch, tolerance) for patches in self.patches for patch in patches])
 
 
-def spatial_strips(study: Study, sides: tuple[str, ...], tolerance: float, limit: float | None = None) -> Strips:
+def spatial_strips(
+    study: Study,
+    sides: tuple[str, ...],
+    tolerance: float,
+    limit: float | None = None,
+    exact: Callable[[Study, str, float], ExactFlank] = ExactFlank,
+) -> Strips:
     """Flanks of a cam in space, of a turret up to a limit of its angle [rad]; without one while its rollers are in the blank.
+
+    ``exact`` gives the exact flank of a study, a side and an offset of the roller: from end to end of the roller unless it is
+    a wall of the groove.
 
     Raises
     ------
@@ -92,8 +101,7 @@ def spatial_strips(study: Study, sides: tuple[str, ...], tolerance: float, limit
     require_smooth(study)
     strips = [strip for strip in flank_strips(study, limit) if strip.side in sides]
     fits = [
-        fit_patches(ExactFlank(study, strip.side, strip.offset), strip_runs(study, strip), tolerance)
-        for strip in strips
+        fit_patches(exact(study, strip.side, strip.offset), strip_runs(study, strip), tolerance) for strip in strips
     ]
     patches = tuple(fit[0] for fit in fits)
     return Strips(tuple(strips), patches, max(deviation for _, deviation in fits))

@@ -132,9 +132,9 @@ def test_the_example_leaves_with_its_keyway(tmp_path: Path) -> None:
         ("mm", {"length_mm": None}, "cam.length_mm: missing"),
         ("mm", {"keyway_width_mm": 8.0}, "cam.keyway_depth_mm: missing"),
         ("mm", {"keyway_width_mm": 8.0, "keyway_depth_mm": 26.0, "keyway_angle_deg": 0.0}, "cam.keyway_depth_mm = 26.0: reaches the floor"),
-        ("mm", {"roller_taper_deg": 30.0, "outer_radius_mm": 54.5}, "cam.outer_radius_mm: 54.5 mm: the cone of the roller ends"),
+        ("mm", {"roller_taper_deg": 30.0, "outer_radius_mm": 54.5}, "cam.roller_taper_deg: 30 deg: the cone of the roller ends"),
         ("deg", {"length_mm": 30.0}, "cam.length_mm: 30 mm: the groove reaches "),
-        ("deg", {"arm_mm": 1200.0, "length_mm": 900.0}, "cam.roller_inner_mm: the flank ahead does not reach the floor"),
+        ("deg", {"arm_mm": 1200.0, "length_mm": 900.0}, "cam.roller_inner_mm: the flank ahead does not extend from the floor"),
     ],
 )  # fmt: skip
 def test_faults_are_named_in_one_line(tmp_path: Path, unit: str, keys: dict[str, object], said: str) -> None:

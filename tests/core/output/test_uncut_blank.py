@@ -75,20 +75,28 @@ def test_a_globoid_leaves_as_flanks_next_to_its_blank(tmp_path: Path) -> None:
         )
 
 
-def test_the_flanks_leave_the_blank(tmp_path: Path) -> None:
-    """Flanks end at cam angle 0, where the next roller continues them, or outside of the blank, which they can cut."""
+def distance_from_turret(points: np.ndarray) -> np.ndarray:
+    """Distance (n,) from the circle on which the axis of the turret moves around the cam."""
+    return np.hypot(DISTANCE - np.hypot(points[:, 0], points[:, 1]), points[:, 2])
+
+
+def test_the_flanks_extend_beyond_blank_and_floor(tmp_path: Path) -> None:
+    """They can cut the blank: between floor and blank, and until the roller has left it or the next one continues at cam angle 0."""
     out = tmp_path / "cam.step"
     written(indexer(tmp_path), out, "--solid", *COARSE)
     ends = 0
+    t = np.linspace(0.0, 1.0, 9)
     for name, faces in StepFile(out.read_bytes()).shells.items():
         if name in ("blank", "floor"):
             continue
-        v = np.linspace(0.0, 1.0, 9)
-        first, last = (face.surface.at(np.full(9, u), v)[0] for face, u in ((faces[0], 0.0), (faces[-1], 1.0)))
-        for points in (first, last):
+        for face in faces:
+            inner, outer = (face.surface.at(t, np.full(9, v))[0] for v in (0.0, 1.0))
+            assert distance_from_turret(inner).max() < INNER - 0.2
+            assert distance_from_turret(outer).min() > INNER + LENGTH_OF_ROLLER + 0.2
+        for face, u in ((faces[0], 0.0), (faces[-1], 1.0)):
+            points, _ = face.surface.at(np.full(9, u), t)
             rho = np.hypot(points[:, 0], points[:, 1])
-            tube = np.hypot(DISTANCE - rho, points[:, 2])
-            outside = (np.abs(points[:, 2]) > HALF) | (rho > RADIUS) | (tube < INNER + 1e-6)
+            outside = (np.abs(points[:, 2]) > HALF) | (rho > RADIUS) | (distance_from_turret(points) < INNER + 1e-6)
             ends += bool(outside.all())
     assert ends == 4, "each flank enters once and leaves once"
 
@@ -114,6 +122,8 @@ def test_a_rib_leaves_next_to_a_cylinder(tmp_path: Path) -> None:
     shells = StepFile((tmp_path / "cam.step").read_bytes()).shells
     assert list(shells) == ["blank", "floor", "ahead 1", "behind 2"]
     check_topology(shells["blank"], is_closed=True)
+    rho = np.hypot(*shells["ahead 1"][0].polygon(0, 9)[:, :2].T)
+    assert (rho.min(), rho.max()) == (pytest.approx(70.0 - 0.24, abs=1e-3), pytest.approx(82.0 + 0.24, abs=1e-3))
     (low, high) = (
         face.surface.data[0][0][2] for face in shells["blank"] if face.surface.kind == "PLANE" and len(face.loops) == 2
     )
