@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
-from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QKeySequence, QMouseEvent, QPainter
+from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QKeySequence, QMouseEvent, QPainter
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QMenu, QToolButton, QWidget
 
 from core.frozen import frozen
@@ -22,7 +22,6 @@ from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.linkage.snapping import POINT, Snap, paint_grid, paint_snap, snap_to_points, snapped_angle
 from kindyna_gui.linkage.typed_values import Typed, TypedBoxes
 from kindyna_gui.look import described, text_button
-from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.units import typed
 from kindyna_gui.rebuilt import add_entry, fill
 from kindyna_gui.synthesis import task_parts
@@ -599,10 +598,6 @@ class TaskSheet(QObject):
             paint_snap(painter, canvas.pixel_at, self._snap, complex(last.x_mm, last.y_mm))
         elif self._snap is not None:
             paint_snap(painter, canvas.pixel_at, self._snap)
-        if self.tool is not None and not self._stroke and next(parts_of(self.task), None) is None:
-            painter.setPen(QColor(SCREEN.quiet))
-            room = canvas.viewport().rect().adjusted(24, 0, -24, 0)
-            painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.tool.prompt)
 
 
 def _is_free(event: QMouseEvent) -> bool:
