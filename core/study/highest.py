@@ -175,44 +175,44 @@ class _Brackets:
             inner = inner[~(value + gain < top[inner // n]) & np.isfinite(value)]
             k, value = end % n, flat[end]
             first_in, second_in = flat[end + inwards[k]], flat[end + 2 * inwards[k]]
+            may_be_top = ~(value + np.abs(value - 2.0 * first_in + second_in) < top[end // n]) & np.isfinite(value)
+            end, k, value, first_in, second_in = (x[may_be_top] for x in (end, k, value, first_in, second_in))
             slope = (value - first_in) / gaps[0, k]
             next_slope = (first_in - second_in) / (gaps[1, k] - gaps[0, k])
             change = np.abs((next_slope - slope) * gaps[0, k] / gaps[1, k])
-            falls_off = 3.0 * change < np.abs(
-                slope
-            )  # the slopes at the ends of the parabola differ by a factor of 2 at most
-            may_be_top = ~(value + np.abs(value - 2.0 * first_in + second_in) < top[end // n])
-            keep = may_be_top & np.isfinite(value) & ~falls_off
-            maxima = np.concatenate((inner, end[keep]))
-            d, k = maxima // n, maxima % n
-            value, low, high = flat[maxima], lo[k], hi[k]
-            five = np.clip(k - 2, first[k], last[k] - 5)[:, None] + np.arange(5)
-            width = theta[high] - theta[low]
-            forecast = _forecast(
-                (theta[five] - theta[k][:, None]) / width[:, None], row[d[:, None], five] - value[:, None],
-                (theta[low] - theta[k]) / width, (theta[high] - theta[k]) / width,
-            )  # fmt: skip
-            parts.append(
-                {
-                    "search": np.full(d.size, s),
-                    "design": d,
-                    "piece": piece[k],
-                    "left": theta[low],
-                    "right": theta[high],
-                    "at_left": row[d, low],
-                    "at_right": row[d, high],
-                    "theta": theta[k],
-                    "value": value,
-                    "top": theta[k] + width * forecast.position,
-                    "curvature": forecast.curvature,
-                    "third": forecast.third,
-                    "smooth": forecast.smooth,
-                    "active": ~forecast.falls,
-                }
-            )
-        every = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-        order = np.argsort(every["piece"], kind="stable")
-        return cls(**{name: row[order] for name, row in every.items()})
+            # the slopes at the ends of the parabola differ by a factor of 2 at most
+            falls_off = 3.0 * change < np.abs(slope)
+            maxima = np.concatenate((inner, end[~falls_off]))
+            k = maxima % n
+            begin = maxima - k
+            five = (begin + np.clip(k - 2, first[k], last[k] - 5))[:, None] + np.arange(5)
+            ends = flat[begin + lo[k]], flat[begin + hi[k]]
+            parts.append((np.full(k.size, s), begin // n, k, flat[maxima], *ends, flat[five]))
+        every = [np.concatenate(rows) for rows in zip(*parts, strict=True)]
+        order = np.argsort(piece[every[2]], kind="stable")
+        search, design, k, value, at_left, at_right, five = (row[order] for row in every)
+        left, right, at = theta[lo[k]], theta[hi[k]], theta[k]
+        width = right - left
+        around = theta[np.clip(k - 2, first[k], last[k] - 5)[:, None] + np.arange(5)]
+        forecast = _forecast(
+            (around - at[:, None]) / width[:, None], five - value[:, None], (left - at) / width, (right - at) / width
+        )
+        return cls(
+            search=search,
+            design=design,
+            piece=piece[k],
+            left=left,
+            right=right,
+            at_left=at_left,
+            at_right=at_right,
+            theta=at,
+            value=value,
+            top=at + width * forecast.position,
+            curvature=forecast.curvature,
+            third=forecast.third,
+            smooth=forecast.smooth,
+            active=~forecast.falls,
+        )
 
 
 class _Forecast(NamedTuple):
