@@ -13,7 +13,7 @@ from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.pictures.turning import TurnedByMouse
-from kindyna_gui.pictures.units import number, short
+from kindyna_gui.pictures.units import brief, number
 from kindyna_gui.player import Player
 from kindyna_gui.requirements import Unavailable
 from kindyna_gui.view import View
@@ -60,7 +60,7 @@ class PathCanvas(TurnedByMouse, QWidget):
             painter.drawLine(origin, tip)
             direction = tip - origin
             text_at = tip + direction * (16.0 / max(float(np.hypot(direction.x(), direction.y())), 16.0))
-            painter.drawText(text_at - QPointF(4.0, -4.0), f"{name} {short(high[axis] - low[axis])} mm")
+            painter.drawText(text_at - QPointF(4.0, -4.0), f"{name} {brief(high[axis] - low[axis], 'mm')}")
         floor = self.path.copy()
         floor[:, 2] = low[2]
         painter.setPen(QPen(QColor(SCREEN.quiet), 1.0, Qt.PenStyle.DotLine))
@@ -98,10 +98,8 @@ class SpaceView(View):
         if self.session.has_several_drives and self.session.shaft.has_transfer_path:
             machine = self.player.machine
             self.canvas.part = self.session.shaft.at_theta(np.array([machine])).transfer_path[0] * MM
-            x, y, z = self.canvas.part
-            self.canvas.text = (
-                f"Machine angle {number(np.rad2deg(machine), 1)}°: {number(x, 1)}, {number(y, 1)}, {number(z, 1)} mm"
-            )
+            at = ", ".join(brief(value, "mm") for value in self.canvas.part.tolist())
+            self.canvas.text = f"Machine angle {number(np.rad2deg(machine), 1)}°: {at}"
             self.canvas.update()
 
     def fit(self) -> None:

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QP
 from PySide6.QtWidgets import QWidget
 
 from kindyna_gui.pictures.style import SCREEN
-from kindyna_gui.pictures.units import number
+from kindyna_gui.pictures.units import brief, number
 from kindyna_gui.spatial.colours import scale_rgb
 
 LEFT, RIGHT, TOP, BOTTOM, GAP = 96.0, 92.0, 26.0, 44.0, 30.0  # pixels around the maps and between them
@@ -75,7 +75,7 @@ class UnrolledCanvas(QWidget):
             at = room.top() + 5.0 + part * (room.height() - 6.0)
             text = QRectF(4.0, at - 9.0, LEFT - 12.0, 18.0)
             painter.drawText(
-                text, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, f"u {number(u * MM, 1)} mm"
+                text, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, f"u {brief(u * MM, 'mm')}"
             )
         for tick in range(0, 361, TICK):
             x = room.left() + room.width() * tick / 360.0
@@ -109,7 +109,11 @@ class UnrolledCanvas(QWidget):
             if self.under_mouse is not None and self.under_mouse[0] == k:
                 at = self.under_mouse[1:]
             u = self.ends[0] + at[1] * (self.ends[1] - self.ends[0])
-            text = f"{number(self.value_at(k, *at), 2)}° at {number(at[0], 1)}°, u {number(u * MM, 1)} mm"
+            value = f"{number(self.value_at(k, *at), 2)}°"
+            text = f"{value} at {number(at[0], 1)}°, u {brief(u * MM, 'mm')}"
+            metrics = painter.fontMetrics()
+            if metrics.horizontalAdvance(f"{self.maps[k][0]}  {text}") > room.width():
+                text = value
             painter.drawText(
                 QRectF(room.left(), room.top() - 22.0, room.width(), 18.0),
                 Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter,

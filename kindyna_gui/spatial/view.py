@@ -78,8 +78,7 @@ class SpatialView(View):
     def _fill_unrolled(self, study: Study, steepest: float) -> None:
         shape = study.surface
         self.unrolled.maps = [
-            (f"Flank {side} of the roller", surface.pressure_angle)
-            for side, surface in shape.along_length(ROWS).items()
+            (f"Flank {side}", surface.pressure_angle) for side, surface in shape.along_length(ROWS).items()
         ]
         self.unrolled.ends, self.unrolled.limit = (shape.machine.inner, shape.machine.outer), steepest
 

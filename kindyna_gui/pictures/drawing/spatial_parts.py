@@ -18,7 +18,7 @@ from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.items import DrawnPart, Outline, Tag, riding
 from kindyna_gui.pictures.shapes import arc_arrow, circle, curve, joined, keyed_bore, outline, scaled, segments
 from kindyna_gui.pictures.style import CHAIN, DOTTED, OUTLINE, THIN, Theme, brush
-from kindyna_gui.pictures.units import number
+from kindyna_gui.pictures.units import brief, number
 
 Z_CAM, Z_REST, Z_EDGES, Z_TURRET, Z_STEM, Z_ROLLER = 2.0, 2.1, 2.5, 2.9, 3.9, 4.0
 BEYOND = 3.0  # of a centre line over the cam, in units
@@ -76,7 +76,7 @@ def edge_reading(geometry: Geometry, index: int, point: complex, reach: float) -
     degrees = number(float(np.rad2deg(line.theta[i])), 1)
     text = (
         f"Flank {line.side}{of_roller} at {degrees}°: pressure angle {number(float(np.rad2deg(line.pressure_angle[i])), 1)}°, "
-        f"u {number(line.u * MM, 1)} mm along the roller"
+        f"u {brief(line.u * MM, 'mm')} along the roller"
     )
     return EdgeReading(text, position * MM)
 
