@@ -61,3 +61,24 @@ def face_points(shape: Any, count: int) -> list[np.ndarray]:
         result.append(np.array([(p.X(), p.Y(), p.Z()) for p in points]))
         faces.Next()
     return result
+
+
+def cut_by_sheets(shape: Any) -> Any:
+    """The parts into which the sheets of a shape cut its solid."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Splitter
+    from OCP.TopAbs import TopAbs_SHELL, TopAbs_SOLID
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopTools import TopTools_ListOfShape
+
+    solids, sheets = TopTools_ListOfShape(), TopTools_ListOfShape()
+    solids.Append(TopExp_Explorer(shape, TopAbs_SOLID).Current())
+    shells = TopExp_Explorer(shape, TopAbs_SHELL, TopAbs_SOLID)
+    while shells.More():
+        sheets.Append(shells.Current())
+        shells.Next()
+    splitter = BRepAlgoAPI_Splitter()
+    splitter.SetArguments(solids)
+    splitter.SetTools(sheets)
+    splitter.SetFuzzyValue(1e-4)
+    splitter.Build()
+    return splitter.Shape()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kernel_reader import is_valid, kernel_shape, volumes
+from kernel_reader import cut_by_sheets, is_valid, kernel_shape, volumes
 from step_reader import Face, StepFile, check_topology
 from stl_reader import enclosed_volume, open_sides, read_stl
 from surface_command import run, written
@@ -114,11 +114,16 @@ def test_the_volume_is_that_of_the_blank(
     assert facts["volume_mm3"] == pytest.approx(blank_volume(half, radius), rel=1e-8)
 
 
-def test_a_rib_leaves_next_to_a_cylinder(tmp_path: Path) -> None:
+def rib(folder: Path) -> Path:
+    """The barrel feeder with a rib between two rollers."""
     text = (EXAMPLES / "barrel_feeder.toml").read_text("utf-8")
-    text = text.replace('form = "groove"\nplay_mm = 0.02', 'form = "rib"\nroller_distance_mm = 30.0')
-    (tmp_path / "rib.toml").write_text(text, "utf-8")
-    facts = written(tmp_path / "rib.toml", tmp_path / "cam.step", "--solid", *COARSE)
+    path = folder / "rib.toml"
+    path.write_text(text.replace('form = "groove"\nplay_mm = 0.02', 'form = "rib"\nroller_distance_mm = 30.0'), "utf-8")
+    return path
+
+
+def test_a_rib_leaves_next_to_a_cylinder(tmp_path: Path) -> None:
+    facts = written(rib(tmp_path), tmp_path / "cam.step", "--solid", *COARSE)
     shells = StepFile((tmp_path / "cam.step").read_bytes()).shells
     assert list(shells) == ["blank", "floor", "ahead 1", "behind 2"]
     check_topology(shells["blank"], is_closed=True)
@@ -169,3 +174,25 @@ def test_a_kernel_reads_valid_bodies(tmp_path: Path, changes: dict[str, float | 
     shape = kernel_shape(out)
     assert is_valid(shape)
     assert volumes(shape, 1e-5) == [pytest.approx(facts["volume_mm3"], rel=1e-7)]
+
+
+@pytest.mark.stress
+def test_a_kernel_cuts_the_blank_by_the_sheets(tmp_path: Path) -> None:
+    """OpenCASCADE cuts the blank of a rib into core, rib and both sides, that of an indexer into core, rib and groove."""
+    for design, count in ((rib(tmp_path), 4), (indexer(tmp_path), 3)):
+        out = tmp_path / "cam.step"
+        facts = written(design, out, "--solid")
+        parts = cut_by_sheets(kernel_shape(out))
+        assert is_valid(parts)
+        sizes = sorted(volumes(parts, 1e-6))
+        assert len(sizes) == count
+        assert sum(sizes) == pytest.approx(facts["volume_mm3"], rel=1e-6)
+        if count == 4:
+            bore = math.pi * 17.5**2 + 10.0 * 3.3  # less the segment, below the accuracy asked for
+            assert sizes[-1] == pytest.approx(110.0 * (math.pi * 70.0**2 - bore), rel=1e-3), "core up to the floor"
+            assert sizes[1] == pytest.approx(sizes[2], rel=1e-6), "rise and return have laws of equal means"
+        else:
+            z = np.linspace(0.0, HALF, 200_001)
+            floor = DISTANCE - np.sqrt((INNER + LENGTH_OF_ROLLER) ** 2 - z**2)
+            core = 2.0 * math.pi * float(np.trapezoid(floor**2, z)) - 2.0 * HALF * bore_area()
+            assert sizes[-1] == pytest.approx(core, rel=1e-5)
