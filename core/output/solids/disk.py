@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.cam import INNER, OUTER, SECOND, form_row, keyway_corners, keyway_unknown
+from core.cam import OUTER, SECOND, form_row, keyway_corners, keyway_unknown
 from core.cam.checks import keyway_clearance, keyway_reach
 from core.errors import KindynaError, NoCam
 from core.frozen import frozen
@@ -261,6 +261,3 @@ def _require_room(cam: Any, fit: FittedOutline, flank: str, hub: float | None, h
             "cam.keyway_depth_mm",
             "turn the keyway, make it shallower, or make the cam larger",
         )
-
-
-__all__ = ["INNER", "Prisms", "disk_sheets", "disk_solids", "thickness"]
