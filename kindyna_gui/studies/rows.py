@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from typing import Any
@@ -57,6 +57,8 @@ class _Rows(QWidget):
         self.add, self.menu = QPushButton(add), QMenu(self)
         self.add.setAutoDefault(False)
         self.add.setMenu(self.menu)
+        self._offered: Callable[[], Mapping[str, Mapping[str, str]]] | None = None  # of a menu that is not filled yet
+        self.menu.aboutToShow.connect(self._fill_menu)
         fill(
             QVBoxLayout(self),
             bold_label(title),
@@ -67,14 +69,18 @@ class _Rows(QWidget):
             spacing=2,
         )
 
-    def offer(self, groups: Mapping[str, Mapping[str, str]]) -> None:
-        """Fill the menu of rows that can be added: group -> key -> name."""
+    def offer(self, groups: Callable[[], Mapping[str, Mapping[str, str]]], *, is_empty: bool) -> None:
+        """Offer rows that can be added: group -> key -> name, computed when their menu opens; ``is_empty``: there are none."""
         clear_menu(self.menu)
-        for group, rows in groups.items():
+        self._offered = groups
+        self.add.setEnabled(not is_empty)
+
+    def _fill_menu(self) -> None:
+        offered, self._offered = self._offered, None
+        for group, rows in {} if offered is None else offered().items():
             submenu = self.menu.addMenu(group)
             for key, name in rows.items():
                 add_entry(submenu, name, partial(self.add_requested.emit, key))
-        self.add.setEnabled(bool(groups))
 
     def _grid(self, rows: Sequence[Any]) -> QGridLayout | None:
         """Return an empty layout for these rows; None if they are on display already."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from os.path import relpath
 from pathlib import Path
 from typing import Any
@@ -41,7 +41,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.background import Background
 from kindyna_gui.documents.figures import name_of
 from kindyna_gui.documents.session import Session
-from kindyna_gui.rebuilt import clear_menu, fill, single_shot, widget_with
+from kindyna_gui.rebuilt import clear_menu, connect_all, fill, single_shot, widget_with
 from kindyna_gui.studies.plots import FrontPlot, ParallelPlot, SurveyPlot, SurveyQuantity
 from kindyna_gui.studies.texts import number_text, reason_text, span_title, value_text
 from kindyna_gui.view import View, ViewHost
@@ -330,29 +330,88 @@ class StudyMenu(QPushButton):
 
 
 class SurveyPages(QStackedWidget):
-    """Plots of a survey, in which the current design is marked: curves, map, parallel coordinates, front."""
+    """Plots of a survey, in which the current design is marked: curves, map, parallel coordinates, front.
+
+    All but the map are created when they are first needed.
+
+    Signals
+    - picked, grabbed, dragged, released: those of the map and the curves
+    - brushed, line_picked: ranges of parallel coordinates have changed, and a line of them is clicked
+    - front_picked: a design of the front is clicked
+    """
+
+    picked = Signal(float, float)
+    grabbed = Signal()
+    dragged = Signal(float, float)
+    released = Signal(bool)
+    brushed = Signal()
+    line_picked = Signal(int)
+    front_picked = Signal(int)
 
     def __init__(self) -> None:
         super().__init__()
-        self.map, self.parallel, self.front = SurveyPlot(), ParallelPlot(), FrontPlot()
-        self.curves = [SurveyPlot(upright=True) for _ in range(MOST_CURVES)]
+        self.map = self._survey_plot()
         self._design: Design | None = None
         self._survey: Survey | None = None
         self._quantities: Sequence[SurveyQuantity] = ()
-        for plot in self.curves:
-            plot.setMinimumHeight(LEAST_CURVE)
-        self._curves_page = widget_with(fill(QVBoxLayout(), *((plot, 1) for plot in self.curves), margins=0, spacing=0))
-        for page in (self.map, self._curves_page, self.parallel, self.front):
-            self.addWidget(page)
+        self.addWidget(self.map)
         self.setMinimumSize(*LEAST_PAGE)
         self.tip = QLabel(self.map, margin=MARGIN)
         self.tip.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.tip.setBackgroundRole(QPalette.ColorRole.Base)
         self.tip.setAutoFillBackground(True)
         self.tip.hide()
-        for plot in (self.map, *self.curves):
-            plot.hovered.connect(partial(self._hover, plot))
-        self.parallel.hovered.connect(self._hover_line)
+
+    def _survey_plot(self, upright: bool = False) -> SurveyPlot:
+        plot = SurveyPlot(upright=upright)
+        connect_all(
+            (plot.hovered, partial(self._hover, plot)),
+            (plot.picked, self.picked),
+            (plot.grabbed, self.grabbed),
+            (plot.dragged, self.dragged),
+            (plot.released, self.released),
+        )
+        return plot
+
+    @cached_property
+    def curves(self) -> list[SurveyPlot]:
+        """Plots over one number."""
+        plots = [self._survey_plot(upright=True) for _ in range(MOST_CURVES)]
+        for plot in plots:
+            plot.setMinimumHeight(LEAST_CURVE)
+        return plots
+
+    @cached_property
+    def _curves_page(self) -> QWidget:
+        page = widget_with(fill(QVBoxLayout(), *((plot, 1) for plot in self.curves), margins=0, spacing=0))
+        self.addWidget(page)
+        return page
+
+    @cached_property
+    def parallel(self) -> ParallelPlot:
+        """Parallel coordinates of three and more numbers."""
+        plot = ParallelPlot()
+        connect_all((plot.hovered, self._hover_line), (plot.brushed, self.brushed), (plot.picked, self.line_picked))
+        self.addWidget(plot)
+        return plot
+
+    @cached_property
+    def front(self) -> FrontPlot:
+        """Front of two goals."""
+        plot = FrontPlot()
+        plot.picked.connect(self.front_picked)
+        self.addWidget(plot)
+        return plot
+
+    def mark(self, at: tuple[float, float], refused: bool) -> None:
+        """Move the cross of every map and curve to a point."""
+        for plot in (self.map, *vars(self).get("curves", ())):
+            plot.mark_design(at, refused=refused)
+
+    def show_path(self, rows: np.ndarray, starts: np.ndarray) -> None:
+        """Show the steps (m, spans) of a search on the map, or across the axes."""
+        for plot in (self.map, *([self.parallel] if "parallel" in vars(self) or rows.shape[1] > 2 else [])):
+            plot.show_path(rows, starts)
 
     def draw(
         self,
@@ -371,14 +430,14 @@ class SurveyPages(QStackedWidget):
         self._design, self._survey, self._quantities = design, survey, quantities
         self.tip.hide()
         titles = [span_title(design, span.path) for span in survey.spans]
-        pages: Mapping[int, QWidget] = {1: self._curves_page, 2: self.map}
-        page = pages.get(len(survey.spans), self.parallel)
+        count = len(survey.spans)
+        page = self._curves_page if count == 1 else self.map if count == 2 else self.parallel
         if not keeps_front:
             self.setCurrentWidget(page)
         shown = next(quantity for quantity in quantities if quantity.key == shown_key)
-        if page is self._curves_page:
+        if count == 1:
             self._draw_curves(survey, quantities, shown, titles[0])
-        elif page is self.map:
+        elif count == 2:
             self.map.show_map(survey, shown, quantities, (titles[0], titles[1]))
         else:
             self._draw_designs(survey, quantities, shown, titles, values)

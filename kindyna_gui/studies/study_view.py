@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
@@ -118,8 +118,7 @@ class StudyView(BackgroundView):
         self.rows, self.figure_rows, self.board = SpanRows(), FigureRows(), Board()
         self.tolerances, self.best = TolerancePage(), BestPage()
         self.pages = SurveyPages()
-        self.map, self.parallel, self.front = self.pages.map, self.pages.parallel, self.pages.front
-        self.curves, self.tip = self.pages.curves, self.pages.tip
+        self.map, self.tip = self.pages.map, self.pages.tip
         self.message = QLabel(wordWrap=True, alignment=Qt.AlignmentFlag.AlignTop)
         self.update_style()
         self.share = QLabel(wordWrap=True, textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -182,22 +181,19 @@ class StudyView(BackgroundView):
             (self.best.stepped, self._show_path),
             (self.best.finished, self._show_optimum),
             (self.best.take_over, self._apply_optimum),
-            (self.front.picked, self._apply_front_point),
+            (self.pages.front_picked, self._apply_front_point),
+            (self.pages.picked, self._pick),
+            (self.pages.grabbed, self._grab),
+            (self.pages.dragged, self._drag_to),
+            (self.pages.released, self._release),
+            (self.pages.brushed, self._draw),
+            (self.pages.line_picked, self._pick_line),
             (self.tabs.currentChanged, self._change_tab),
             (self.open.ready, self.load_study),
             (self.open.opened, self._open_file),
             (self.save.clicked, self._save),
         )
-        for plot in (self.map, *self.curves):
-            connect_all(
-                (plot.picked, self._pick),
-                (plot.grabbed, self._grab),
-                (plot.dragged, self._drag_to),
-                (plot.released, self._release),
-            )
         connect_all(
-            (self.parallel.brushed, self._draw),
-            (self.parallel.picked, self._pick_line),
             (self.board.keep_requested, self._keep),
             (self.board.compared, self._show_compared),
             (self.board.reopened, lambda design: self._put(design, "Reopen a card")),
@@ -285,16 +281,14 @@ class StudyView(BackgroundView):
         if (fields, slugs) == self._menu_keys:
             return
         self._menu_keys = fields, slugs
-        counts = whole_numbers(design, fields)
-        for rows, keys, group, name in (
-            (self.rows, fields, section_of, name_of),
-            (self.figure_rows, slugs, group_of, label_of),
-            (self.tolerances.rows, [path for path in fields if path not in counts], section_of, name_of),
-        ):
-            groups: dict[str, dict[str, str]] = {}
-            for title, members in groupby(keys, key=partial(group, design)):
-                groups.setdefault(title, {}).update({key: name(design, key) for key in members})
-            rows.offer(groups)
+
+        def scattering() -> list[str]:
+            counts = whole_numbers(design, fields)
+            return [path for path in fields if path not in counts]
+
+        self.rows.offer(lambda: _grouped(design, fields, section_of, name_of), is_empty=not fields)
+        self.figure_rows.offer(lambda: _grouped(design, slugs, group_of, label_of), is_empty=not slugs)
+        self.tolerances.rows.offer(lambda: _grouped(design, scattering(), section_of, name_of), is_empty=not fields)
 
     @property
     def _shown_data(self) -> tuple[object, ...]:
@@ -446,15 +440,14 @@ class StudyView(BackgroundView):
         steps.sort(key=lambda step: step[2])  # all starts advance in step
         rows = np.array([[step[0][path] for path in paths] for step in steps], dtype=float)
         starts = np.array([step[2] for step in steps], dtype=int)
-        for plot in (self.map, self.parallel):
-            plot.show_path(rows.reshape(len(steps), len(paths)), starts)
+        self.pages.show_path(rows.reshape(len(steps), len(paths)), starts)
 
     def _show_optimum(self) -> None:
         optimum, study = self.best.optimum, self.best.study
         if optimum is not None and study is not None and optimum.front:
             first, second = (self._quantity(goal.key) for goal in study.file.goals)
             points = [[point[goal.column] for point in optimum.front] for goal in study.file.goals]
-            self.front.show_front(np.array(points), first, second)
+            self.pages.front.show_front(np.array(points), first, second)
         self._change_tab(self.tabs.currentIndex())
 
     @property
@@ -464,7 +457,7 @@ class StudyView(BackgroundView):
 
     def _change_tab(self, _: int) -> None:
         if self._shows_front:
-            self.pages.setCurrentWidget(self.front)
+            self.pages.setCurrentWidget(self.pages.front)
         elif self.surveys.survey is not None:
             self._draw()
         if self._result is None or self._shows_tolerances:
@@ -530,8 +523,7 @@ class StudyView(BackgroundView):
         """Move the cross to the mouse; the design follows as far as it can be built."""
         self._refused = ""
         self._set_numbers((x, y)[: len(self.request.spans)])
-        for plot in (self.map, *self.curves):
-            plot.mark_design((x, y), refused=bool(self._refused))
+        self.pages.mark((x, y), refused=bool(self._refused))
         if self._refused:
             self._say(self._refused)
         elif self.surveys.survey is not None:
@@ -640,6 +632,16 @@ class StudyView(BackgroundView):
 
         page: Any = self.pages.currentWidget()
         return self.on_paper(page, svg if ending == ".svg" else png)
+
+
+def _grouped(
+    design: Design, keys: Sequence[str], group: Callable[[Design, str], str], name: Callable[[Design, str], str]
+) -> Mapping[str, Mapping[str, str]]:
+    """Return names of rows by their groups: group -> key -> name."""
+    groups: dict[str, dict[str, str]] = {}
+    for title, members in groupby(keys, key=partial(group, design)):
+        groups.setdefault(title, {}).update({key: name(design, key) for key in members})
+    return groups
 
 
 __all__ = ["StudyView"]

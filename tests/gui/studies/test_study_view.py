@@ -133,7 +133,7 @@ def test_teeth_are_varied_by_right_click_and_stand_as_steps(open_user: Open, tmp
     assert (view.request.spans[TEETH].low, view.request.spans[TEETH].high) == (7, 17)
     assert (TEETH, "width") not in view.rows.boxes, "no tolerance of a count"
     bound(user, view, TEETH, "10", "14")
-    plot = view.curves[0]
+    plot = view.pages.curves[0]
     x, y = plot.lines[0]
     assert [len(set(y[np.abs(x - count) < 0.45])) for count in (11, 12, 13)] == [1, 1, 1], "level about each count"
     assert len(set(y)) > 2
@@ -155,7 +155,7 @@ def test_two_fields_by_right_click_then_the_cross_is_drawn_through_what_cannot_b
     before = user.design
     view = vary(user, X)
     assert user.window.layouts.current == "study", "the task comes to the front"
-    assert [plot.isVisible() for plot in view.curves] == [True, True, True, False], "one number: curves"
+    assert [plot.isVisible() for plot in view.pages.curves] == [True, True, True, False], "one number: curves"
     vary(user, Y, lambda field: field.editor.lineEdit())  # type: ignore[attr-defined]
     assert view.map.isVisible()
     bound(user, view, X, "300", "1600")
@@ -247,7 +247,7 @@ def test_the_map_is_computed_anew_for_other_numbers_only_and_never_while_it_is_h
 
 def test_one_number_is_drawn_along_its_curves(user: User) -> None:
     view = vary(user, BASE)
-    plot = view.curves[0]
+    plot = view.pages.curves[0]
     x, y = plot.lines[0]
     assert (x[0], x[-1], x.size) == (320.0, 480.0, 129)
     assert [rule.text for rule in plot.rules] == ["45°"]
@@ -266,7 +266,7 @@ def test_more_numbers_are_brushed_and_a_line_taken_over(user: User) -> None:
     view = vary(user, X)
     for path in (Y, BASE):
         vary(user, path)
-    plot = view.parallel
+    plot = view.pages.parallel
     assert plot.isVisible()
     every = plot.selected.size
     place = plot.viewport()
@@ -652,7 +652,7 @@ def test_a_search_is_stopped_and_words_are_tried(user: User) -> None:
     assert len(view.request.spans) == 9
     QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
     wait_for(lambda: len(view.best.path) > 1)
-    assert view.parallel.path.shape[1] == 9
+    assert view.pages.parallel.path.shape[1] == 9
     QTest.mouseClick(view.best.stop, Qt.MouseButton.LeftButton)
     wait_for(lambda: not view.best.busy)
     assert "Stopped after" in view.best.progress.text()
@@ -718,13 +718,15 @@ def test_two_goals_give_a_front_of_which_a_click_takes_one_over(user: User) -> N
     QTest.mouseClick(view.best.start, Qt.MouseButton.LeftButton)
     wait_for(lambda: not view.best.busy)
     settle()
-    assert view.front.isVisible()
+    assert view.pages.front.isVisible()
     front = view.best.optimum.front  # type: ignore[union-attr]
     assert len(front) >= 20
-    assert (np.diff(view.front.points[0]) >= 0.0).all()
-    assert (np.diff(view.front.points[1]) <= 0.0).all(), "none is dominated"
+    assert (np.diff(view.pages.front.points[0]) >= 0.0).all()
+    assert (np.diff(view.pages.front.points[1]) <= 0.0).all(), "none is dominated"
     number = len(front) // 2
-    QTest.mouseClick(view.front.viewport(), Qt.MouseButton.LeftButton, pos=view.front.pixel(number).toPoint())
+    QTest.mouseClick(
+        view.pages.front.viewport(), Qt.MouseButton.LeftButton, pos=view.pages.front.pixel(number).toPoint()
+    )
     settle()
     assert get(user.design, BASE) == pytest.approx(front[number][BASE], abs=0.1)
     assert get(user.design, BASE) == round(get(user.design, BASE), 1)
