@@ -95,8 +95,8 @@ class AnswerStrip(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.board = Board("the best first")
-        self.found = QLabel()
-        self.found.setMinimumWidth(1)
+        self.summary = QLabel()
+        self.summary.setMinimumWidth(1)
         self.stop = described(QPushButton("&Stop", autoDefault=False), tip="Stop the search")
         self.put_button = described(QPushButton("&Take over", autoDefault=False), tip=TAKE_OVER)
         self.motion_button = QPushButton("Under the &motion", autoDefault=False)
@@ -112,7 +112,7 @@ class AnswerStrip(QWidget):
             "Click a card to see it move over the task; double-click to take it over; right-click to drive it by its other link"
         )
         buttons = widget_with(fill(QHBoxLayout(), self.motion_button, self.put_button, margins=0))
-        self.board.set_header(fill(QHBoxLayout(), (self.found, 1), self.stop), buttons)
+        self.board.set_header(fill(QHBoxLayout(), (self.summary, 1), self.stop), buttons)
         actions = (
             ("Under the motion", self.taken_under_motion, self.motion_button.isEnabled),
             ("Drive by the other link", self.changed_over, self.put_button.isEnabled),
@@ -161,7 +161,7 @@ class AnswerStrip(QWidget):
             self._faint.start()
 
     def _show_faint(self) -> None:
-        self.found.setText("Searching ...")
+        self.summary.setText("Searching ...")
         self.stop.show()
         self.board.list.setEnabled(False)
 
@@ -170,7 +170,7 @@ class AnswerStrip(QWidget):
         self._faint.stop()
         self.stop.hide()
         self.board.list.setEnabled(True)
-        self.found.setText(text or EMPTY)
+        self.summary.setText(text or EMPTY)
 
     def show_none(self) -> None:
         """Show that there is no linkage for the task."""

@@ -63,17 +63,17 @@ class SheetPainter:
 
     def arm_end(self, task: Task, part: Part) -> QPointF:
         """Pixel of the end of a part's arm."""
-        return self._beside(self.to(position(task, part)), ARM * direction(task, part))
+        return self._shifted(self.to(position(task, part)), ARM * direction(task, part))
 
     @staticmethod
-    def _beside(at: QPointF, d: complex) -> QPointF:
+    def _shifted(at: QPointF, d: complex) -> QPointF:
         return QPointF(at.x() + d.real, at.y() - d.imag)
 
     def _paint_frame(self, painter: QPainter, task: Task, part: Part, colour: QColor) -> None:
         at, x_axis = self.to(position(task, part)), direction(task, part)
         painter.setPen(QPen(colour, 2.0))
         painter.drawLine(at, self.arm_end(task, part))
-        painter.drawLine(at, self._beside(at, 0.6j * ARM * x_axis))
+        painter.drawLine(at, self._shifted(at, 0.6j * ARM * x_axis))
         painter.setBrush(colour)
         painter.drawEllipse(self.arm_end(task, part), 3.5, 3.5)
         painter.setBrush(QColor(SCREEN.paper))

@@ -209,7 +209,7 @@ def test_linkages_with_defects_or_beyond_limits_are_shown_where_there_is_no_othe
     answered(view)
     for _ in range(2):
         QTest.mouseClick(button(view, "&Add a pose"), LEFT)
-    wait_for(lambda: view.strip.found.text().startswith("Only with defects or beyond limits"))
+    wait_for(lambda: view.strip.summary.text().startswith("Only with defects or beyond limits"))
     answered(view)
     assert view.strip.answer is not None
     assert view.strip.answer.defects

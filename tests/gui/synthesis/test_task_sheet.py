@@ -1,5 +1,6 @@
 """The sheet of Compo > Find a linkage: lines, area, points, moving pivots; snapping, typed values, taking back, leaving."""
 
+import time
 from pathlib import Path
 
 import ezdxf
@@ -12,7 +13,8 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QPushButton, QWidg
 from window_user import Open, User, end_pauses, plain, settle, wait_for
 
 from core.contour.underlay import Underlay
-from core.synthesis import Area, BodyPose, PathPoint, Pivot, Task, TracedPath, load_task, save_task
+from core.numerics.lazy import checkpoint
+from core.synthesis import Area, BodyPose, Pivot, Task, load_task, save_task
 from kindyna_gui import settings
 from kindyna_gui.synthesis.find_linkage_view import FindLinkageView
 
@@ -421,21 +423,43 @@ def test_a_fault_is_shown_at_its_field(user: User) -> None:
     assert not any(box.is_refused for box in second.all_boxes)
 
 
-def test_a_long_search_greys_the_cards_and_can_be_stopped(user: User) -> None:
+def test_cards_follow_while_a_pose_is_dragged(user: User) -> None:
+    sheet = Sheet(user, poses_task())
+    strip = sheet.view.strip
+    for z in (70.0 + 30.0j, 80.0 + 20.0j, 70.0 + 10.0j):
+        before = strip.proposals
+        if z.real == 70.0 and z.imag == 30.0:
+            sheet.drag(60.0 + 20.0j, z, release=False)
+        else:
+            move(sheet.viewport, sheet.pixel(z), NONE)
+        wait_for(lambda before=before: strip.proposals is not before)  # type: ignore[misc]
+        assert strip.proposals is not None
+        assert strip.proposals.task.poses[1].z == z
+    QTest.mouseRelease(sheet.viewport, LEFT)
+    sheet.answered()
+
+
+def test_a_long_search_greys_the_cards_and_can_be_stopped(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
     sheet = Sheet(user, poses_task())
     sheet.answered()
-    count = sheet.view.strip.board.list.count()
-    points = tuple((round(50 * np.cos(a), 3), round(30 * np.sin(a), 3)) for a in np.linspace(0.0, 6.0, 30))
-    strip = sheet.view.strip
-    sheet.view.show_task(Task(kind="path", path=TracedPath(points=tuple(PathPoint(*p) for p in points), closed=True)))
-    wait_for(lambda: not strip.stop.isHidden() or strip.put_button.isEnabled())
-    if not strip.put_button.isEnabled():
-        assert strip.board.list.count() == count
-        assert not strip.board.list.isEnabled()
-        QTest.mouseClick(strip.stop, LEFT)
-        wait_for(strip.stop.isHidden)
-        assert strip.board.list.isEnabled()
-        assert not sheet.view.busy
+    strip, count = sheet.view.strip, sheet.view.strip.board.list.count()
+
+    def endless(_: Task) -> None:
+        while True:
+            checkpoint()
+            time.sleep(0.002)
+
+    monkeypatch.setattr("kindyna_gui.synthesis.find_linkage_view.propose", endless)
+    sheet.drag(60.0 + 20.0j, 70.0 + 30.0j)
+    wait_for(strip.stop.isVisible)
+    assert strip.board.list.count() == count
+    assert not strip.board.list.isEnabled()
+    assert not strip.put_button.isEnabled()
+    QTest.mouseClick(strip.stop, LEFT)
+    wait_for(strip.stop.isHidden)
+    assert strip.board.list.isEnabled()
+    assert "earlier task" in strip.summary.text()
+    assert not sheet.view.busy
 
 
 def test_cards_move_under_the_mouse_are_sorted_and_compared(user: User) -> None:
