@@ -12,7 +12,7 @@ from __future__ import annotations
 import cmath
 from collections.abc import Iterator
 from itertools import product
-from math import degrees, pi, radians
+from math import degrees, inf, log, pi, radians
 
 import numpy as np
 
@@ -45,6 +45,12 @@ FREE_STARTS = 12
 MOST_CANDIDATES = 24
 SAME = 1e-6  # of a parameter: two solutions are one
 LEAST_SLOPE = 1e-6
+WIDEST_RATIO = 10.0
+"""Ratio of the longest to the shortest link within which least squares are searched, where the task has no limit of it."""
+INSIDE, RATIO_WEIGHT = 0.99, 10.0
+"""Part of that ratio from which it counts in the least squares, and its weight there."""
+LINKS = (0.2, 0.5, 1.0, 2.0)
+"""Lengths of crank and rocker, of the frame (of the output's reach for a slider), from which least squares start, in both directions."""
 
 
 @frozen(eq=False)
@@ -70,14 +76,26 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     driver = np.array([radians(pair.driver_deg) for pair in angles.pairs])
     turns = angles.output == ROCKER_OUTPUT
     output = np.array([radians(pair.output) if turns else pair.output for pair in angles.pairs])
-    for solution in _solutions(angles, driver, output):
+    for solution in _solutions(angles, driver, output, task.longest_to_shortest or WIDEST_RATIO):
         linkage = (_four_bar if turns else _slider_crank)(angles, solution, driver, output)
         kind = FOUR_BAR if turns else SLIDER_CRANK
         yield (Candidate(linkage, kind, driver, _output_errors(solution, output, turns)),)
 
 
-def _solutions(angles: AnglePairs, driver: np.ndarray, output: np.ndarray) -> list[FunctionSolution]:
-    """Solutions that differ, of least output error first."""
+def are_all(task: Task) -> bool:
+    """Whether the candidates of a task are all that there are: the one of three pairs that fix it."""
+    angles = task.angles
+    assert angles is not None
+    if angles.free or len(angles.pairs) != EXACT_PAIRS:
+        return False
+    turns = angles.output == ROCKER_OUTPUT
+    output = np.array([radians(pair.output) if turns else pair.output for pair in angles.pairs])
+    driver = np.array([radians(pair.driver_deg) for pair in angles.pairs])
+    return _linear(driver, output, angles.frame_mm or 0.0, turns) is not None
+
+
+def _solutions(angles: AnglePairs, driver: np.ndarray, output: np.ndarray, widest: float) -> list[FunctionSolution]:
+    """Solutions that differ, of least output error first, but for one of three pairs within a ratio of the lengths."""
     turns = angles.output == ROCKER_OUTPUT
     frame = angles.frame_mm or 0.0
     starts: list[tuple[float, float]] = [(0.0, 0.0)]
@@ -86,25 +104,58 @@ def _solutions(angles: AnglePairs, driver: np.ndarray, output: np.ndarray) -> li
         reach = float(np.ptp(output)) or 1.0
         shifts = grid if turns else reach * np.linspace(-3.0, 3.0, FREE_STARTS)
         starts = [(float(a), float(b)) for a, b in product(grid, shifts)]
-    rows = []
+    solutions = []
     for start in starts:
         checkpoint()
         links = _linear(driver + start[0], output + start[1], frame, turns)
-        if links is None:
-            continue
-        error = np.abs(_residual(links, driver + start[0], output + start[1], frame, turns)).max()
-        if np.isfinite(error):
-            rows.append((float(error), FunctionSolution(links, start)))
-    rows.sort(key=lambda row: row[0])
-    if driver.size > EXACT_PAIRS:
-        rows = [_refined(row[1], driver, output, angles, frame) for row in rows[: 2 * MOST_CANDIDATES]]
+        if links is not None:
+            solutions.append(FunctionSolution(links, start))
+    is_exact = driver.size == EXACT_PAIRS and bool(solutions)
+    if not is_exact:
+        solutions += _typical(driver, output, frame, turns)
+    rows = _by_error(solutions, driver, output, frame, turns)
+    if not is_exact:
+        rows = [_refined(row[1], driver, output, angles, frame, widest) for row in rows[: 2 * MOST_CANDIDATES]]
         rows.sort(key=lambda row: row[0])
+    if not is_exact or angles.free:
+        rows = [row for row in rows if _ratio(row[1].links, frame) <= max(widest, WIDEST_RATIO)]
     result: list[FunctionSolution] = []
     for _, solution in rows:
         new = np.array((*solution.links, *solution.starts))
         if all(np.abs(new - (*old.links, *old.starts)).max() > SAME * np.abs(new).max() for old in result):
             result.append(solution)
     return result[:MOST_CANDIDATES]
+
+
+def _typical(driver: np.ndarray, output: np.ndarray, frame: float, turns: bool) -> list[FunctionSolution]:
+    """Linkages of typical lengths, with the coupler of least error: Freudenstein's equations can have none, or too many."""
+    unit = frame or float(np.abs(output).max()) or 1.0
+    lengths = [sign * unit * length for length in LINKS for sign in (1.0, -1.0)]
+    solutions = []
+    for a, third in product(lengths, lengths if turns else [0.0, *lengths]):
+        pin = a * np.exp(1j * driver)
+        rod = np.abs(pin - frame - third * np.exp(1j * output) if turns else pin - output - 1j * third)
+        solutions.append(FunctionSolution((a, float(rod.mean()), third), (0.0, 0.0)))
+    return solutions
+
+
+def _by_error(
+    solutions: list[FunctionSolution], driver: np.ndarray, output: np.ndarray, frame: float, turns: bool
+) -> list[tuple[float, FunctionSolution]]:
+    """Solutions with their largest output error, the least first."""
+    rows = []
+    for solution in solutions:
+        first, second = solution.starts
+        error = np.abs(_residual(solution.links, driver + first, output + second, frame, turns)).max()
+        if np.isfinite(error):
+            rows.append((float(error), solution))
+    return sorted(rows, key=lambda row: row[0])
+
+
+def _ratio(links: tuple[float, float, float], frame: float) -> float:
+    """Longest to shortest link: of a four-bar with its frame, of a slider-crank of crank and coupler."""
+    lengths = [abs(length) for length in ((*links, frame) if frame else links[:2])]
+    return max(lengths) / min(lengths) if min(lengths) else inf
 
 
 def _linear(driver: np.ndarray, output: np.ndarray, frame: float, turns: bool) -> tuple[float, float, float] | None:
@@ -142,19 +193,24 @@ def _residual(
         rod = pin - output - 1j * third
         slope = -rod.real
     length = np.abs(rod)
-    slope = slope / length
+    slope = slope / np.where(length > 0.0, length, np.nan)
     slope = np.where(np.abs(slope) < LEAST_SLOPE * np.abs(third if turns else b), np.nan, slope)
     return (length - abs(b)) / slope
 
 
 def _refined(
-    solution: FunctionSolution, driver: np.ndarray, output: np.ndarray, angles: AnglePairs, frame: float
+    solution: FunctionSolution,
+    driver: np.ndarray,
+    output: np.ndarray,
+    angles: AnglePairs,
+    frame: float,
+    widest: float,
 ) -> tuple[float, FunctionSolution]:
     """Solution of least squares of the output error, with its largest error."""
     from scipy.optimize import least_squares  # imported here to save start-up time
 
     turns = angles.output == ROCKER_OUTPUT
-    unit = frame or float(np.abs(output).max())
+    unit = frame or float(np.abs(output).max()) or 1.0
     shift = 1.0 if turns else unit
 
     def unpacked(x: np.ndarray) -> FunctionSolution:
@@ -165,13 +221,14 @@ def _refined(
         current = unpacked(x)
         first, second = current.starts
         values = _residual(current.links, driver + first, output + second, frame, turns)
-        return np.where(np.isfinite(values), values, 1e3 * shift) / shift
+        excess = max(0.0, log(min(_ratio(current.links, frame), 1e9) / (INSIDE * widest)))
+        return np.append(np.where(np.isfinite(values), values, 1e3 * shift) / shift, RATIO_WEIGHT * excess)
 
     start = [length / unit for length in solution.links]
     if angles.free:
         start += [solution.starts[0], solution.starts[1] / shift]
     result = least_squares(errors, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200)
-    return float(np.abs(errors(result.x)).max()), unpacked(result.x)
+    return float(np.abs(errors(result.x)[:-1]).max()), unpacked(result.x)
 
 
 def _output_errors(solution: FunctionSolution, output: np.ndarray, turns: bool) -> Errors:

@@ -44,11 +44,6 @@ def _pose_size(task: Task) -> float:
     return task_size([pose.z for pose in task.poses]) or 1.0
 
 
-def _angles_complete(task: Task) -> bool:
-    assert task.angles is not None
-    return not task.angles.free and len(task.angles.pairs) == angles.EXACT_PAIRS
-
-
 def _frame(task: Task) -> float:
     assert task.rocker is not None
     return task.rocker.frame_mm
@@ -61,7 +56,7 @@ TASKS: Mapping[str, TaskKind] = MappingProxyType(
         ),
         PATH: TaskKind("Path of a point", path.candidates, path.size, lambda task: False, "another path"),
         ANGLES: TaskKind(
-            "Pairs of angles", angles.candidates, angles.size, _angles_complete, "other pairs, or free = true"
+            "Pairs of angles", angles.candidates, angles.size, angles.are_all, "other pairs, or free = true"
         ),
         ROCKER: TaskKind(
             "Swing and time ratio",

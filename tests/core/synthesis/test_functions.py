@@ -58,6 +58,27 @@ def test_more_pairs_are_met_in_the_least_squares_of_the_output() -> None:
     assert np.abs(turn).max() == pytest.approx(free.error_deg, rel=1e-6)
 
 
+def test_pairs_over_a_full_turn_have_a_linkage_of_links_that_can_be_built() -> None:
+    pairs = [[float(t), 90.0 - 25.0 * cos(radians(t))] for t in range(0, 360, 45)]
+    best = synthesise(task_of({"kind": "angles", "angles": {"pairs": pairs, "frame_mm": 100.0}})).answers[0]
+    assert not best.defects
+    assert best.length_ratio <= 10.0
+    turn = output_angles(best, [pair[0] for pair in pairs]) - [pair[1] for pair in pairs]
+    assert np.abs((turn + 180.0) % 360.0 - 180.0).max() == pytest.approx(best.error_deg, rel=1e-6)
+    assert best.error_deg < 8.0
+
+
+@pytest.mark.stress
+def test_no_free_pairs_are_met_by_links_without_end() -> None:
+    straight = [[5.0 * k, 1.5 * k] for k in range(12)]
+    swung = [[float(t), 90.0 + 30.0 * sin(radians(t))] for t in range(0, 360, 30)]
+    for pairs, error in ((straight, 0.002), (swung, 0.7)):
+        angles = {"pairs": pairs, "frame_mm": 100.0, "free": True}
+        answers = synthesise(task_of({"kind": "angles", "angles": angles})).answers
+        assert answers[0].error_deg < error
+        assert max(answer.length_ratio for answer in answers) <= 10.0
+
+
 def test_a_slider_follows_three_angles() -> None:
     pairs = [[10.0, 140.0], [60.0, 120.0], [120.0, 80.0]]
     (answer,) = synthesise(task_of({"kind": "angles", "angles": {"pairs": pairs, "output": "slider"}})).answers
