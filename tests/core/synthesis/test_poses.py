@@ -1,9 +1,8 @@
-"""Linkages that guide a body through poses: found again, counted, judged, and refused."""
+"""Linkages that guide a body through poses: pivots, sweeps, the command, refusals."""
 
 import cmath
 import json
-from itertools import pairwise
-from math import degrees, radians
+from math import radians
 from pathlib import Path
 
 import numpy as np
@@ -13,134 +12,8 @@ from core.__main__ import main
 from core.errors import DesignError
 from core.project import load
 from core.study import Study
-from core.synthesis import AnswerLimits, Area, BodyPose, Dyad, Pivot, Task, synthesise, task_of
+from core.synthesis import AnswerLimits, Area, BodyPose, Pivot, Task, synthesise, task_of
 from core.synthesis.poses import pose_dyads
-
-PIN, GUIDE, TURNING = "pin", "guide", "turning-guide"
-ANGLES = (0.0, 0.2, 0.45, 0.6, 0.9)  # of the driver behind its first angle [rad]
-
-
-class Machine:
-    """A random driver pin with a random second dyad, assembled by its own formulas for a turn of the driver."""
-
-    def __init__(self, seed: int, kind: str) -> None:
-        rng = np.random.default_rng(seed)
-        draw = lambda size: complex(*rng.normal(size=2)) * size  # noqa: E731
-        self.kind, self.g1, self.a1, self.g2, self.a2 = kind, draw(50), draw(40), draw(50), draw(40)
-        self.d0, self.theta0, self.line = draw(50), rng.uniform(0.0, 6.0), rng.uniform(-1.5, 1.5)
-        if kind == TURNING:  # its line passes through the fixed pivot at the first pose
-            self.a2 = (self.g2 - self.d0) / cmath.exp(1j * self.theta0)
-        if kind == GUIDE:
-            self.g2 = self.d0 + self.a2 * cmath.exp(1j * self.theta0)
-        self.crank = abs(self.d0 + self.a1 * cmath.exp(1j * self.theta0) - self.g1)
-        self.start = cmath.phase(self.d0 + self.a1 * cmath.exp(1j * self.theta0) - self.g1)
-        self.radius = abs(self.d0 + self.a2 * cmath.exp(1j * self.theta0) - self.g2)
-
-    def error(self, d: complex, theta: float) -> float:
-        """What is left of the second dyad's condition."""
-        turn = cmath.exp(1j * theta)
-        if self.kind == PIN:
-            return abs(d + self.a2 * turn - self.g2) - self.radius
-        along = cmath.exp(1j * self.line)
-        if self.kind == GUIDE:
-            return ((d + self.a2 * turn - self.g2) / along).imag
-        return (((self.g2 - d) / turn - self.a2) / along).imag
-
-    def poses(self) -> list[tuple[complex, float]] | None:
-        """Five poses, by Newton's method from one to the next; None where the links do not meet on the way."""
-        poses, theta = [], self.theta0
-        for before, after in pairwise((0.0, *ANGLES)):
-            for q in np.linspace(before, after, 20):
-                pin = self.g1 + self.crank * cmath.exp(1j * (self.start + q))
-                for _ in range(30):
-                    here = self.error(pin - self.a1 * cmath.exp(1j * theta), theta)
-                    slope = (self.error(pin - self.a1 * cmath.exp(1j * (theta + 1e-7)), theta + 1e-7) - here) / 1e-7
-                    if not slope or abs(here / slope) > 0.3:
-                        return None
-                    theta -= here / slope
-                    if abs(here) < 1e-13:
-                        break
-            poses.append((pin - self.a1 * cmath.exp(1j * theta), theta))
-        return poses
-
-
-def machines(kind: str, count: int) -> list[tuple[Machine, list[tuple[complex, float]]]]:
-    result, seed = [], 0
-    while len(result) < count:
-        machine = Machine(seed, kind)
-        poses = machine.poses()
-        if poses is not None:
-            result.append((machine, poses))
-        seed += 1
-    return result
-
-
-def body_poses(poses: list[tuple[complex, float]]) -> tuple[BodyPose, ...]:
-    return tuple(BodyPose(d.real, d.imag, degrees(theta)) for d, theta in poses)
-
-
-def distance(dyad: Dyad, machine: Machine) -> float:
-    """Distance of a dyad from the second one of a machine [mm]; infinite for another kind."""
-    if dyad.kind != machine.kind:
-        return float("inf")
-    if dyad.kind == PIN:
-        return abs(dyad.fixed - machine.g2) + abs(dyad.moving - machine.a2)
-    turn = abs(np.sin(dyad.line - machine.line)) * 50.0
-    if dyad.kind == GUIDE:
-        across = abs(((dyad.fixed - machine.g2) * cmath.exp(-1j * machine.line)).imag)
-        return float(abs(dyad.moving - machine.a2) + across + turn)
-    across = abs(((dyad.moving - machine.a2) * cmath.exp(-1j * machine.line)).imag)
-    return float(abs(dyad.fixed - machine.g2) + across + turn)
-
-
-@pytest.mark.parametrize("kind", [PIN, GUIDE, TURNING])
-@pytest.mark.parametrize("count", [15, pytest.param(100, marks=pytest.mark.stress)])
-def test_a_linkage_is_found_again_from_five_of_its_poses(kind: str, count: int) -> None:
-    for machine, poses in machines(kind, count):
-        task = Task(kind="poses", poses=body_poses(poses))
-        dyads = pose_dyads(task).all
-        assert min(distance(dyad, machine) for dyad in dyads) < 1e-5
-        driver = min(abs(d.fixed - machine.g1) + abs(d.moving - machine.a1) for d in dyads if d.kind == PIN)
-        assert driver < 1e-5
-        synthesis = synthesise(task)
-        assert synthesis.complete
-        best = min(synthesis.answers, key=lambda answer: answer.error_mm)
-        assert best.error_mm < 1e-7
-        assert best.error_deg < 1e-8
-
-
-def resultant_count(poses: tuple[BodyPose, ...]) -> int:
-    """Number of real circles through five positions of a body's points, from the elimination of both pivots' equations.
-
-    Differences of |d + aU - g|² to the first pose are linear in g: two of them give g, the other two are polynomials in a.
-    """
-    from scipy.optimize import fsolve
-
-    d = np.array([complex(p.x_mm, p.y_mm) for p in poses]) / 50.0
-    u = np.exp(1j * np.radians([p.angle_deg for p in poses]))
-    roots: list[np.ndarray] = []
-
-    def equations(x: np.ndarray) -> np.ndarray:
-        a, g = complex(x[0], x[1]), complex(x[2], x[3])
-        square = np.abs(d + a * u - g) ** 2
-        return square[1:] - square[0]
-
-    rng = np.random.default_rng(0)
-    for _ in range(400):
-        x, _, flag, _ = fsolve(equations, rng.normal(size=4) * 3.0, full_output=True, xtol=1e-13)
-        is_root = flag == 1 and np.abs(equations(x)).max() < 1e-9 and np.abs(x).max() < 1e3
-        if is_root and all(np.abs(x - other).max() > 1e-4 for other in roots):
-            roots.append(x)
-    return len(roots)
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_number_of_dyads_is_that_of_a_search_from_many_starts(seed: int) -> None:
-    _, poses = machines(PIN, seed + 1)[seed]
-    pins = [dyad for dyad in pose_dyads(Task(kind="poses", poses=body_poses(poses))).all if dyad.kind == PIN]
-    near = [dyad for dyad in pins if max(abs(dyad.fixed), abs(dyad.moving)) < 1e3]
-    assert len(near) == resultant_count(body_poses(poses))
-
 
 THREE = (BodyPose(0.0, 0.0, 0.0), BodyPose(30.0, 10.0, 20.0), BodyPose(60.0, 15.0, 45.0))
 
@@ -217,90 +90,6 @@ def test_two_poses_without_a_turn_have_linkages(direction: float) -> None:
     synthesis = synthesise(Task(kind="poses", poses=poses))
     assert synthesis.shown >= 12
     assert max(answer.error_mm for answer in synthesis.answers) < 1e-9 * 40.0
-
-
-def walk_defects(design, poses, steps: int = 100_000) -> set[str]:
-    """Defects of a four-bar by a walk of the driver from the first pose, with the assembly followed by continuity."""
-    linkage = design.drive.linkage
-    frame, rocker = linkage.by_number[1].places, linkage.by_number[4].places
-    crank = abs(linkage.by_number[2].places["A"])
-    local_a, local_b = (linkage.by_number[3].places[name] for name in "AB")
-    coupler, arm = local_b - local_a, abs(rocker["B"])
-    o2, o4 = frame["O2"], frame["O4"]
-
-    def body(q: float, sign: float) -> float | None:
-        pin = o2 + crank * cmath.exp(1j * q)
-        u = (pin - o4).conjugate() * coupler
-        v = 0.5 * (arm**2 - abs(pin - o4) ** 2 - abs(coupler) ** 2)
-        return None if abs(v) > abs(u) else -cmath.phase(u) + sign * np.arccos(v / abs(u))
-
-    def pin_angle(pose: BodyPose) -> float:
-        z = complex(pose.x_mm, pose.y_mm) + local_a * cmath.exp(1j * radians(pose.angle_deg))
-        return cmath.phase(z - o2)
-
-    def fits(q: float, sign: float, pose: BodyPose) -> bool:
-        angle = body(q, sign)
-        return angle is not None and abs(cmath.phase(cmath.exp(1j * (angle - radians(pose.angle_deg))))) < 1e-4
-
-    targets = [pin_angle(pose) for pose in poses]
-    sign = next(s for s in (1.0, -1.0) if fits(targets[0], s, poses[0]))
-    reached = {0}
-    for way in (1.0, -1.0):
-        ahead = 2.0 * np.pi * np.arange(1, steps + 1) / steps
-        pins = o2 + crank * np.exp(1j * (targets[0] + way * ahead))
-        across = np.abs(pins - o4)
-        meets = np.abs(arm**2 - across**2 - abs(coupler) ** 2) <= 2.0 * across * abs(coupler)
-        steps_on = steps if meets.all() else int(np.argmin(meets))
-        reached |= {
-            i
-            for i, q in enumerate(targets)
-            if (way * (q - targets[0])) % (2.0 * np.pi) <= 2.0 * np.pi * steps_on / steps
-        }
-    defects = set()
-    if len(reached) < len(poses):
-        defects.add("circuit")
-    if any(
-        not fits(target, sign, pose)
-        for i, (target, pose) in enumerate(zip(targets, poses, strict=True))
-        if i in reached
-    ):
-        defects.add("branch")
-    return defects
-
-
-def test_defects_are_those_of_a_walk() -> None:
-    seen: set[str] = set()
-    for _, poses in machines(PIN, 20):
-        rows = body_poses(poses)
-        for answer in synthesise(Task(kind="poses", poses=rows)).answers:
-            if (
-                answer.candidate.kind == "four-bar" and answer.transmission_deg > 1.0
-            ):  # a walk cannot resolve poses at a dead centre
-                expected = walk_defects(answer.candidate.design, rows)
-                assert set(answer.defects) == expected
-                seen |= expected or {"none"}
-    assert seen == {"none", "branch"}
-
-
-def test_poses_in_two_ranges_of_the_driver_are_a_circuit_defect() -> None:
-    """A double rocker of crank 60, coupler 20, rocker 55, frame 70 mm moves for 30 ... 70 deg and -70 ... -30 deg of the crank."""
-    poses = []
-    for q in np.radians([40.0, 50.0, 60.0, -40.0, -55.0]):
-        pin = 60.0 * cmath.exp(1j * q)
-        r = abs(70.0 - pin)
-        x = (r * r + 20.0**2 - 55.0**2) / (2.0 * r)
-        rod = (70.0 - pin) / r * complex(x, (20.0**2 - x * x) ** 0.5)
-        poses.append((pin, cmath.phase(rod)))
-    answers = synthesise(Task(kind="poses", poses=body_poses(poses))).answers
-    frames = [answer.candidate.linkage.by_number[1].places.values() for answer in answers]
-    same = [
-        answer
-        for answer, frame in zip(answers, frames, strict=True)
-        if len(frame) == 2 and all(min(abs(z - pivot) for z in frame) < 1e-6 for pivot in (0.0, 70.0))
-    ]
-    assert len(same) == 1
-    assert "circuit" in same[0].defects
-    assert same[0].error_mm < 1e-7
 
 
 def test_a_written_answer_runs_through_the_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
