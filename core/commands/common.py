@@ -174,8 +174,8 @@ def one_studied(design: Design, drive: str) -> Study:
 def require_cam(study: Study, command: str) -> None:
     """Raise KindynaError for a design without a cam."""
     if not study.has_disk:
-        kind = "disk cam" if study.has_surface else "cam"
-        raise KindynaError(f"{command}: this design has no {kind}; allowed: one with [cam]")
+        kind, allowed = ("disk cam", "one with a disk cam") if study.has_surface else ("cam", "one with [cam]")
+        raise KindynaError(f"{command}: this design has no {kind}; allowed: {allowed}")
 
 
 def require_shaft(study: Study) -> None:

@@ -586,13 +586,9 @@ class DriveStudy:
     @lazy
     def rib_thickness(self) -> np.ndarray:
         """Least thickness (n,) [m] of a cam's ribs between rollers at the cam angles of the flank ahead."""
-        return self.rib_thickness_at(True)
-
-    def rib_thickness_at(self, refined: bool) -> np.ndarray:
-        """Least thickness (n,) [m] of a cam's ribs, refined, or a lower bound."""
         from core.spatial import rib_thickness  # as above
 
-        return rib_thickness(self.machine, self.surface.motion, self.motion_rows, self.sense, refined)
+        return rib_thickness(self.machine, self.surface.motion, self.motion_rows, self.sense)
 
     @property
     def surface(self) -> SpatialShape:

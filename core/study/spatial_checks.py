@@ -14,7 +14,7 @@ from core.findings import ERROR, WARNING, Finding
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from core.motion import TURN
 from core.motion.extremes import Extreme, Extremes, piecewise_angles
-from core.spatial import KINDS
+from core.spatial import KINDS, rib_thickness
 from core.study.extremes import extremes_of
 from core.study.quantities import names_of
 from core.study.study import Study
@@ -51,9 +51,10 @@ def shape_errors(study: Study) -> list[str]:
     """Codes of findings because of which a cam in space cannot be made: an edge, a rib without thickness, a turret that is free."""
     first = study.at(study.program.angles(np.linspace(0.0, TURN, SAMPLES)))
     margin = float(first.surface.margin_at(np.linspace(study.machine.inner, study.machine.outer, 5)).min())
-    has_rib = "rib_wall" in checked_quantities(study)
-    distance = float(np.nanmin(first.rib_thickness_at(False), initial=np.inf)) if has_rib else np.inf
-    far = margin > FAR and distance > 0.0
+    distance = np.array([np.inf])
+    if "rib_wall" in checked_quantities(study):
+        distance = rib_thickness(study.machine, first.surface.motion, study.motion_rows, study.sense, refined=False)
+    far = margin > FAR and not np.any(distance <= 0.0)
     return [finding.code for finding in (*(() if far else _edge_findings(study)), *_free_findings(study))]
 
 
