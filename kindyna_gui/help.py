@@ -10,12 +10,13 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Qt, QUrl
-from PySide6.QtGui import QTextBlockFormat, QTextCharFormat, QTextCursor, QTextDocument
+from PySide6.QtGui import QImage, QImageReader, QTextBlockFormat, QTextCharFormat, QTextCursor, QTextDocument
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBrowser, QWidget
 
 from core.design import entries
 from core.laws import LAWS
 from core.materials import MATERIALS
+from core.process import resources
 from kindyna_gui.labels import SECTION_NAMES, entry_name, sentence
 from kindyna_gui.places import help_text, lesson_files
 from kindyna_gui.rebuilt import close_by_escape, fill
@@ -194,6 +195,23 @@ def _main_window(widget: QWidget | None) -> Any:
     return widget
 
 
+class HelpText(QTextBrowser):
+    """Text of a page; its images are in the folder of help, and no wider than the text."""
+
+    def loadResource(self, kind: int, name: QUrl | str) -> Any:
+        if kind != QTextDocument.ResourceType.ImageResource.value:
+            return super().loadResource(kind, name)
+        reader = QImageReader(str(resources() / "help" / QUrl(name).fileName()))
+        ratio, size = self.devicePixelRatioF(), reader.size()
+        beside = self.verticalScrollBar().sizeHint().width() + 2 * self.frameWidth()
+        width = ratio * (self.width() - beside - 2.0 * self.document().documentMargin())
+        if size.width() > width:
+            reader.setScaledSize(size.scaled(round(width), size.height(), Qt.AspectRatioMode.KeepAspectRatio))
+        image = reader.read().convertToFormat(QImage.Format.Format_RGB888)  # a page has up to forty images
+        image.setDevicePixelRatio(ratio)
+        return image
+
+
 class HelpWindow(QWidget):
     """Pages at the left, text at the right; links lead from page to page."""
 
@@ -208,7 +226,7 @@ class HelpWindow(QWidget):
         for name, (title, _) in PAGES.items():
             item = QListWidgetItem(title, self.list)
             item.setData(Qt.ItemDataRole.UserRole, name)
-        self.text = QTextBrowser(openLinks=False)
+        self.text = HelpText(openLinks=False)
         self.text.document().setDocumentMargin(20)
         self.text.anchorClicked.connect(self._follow)
         self.list.currentItemChanged.connect(lambda item, _: self._show(item.data(Qt.ItemDataRole.UserRole)))
@@ -217,11 +235,11 @@ class HelpWindow(QWidget):
 
     def open(self, name: str, words: str = "") -> None:
         """Show a page in front of all windows, scrolled to these words."""
+        self.show()  # before the page, whose images are as wide as the text
         row = list(PAGES).index(name)
         if self.list.currentRow() == row:
             self._show(name)  # completed for the current design
         self.list.setCurrentRow(row)
-        self.show()
         self.raise_()
         self.activateWindow()
         if words:

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Iterator
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtCore import QEvent, QObject, Qt, QUrl
+from PySide6.QtGui import QAction, QKeySequence, QTextDocument
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QToolButton, QWidget
 from window_user import Open, User, end_pauses, plain, settle, wait_for
@@ -290,6 +290,25 @@ def test_a_page_of_the_help_is_laid_out_once(user: User) -> None:
     user.choose("Help", "Laws and conventions")
     assert "Modified sine" in pages.text.toPlainText()
     assert len(changes) < 10
+    pages.close()
+
+
+def test_the_page_of_tutorials_shows_the_window_after_each_step(user: User) -> None:
+    user.choose("Help", "Tour")
+    pages = help_window(user)
+    wait_for(pages.isVisible)
+    (item,) = pages.list.findItems("Tutorials", Qt.MatchFlag.MatchExactly)
+    QTest.mouseClick(pages.list.viewport(), Qt.MouseButton.LeftButton, pos=pages.list.visualItemRect(item).center())
+    settle()
+    assert pages.text.horizontalScrollBar().maximum() == 0
+    for name, steps in {"lift": 10, "linkage": 8, "camshaft": 8, "valve_train": 9}.items():
+        for step in range(1, steps + 1):
+            address = QUrl(f"tutorial_{name}_{step:02}.webp")
+            image = pages.text.document().resource(QTextDocument.ResourceType.ImageResource.value, address)
+            assert 500 < image.width() / image.devicePixelRatio() < pages.text.viewport().width()
+    shown = pages.text.viewport().grab().toImage()
+    colours = {shown.pixelColor(x, y).name() for x in range(0, shown.width(), 2) for y in range(0, shown.height(), 2)}
+    assert len(colours) > 100, "an image, not its placeholder"
     pages.close()
 
 
