@@ -76,7 +76,7 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     points = np.array(_points(task))
     fitted = np.unique(np.linspace(0, points.size - 1, min(points.size, MOST_FITTED)).round().astype(int))
     timing = np.deg2rad(np.array(path.driver_deg)) if path.driver_deg else None
-    weights = np.sqrt(np.array(path.weights)) if path.weights else np.ones(points.size)
+    weights = np.sqrt(np.array(path.weights) / max(path.weights)) if path.weights else np.ones(points.size)
     part, ratio = None if timing is None else timing[fitted], task.longest_to_shortest or WIDEST_RATIO
     fit = PathFit(points[fitted], weights[fitted], part, ratio)
     starts = _closed_starts(points) if path.closed else _open_starts(points)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import numpy as np
 
 from core.contour import ContourElement, read_curve
 from core.errors import FileError
+from core.measured.sheet import dialect, number, split_cells
 from core.project.files import read_bytes, read_text
 from core.synthesis.curves import evenly_spaced
 from core.synthesis.task import PathPoint, TracedPath
@@ -18,6 +17,8 @@ from core.synthesis.task import PathPoint, TracedPath
 CSV, DXF = ENDINGS = (".csv", ".dxf")
 STROKE_POINTS, CURVE_POINTS = 36, 96
 """Points, evenly spaced by length, of a stroke, and of the curve of a drawing."""
+DETECTED = 500
+"""Lines of a table from which its delimiter and its decimal mark are detected."""
 CLOSES = 0.12
 """Distance of the ends of a stroke, of its size, below which it is closed."""
 X, Y = "x_mm", "y_mm"
@@ -63,8 +64,8 @@ def read_path(path: Path, *, closed: bool = False, point: str = "") -> TracedPat
     ----------
     path : Path
         A ``.csv`` with x and y in mm, where rows without two numbers are skipped: in the columns ``x_mm`` and ``y_mm``, or ``P_x_mm`` and
-        ``P_y_mm`` of a point P as ``linkage.csv`` has them, in a table without such columns in the first two. Or a ``.dxf`` with one
-        curve of lines and arcs, whose points are evenly spaced by length.
+        ``P_y_mm`` of a point P as ``linkage.csv`` has them, in a table without such columns in the first two; its delimiter and decimal
+        mark are detected. Or a ``.dxf`` with one curve of lines and arcs, whose points are evenly spaced by length.
     closed : bool
         The last point is joined to the first, also where a drawn curve is open.
     point : str
@@ -83,10 +84,11 @@ def read_path(path: Path, *, closed: bool = False, point: str = "") -> TracedPat
     if ending == DXF:
         elements, is_closed = read_curve(read_bytes(path), path.name)
         return traced_path(_along(elements, is_closed), is_closed or closed)
-    text = read_text(path)
-    rows = list(csv.reader(io.StringIO(text), delimiter=";" if text.count(";") > text.count(",") else ","))
+    lines = [line for line in read_text(path).splitlines() if line.strip()]
+    delimiter, decimal = dialect(lines[:DETECTED])
+    rows = [split_cells(line, delimiter) for line in lines]
     x, y = _columns(rows[0] if rows else [], point, path)
-    points = [complex(*numbers) for row in rows if (numbers := _numbers(row, x, y)) is not None]
+    points = [complex(*numbers) for row in rows if (numbers := _numbers(row, x, y, decimal)) is not None]
     if not points:
         raise FileError(f"{path}: has no points; columns with x and y in mm are needed")
     return traced_path(np.array(points), closed)
@@ -108,11 +110,11 @@ def _columns(header: Sequence[str], point: str, path: Path) -> tuple[int, int]:
     return names.index(f"{prefix}{X}"), names.index(f"{prefix}{Y}")
 
 
-def _numbers(row: Sequence[str], x: int, y: int) -> tuple[float, float] | None:
-    try:
-        return float(row[x]), float(row[y])
-    except (ValueError, IndexError):
+def _numbers(row: Sequence[str], x: int, y: int, decimal: str) -> tuple[float, float] | None:
+    if len(row) <= max(x, y):
         return None
+    first, second = number(row[x], decimal), number(row[y], decimal)
+    return None if first is None or second is None else (first, second)
 
 
 def _along(elements: Sequence[ContourElement], closed: bool) -> np.ndarray:

@@ -157,7 +157,7 @@ def _pairs(dyads: PoseDyads, z: np.ndarray, turn: np.ndarray, task: Task) -> Ite
         pairs = best_pairs(sides, z, turn, MOST_CARDS, order=task.limits.order)
         pairs = pairs or best_pairs(sides, z, turn, MOST_CARDS, with_defects=True)
     for first, second in pairs:
-        if first.kind == PIN and not is_degenerate(first, second, size):
+        if first.kind == PIN and not is_degenerate(first, second, max(size, abs(first.fixed - z[0]))):
             yield first, second
 
 

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator
-from math import acos, inf, pi, radians, sin, tan
+from math import acos, ceil, floor, inf, log10, pi, radians, sin, tan
 
 import numpy as np
 
+from core.errors import DesignError, Fault
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import body_name
 from core.synthesis.candidates import FOUR_BAR, SIDE_LINK, Candidate, Errors, linkage_of
@@ -31,10 +32,29 @@ def candidates(task: Task) -> Iterator[tuple[Candidate, ...]]:
     psi = radians(swing.swing_deg)
     alpha = pi * (swing.time_ratio - 1.0) / (swing.time_ratio + 1.0)
     limit = task.longest_to_shortest or inf
+    pivots = [_best_pivot(psi, alpha, side, low, high, limit) for side, low, high in _arcs(alpha)]
+    if not any(pivots) and (least := _least_ratio(psi, alpha)) < inf:
+        problem = "no crank-rocker of this swing and time ratio has so similar links"
+        raise DesignError([Fault("limits.length_ratio_max", limit, problem, f">= {_rounded_up(least):g}")])
+    yield from ((_candidate(pivot, psi, swing.frame_mm),) for pivot in pivots if pivot is not None)
+
+
+def _rounded_up(ratio: float) -> float:
+    """The ratio with four digits, not below it."""
+    step = 10.0 ** (floor(log10(ratio)) - 3)
+    return ceil(ratio / step) * step
+
+
+def _least_ratio(psi: float, alpha: float) -> float:
+    """Least ratio of the longest to the shortest link of the crank-rockers of a swing; infinite where there is none."""
+    least = inf
     for side, low, high in _arcs(alpha):
-        pivot = _best_pivot(psi, alpha, side, low, high, limit)
-        if pivot is not None:
-            yield (_candidate(pivot, psi, swing.frame_mm),)
+        for t in np.linspace(low, high, GRID):
+            pivot = _pivot(psi, alpha, side, float(t))
+            if _least_transmission(pivot, psi, inf) >= 0.0:
+                crank, *others = _lengths(pivot, psi)
+                least = min(least, max(*others, 1.0) / crank)
+    return least
 
 
 def _pivot(psi: float, alpha: float, side: float, t: float) -> complex:

@@ -349,8 +349,20 @@ def point_faults(task: Task, points: Sequence[complex]) -> Iterator[Fault]:
         numbers = getattr(path, name)
         if numbers and len(numbers) != n:
             yield Fault(f"path.{name}", MISSING, f"{len(numbers)} numbers for {n} points", "one for each point")
+    if len(path.driver_deg) == n and (twice := _angle_of_two_points(path.driver_deg, points)) is not None:
+        yield Fault("path.driver_deg", twice, "is the angle of two different points", "each angle of a turn once")
     if any(not weight > 0.0 for weight in path.weights):
         yield Fault("path.weights", MISSING, "has a weight that is not positive", "> 0")
+
+
+def _angle_of_two_points(angles: Sequence[float], points: Sequence[complex]) -> float | None:
+    """An angle [deg] that two points [mm] share, but for whole turns, though they differ; None where there is none."""
+    order = sorted(range(len(angles)), key=lambda i: angles[i] % 360.0)
+    for i, k in zip(order, (*order[1:], order[0]), strict=True):
+        difference = (angles[k] - angles[i] + 180.0) % 360.0 - 180.0
+        if abs(difference) < 1e-9 and abs(points[k] - points[i]) > SAME * task_size(points):
+            return angles[k]
+    return None
 
 
 def _angle_faults(task: Task) -> Iterator[Fault]:

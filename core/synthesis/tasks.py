@@ -63,7 +63,7 @@ TASKS: Mapping[str, TaskKind] = MappingProxyType(
             rocker.candidates,
             _frame,
             lambda task: True,
-            "a smaller swing, a time ratio nearer to 1, or a larger length_ratio_max",
+            "a smaller swing, or a time ratio nearer to 1",
         ),
     }
 )

@@ -205,6 +205,18 @@ def test_bad_tasks_are_refused_with_their_field(table: dict[str, object], messag
         synthesise(task_of(table))
 
 
+def test_a_small_swing_names_the_ratio_of_lengths_that_it_needs() -> None:
+    rocker = {"swing_deg": 1.0, "frame_mm": 100.0}
+    with pytest.raises(
+        DesignError, match=r"limits.length_ratio_max = 6.0: no crank-rocker .*; allowed: >= 114.6"
+    ) as refused:
+        synthesise(task_of({"kind": "rocker", "rocker": rocker}))
+    ratio = float(str(refused.value).split(">=")[1])
+    answer = synthesise(task_of({"kind": "rocker", "rocker": rocker, "limits": {"length_ratio_max": ratio}})).answers[0]
+    assert answer.is_good
+    assert swing_and_ratio(answer) == pytest.approx((1.0, 1.0), abs=1e-9)
+
+
 def test_every_value_outside_its_range_is_named_once() -> None:
     table = {"kind": "rocker", "rocker": {"swing_deg": -5.0, "frame_mm": 0.0}, "limits": {"length_ratio_max": 0.5}}
     with pytest.raises(DesignError) as error:

@@ -89,6 +89,7 @@ def test_a_table_has_its_points_in_columns_with_their_names(tmp_path: Path) -> N
     assert points(read(tmp_path, "linkage.csv", TABLE, point="P")).tolist() == [5 + 6j, 7 + 8j, 9 + 8j]
     assert points(read(tmp_path, "profile.csv", "cam_angle_deg,x_mm,y_mm\n0,1,2\n5,3,4\n")).tolist() == [1 + 2j, 3 + 4j]
     assert points(read(tmp_path, "plain.csv", "first;second\n1.5;2\nnote\n3;4\n")).tolist() == [1.5 + 2j, 3 + 4j]
+    assert points(read(tmp_path, "comma.csv", "x_mm;y_mm\n1,5;2,25\n3,0;-4,5\n")).tolist() == [1.5 + 2.25j, 3 - 4.5j]
     with pytest.raises(KindynaError, match=r"linkage.csv: has the points A, P; state one of them as path.point"):
         read(tmp_path, "linkage.csv", TABLE)
     with pytest.raises(KindynaError, match=r"has no columns Q_x_mm and Q_y_mm; points in this table: A, P"):

@@ -170,6 +170,10 @@ def test_the_curve_of_a_drawing_is_a_path(tmp_path: Path) -> None:
         ({"points": rows(HOEKEN), "file": "a.csv"}, "path.points: cannot be combined with file"),
         ({}, "path.points: missing"),
         ({"points": rows(HOEKEN), "driver_deg": [1.0, 2.0]}, "path.driver_deg: 2 numbers for 24 points"),
+        (
+            {"points": rows(HOEKEN), "driver_deg": [30.0 * k for k in range(24)]},
+            r"path.driver_deg = \d+.0: is the angle of two different points; allowed: each angle of a turn once",
+        ),
         ({"points": rows(HOEKEN), "weights": [0.0] * 24}, "path.weights: has a weight that is not positive"),
     ],
 )
