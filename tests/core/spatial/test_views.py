@@ -130,3 +130,15 @@ def test_a_groove_that_leaves_its_blank_is_drawn_as_far_as_the_blank() -> None:
     outline = short.outline(0.7) - short.origin
     assert (outline.real.min(), outline.real.max()) == pytest.approx((-0.015, 0.015))
     assert all(np.abs((line - short.origin).real).max() <= 0.015 for _, line in short.edges_at(0.7))
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_the_groove_is_at_the_roller_where_the_motion_is_at_its_peak(sense: float) -> None:
+    """At the cam angle 90° of a swing y sin θ the slide stands still: the groove reaches from y - r - play to y + r."""
+    views = cam_views(GROOVE, swings(0.012), sense, BLANK)
+    outline = views.outline(sense * np.pi / 2.0) - views.origin
+    outline = outline[np.abs(outline.real) < 0.039]
+    above = outline[np.isclose(outline.imag, 0.04, atol=1e-5)]
+    assert (above.real.min(), above.real.max()) == pytest.approx((0.012 - 0.0082, 0.012 + 0.008), abs=2e-5)
+    below = outline[np.isclose(outline.imag, -0.04, atol=1e-5)]
+    assert (below.real.min(), below.real.max()) == pytest.approx((-0.012 - 0.0082, -0.012 + 0.008), abs=2e-5)
