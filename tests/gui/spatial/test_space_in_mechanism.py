@@ -193,3 +193,15 @@ def test_several_drives_are_drawn_together_and_turned_by_the_end_view(open_user:
     wait_for(lambda: user.session.full_design.drives[number].phase_deg != phase)
     turned = user.session.full_design.drives[number].phase_deg - phase
     assert abs(abs((turned + 180.0) % 360.0 - 180.0) - 20.0) <= 3.0
+
+
+def test_the_output_of_a_motion_alone_is_under_the_mouse_too(open_user: Open, tmp_path: Path) -> None:
+    path = tmp_path / "feed.toml"
+    text = example("barrel_feeder").read_text("utf-8")
+    start, end = text.index("[cam]"), text.index("[shaft]")
+    path.write_text(text[:start] + text[end:], "utf-8")
+    user = open_user(path)
+    user.turn(150.0)
+    user.drawing()
+    assert menu_texts(user, middle(user, "block.guide"))[:2] == ["Output", "Edit Driven mass"]
+    assert "cam" not in figures(user)
