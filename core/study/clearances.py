@@ -461,12 +461,13 @@ class Clearances:
         p, q = np.where(meets, points.mean(axis=0), points)
         return np.where(meets, 0.0, best), p, q
 
-    def nearest_of_all(self, angles: Angles) -> NearestBodies:
+    def nearest_of_all(self, angles: Angles, drive: int | None = None) -> NearestBodies:
         """The pair of the plane of the mechanism that is nearest at each of n angles; its distance and nearest points.
 
-        Without a pair the distances are infinite.
+        With ``drive`` only pairs of bodies of that drive and the frame. Without a pair the distances are infinite.
         """
-        pairs = [pair for pair in self.pairs if None in self._planes(pair)]
+        own = [pair for pair in self.pairs if drive is None or {body.drive for body in pair} <= {drive, None}]
+        pairs = [pair for pair in own if None in self._planes(pair)]
         if not pairs:
             n = angles.theta.size
             nowhere = np.zeros(n, dtype=complex)

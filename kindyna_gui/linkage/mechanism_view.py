@@ -24,6 +24,7 @@ from kindyna_gui.linkage.canvas import Canvas, PinnedOutline, paint_pinned
 from kindyna_gui.linkage.mechanism_mouse import MechanismMouseView
 from kindyna_gui.look import Note, linked
 from kindyna_gui.pictures.drawing.assembly import DRIVE_LAYERS, SELECTED_LAYERS, Assembly
+from kindyna_gui.pictures.drawing.geometry import OutlinedDrive
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.parts import (
     BODY_FORCE_LAYERS,
@@ -356,9 +357,20 @@ class MechanismView(MechanismMouseView):
             self.session.step if set(STEP_LAYERS) <= set(available_layers(study)) else None, draw=False
         )
         self._show_paths()
+        self.scene.outlined = self._outlined_drive()
         self.scene.update_study(self._in_turn(study), keep_labels=True, lay=not self._needs_fit)
         self.canvas.rest.start()
         self._fit_or_keep(self.canvas)
+
+    def _outlined_drive(self) -> OutlinedDrive | None:
+        """The selected drive among the outlines of all drives; None where there are none, or a drive has no solution."""
+        session, last = self.session, self.scene.outlined
+        if not session.has_several_drives or not session.full_design.outlines or session.is_on_balancer:
+            return None
+        if session.shaft.failures:
+            return None
+        shown = OutlinedDrive(session.full_study.clearances, session.chosen, session.shaft_position)
+        return last if last is not None and last.is_like(shown) else shown
 
     def _show_paths(self) -> None:
         """Show the paths of the points that trace one, or that the user has chosen."""
@@ -566,6 +578,7 @@ class MechanismView(MechanismMouseView):
         for name, shown in self._layer_states.items():
             scene.set_layer(name, shown)
         scene.show_paths(self.scene.paths)
+        scene.outlined = self.scene.outlined
         with postponing(self.session.pending.later):
             scene.update_study(self.session.study)
         scene.set_angle(self.player.theta)

@@ -21,6 +21,7 @@ from core.frozen import frozen
 from core.mechanism import body_name
 from core.mechanism.drivers import Wheel, WheelPair, wheel_pairs
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
+from core.motion.program import ShaftPosition
 from core.study import Study
 from kindyna_gui.pictures.units import nearest
 from kindyna_gui.requirements import lists_links
@@ -28,6 +29,7 @@ from kindyna_gui.requirements import lists_links
 if TYPE_CHECKING:
     from core.spatial.shape import SpatialShape
     from core.spatial.views import CamViews
+    from core.study.clearances import Clearances
 
 MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
@@ -137,14 +139,35 @@ def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     )
 
 
+@frozen(eq=False)
+class OutlinedDrive:
+    """A drive among the outlines of all drives: their clearances, its number, and its position on the shaft."""
+
+    clearances: Clearances
+    number: int = 0
+    position: ShaftPosition = ShaftPosition()
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether the drive is seen from the other end of the shaft."""
+        mirrored: bool = self.clearances.design.drives[self.number].mirrored
+        return mirrored
+
+    def is_like(self, other: OutlinedDrive) -> bool:
+        """Whether another one has the same drawing."""
+        same = self.clearances is other.clearances and self.number == other.number
+        return same and self.position == other.position
+
+
 class Geometry:
     """A study's mechanism in mm at its n cam angles.
 
-    ``shape`` is None where the cam has no solution. Raises NoSolution where the linkage has none.
+    ``shape`` is None where the cam has no solution; ``outlined`` is the drive among the outlines of several. Raises NoSolution
+    where the linkage has none.
     """
 
-    def __init__(self, study: Study) -> None:
-        self.study = study
+    def __init__(self, study: Study, outlined: OutlinedDrive | None = None) -> None:
+        self.study, self.outlined = study, outlined
         self.kinematics: Kinematics = study.linkage
         self.shape: CamShape | None = _shape(study)
         self.surface: SpatialShape | None = _surface(study)
@@ -436,6 +459,7 @@ class Geometry:
             and (self.rotation_sign, self.base_radius, self.known_circles)
             == (other.rotation_sign, other.base_radius, other.known_circles)
             and (self.keyway, self.has_spring) == (other.keyway, other.has_spring)
+            and self.outlined is other.outlined
             and (self.study.design.outlines, self.study.design.clearances)
             == (other.study.design.outlines, other.study.design.clearances)
         )

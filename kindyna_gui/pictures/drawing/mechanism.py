@@ -21,7 +21,7 @@ from core.instant_centres.construction import Key
 from core.study import Study
 from kindyna_gui.pictures.drawing import cam_parts, load_parts, overlay, parts
 from kindyna_gui.pictures.drawing.cam_parts import COLOURINGS, ColouredLoop, colour_scale, coloured_profile, reading_at
-from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry, OutlinedDrive
 from kindyna_gui.pictures.drawing.labels import Labels, Strokes, TextBox
 from kindyna_gui.pictures.drawing.overlay import (
     BOTTOM_STRIP,
@@ -151,7 +151,7 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[DrawnPart]], ...] = (
 
 
 def _outlines(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    if geometry.study.design.outlines:
+    if geometry.study.design.outlines or geometry.outlined is not None:
         from kindyna_gui.pictures.drawing.outline_parts import outlines  # few designs have outlines
 
         yield from outlines(geometry, theme)
@@ -208,6 +208,7 @@ class MechanismScene(QGraphicsScene):
         self._ribbons: list[ColouredLoop] = []
         self._extent = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
+        self.outlined: OutlinedDrive | None = None  # of a drive of several, where their design has outlines
         self.paths: frozenset[str] = frozenset()  # points whose path is shown without its layer
         self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
@@ -235,7 +236,7 @@ class MechanismScene(QGraphicsScene):
         lay : bool
             False where ``show_region`` follows immediately, so that texts are not placed twice.
         """
-        geometry = Geometry(study)
+        geometry = Geometry(study, self.outlined)
         before, self.geometry = self.geometry, geometry
         if self._angle is not None:
             self.index = geometry.nearest(radians(self._angle))

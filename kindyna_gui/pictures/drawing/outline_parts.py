@@ -14,7 +14,7 @@ from core.design.outlines import CAM, FRAME, ROLLER
 from core.errors import KindynaError
 from core.output.drawing.palette import VERMILION
 from core.study.clearances import Clearances, NearestBodies
-from kindyna_gui.pictures.drawing.geometry import MM, Geometry
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry, OutlinedDrive
 from kindyna_gui.pictures.drawing.parts import OUTLINE_LAYER as LAYER
 from kindyna_gui.pictures.items import DrawnPart, Outline, Tag, riding
 from kindyna_gui.pictures.shapes import segments
@@ -27,13 +27,13 @@ NEAREST_ANGLES = 720  # at which the nearest bodies of a turn are computed
 
 
 def outlines(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
-    """Outlines of a design with one drive, and its nearest bodies."""
-    study = geometry.study
-    if not study.design.outlines:
-        return
-    yield from body_outlines(study.clearances, 0, geometry, theme)
-    yield from frame_outlines(study.clearances, theme)
-    yield from NearestPart(study.clearances, theme).parts(lambda i: float(study.theta[i]))
+    """Outlines of the bodies of a drive and of the frame, and the nearest two of them, by the angle of the drive."""
+    study, outlined = geometry.study, geometry.outlined or OutlinedDrive(geometry.study.clearances)
+    clearances, number, machine_angle = outlined.clearances, outlined.number, outlined.position.machine_angle
+    yield from body_outlines(clearances, number, geometry, theme)
+    yield from frame_outlines(clearances, theme, outlined.is_mirrored)
+    nearest = NearestPart(clearances, theme, number, outlined.is_mirrored)
+    yield from nearest.parts(lambda i: float(machine_angle(study.theta[i])))
 
 
 def body_outlines(clearances: Clearances, number: int, geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
@@ -55,14 +55,13 @@ def body_outlines(clearances: Clearances, number: int, geometry: Geometry, theme
         yield DrawnPart(f"outline.{body.name}", item, LAYER, Z_OUTLINE, move)
 
 
-def frame_outlines(clearances: Clearances, theme: Theme) -> Iterator[DrawnPart]:
-    """Outlines of the frame."""
+def frame_outlines(clearances: Clearances, theme: Theme, is_mirrored: bool = False) -> Iterator[DrawnPart]:
+    """Outlines of the frame; mirrored as a mirrored drive sees them."""
     body = Body(None, FRAME)
     shape = _shape(clearances, body) if body in clearances.names else None
     if shape is not None:
-        yield DrawnPart(
-            "outline.frame", Outline(path_of(shape), theme.pen(theme.quiet, THIN), _fill(theme)), LAYER, 0.2
-        )
+        path = path_of(shape.reflected() if is_mirrored else shape)
+        yield DrawnPart("outline.frame", Outline(path, theme.pen(theme.quiet, THIN), _fill(theme)), LAYER, 0.2)
 
 
 def _fill(theme: Theme) -> QBrush:
@@ -116,10 +115,16 @@ def _grown(outline: QPainterPath, points: np.ndarray, growth: float) -> QPainter
 
 
 class NearestPart:
-    """Line between the two nearest bodies, with their distance, red where they meet or are nearer than they must be."""
+    """Line between the two nearest bodies, with their distance, red where they meet or are nearer than they must be.
 
-    def __init__(self, clearances: Clearances, theme: Theme) -> None:
+    ``drive`` is the number of the drive whose bodies it connects with each other and with the frame; None: all bodies.
+    """
+
+    def __init__(
+        self, clearances: Clearances, theme: Theme, drive: int | None = None, is_mirrored: bool = False
+    ) -> None:
         self._clearances, self._theme = clearances, theme
+        self._drive, self._is_mirrored = drive, is_mirrored
         self._nearest: NearestBodies | None = None
         self._failed = False
         self.line = Outline(QPainterPath(), theme.pen(theme.ink, OUTLINE))
@@ -138,7 +143,8 @@ class NearestPart:
             self.tag.set_text("")
             return
         i = round(theta / (2.0 * np.pi) * NEAREST_ANGLES) % NEAREST_ANGLES
-        p, q = complex(nearest.first[i]) * MM, complex(nearest.second[i]) * MM
+        p, q = (complex(point[i]) * MM for point in (nearest.first, nearest.second))
+        p, q = (-p.conjugate(), -q.conjugate()) if self._is_mirrored else (p, q)
         distance = float(nearest.distance[i]) * MM
         pair = nearest.pairs[int(nearest.number[i])]
         least = self._clearances.required(pair)
@@ -156,7 +162,7 @@ class NearestPart:
         if self._nearest is None and not self._failed:
             try:
                 angles = self._clearances.angles(np.linspace(0.0, 2.0 * np.pi, NEAREST_ANGLES, endpoint=False))
-                self._nearest = self._clearances.nearest_of_all(angles)
+                self._nearest = self._clearances.nearest_of_all(angles, self._drive)
             except KindynaError:  # the findings report it
                 self._failed = True
         return self._nearest

@@ -1,10 +1,12 @@
 """Outlines in the drawing, the nearest bodies with their distance, red where they meet."""
 
 import math
+from pathlib import Path
 
 import pytest
-from outlined import clearance, example, outline, studied
+from outlined import clearance, example, outline, slides, studied
 from PySide6.QtCore import QPointF
+from window_user import Open
 
 from core.process import resources
 from core.project import load
@@ -81,3 +83,26 @@ def test_a_single_outline_is_drawn_without_a_line(app) -> None:
     scene = MechanismScene(studied(example("four_bar") + outline("link 2", round_mm=5.0)))
     assert scene.item("outline.link2").isVisible()
     assert scene.item("nearest.line").boundingRect().isEmpty()
+
+
+SLIDES = slides(40.0, 0.0, 90.0) + outline("frame", points=[[20.0, 60.0], [40.0, 60.0], [40.0, 90.0], [20.0, 90.0]])
+
+
+@pytest.mark.parametrize(("mirrored", "ends"), [(False, (5.0, 20.0)), (True, (-20.0, -5.0))])
+def test_one_drive_of_several_shows_its_outlines_and_its_nearest_bodies(
+    same_window: Open, tmp_path: Path, mirrored: bool, ends: tuple[float, float]
+) -> None:
+    """A slide of 10 mm whose top rests at 60 mm, next to a wall that begins at that height, 15 mm away from its side."""
+    path = tmp_path / "slides.toml"
+    path.write_text(SLIDES.replace('name = "Left"', f'name = "Left"\nmirrored = {str(mirrored).lower()}'), "utf-8")
+    user = same_window(path)
+    scene = user.drawing().scene
+    user.turn(330.0)
+    assert distance_in(scene) == "left.follower – frame: 15 mm"
+    line = scene.item("nearest.line").sceneBoundingRect()
+    assert (line.left(), line.right()) == pytest.approx(ends)
+    assert scene.item("outline.follower").isVisible()
+    assert scene.item("outline.frame").sceneBoundingRect().center().x() == pytest.approx(-30.0 if mirrored else 30.0)
+    user.session.choose_drive(1)
+    user.turn(330.0)
+    assert distance_in(user.drawing().scene).startswith("right.follower – frame")
