@@ -189,7 +189,8 @@ def has_closed_groove(design: Design) -> bool:
 
 
 def _largest_radius(wall: GrooveWall, runs: Sequence[Run]) -> float:
-    """Largest radius [mm] of the roller at the rims of a wall. Raises NoCam where they run back around the cam."""
+    """Largest radius [mm] of the roller at the rims of a wall. Raises NoCam where it has an edge or runs back around the cam."""
+    wall.require_no_edge(runs)
     rims = wall.rims(runs)
     polar = -rims.sense * np.unwrap(np.arctan2(rims.cam_point[1], rims.cam_point[0]), axis=1)
     back = (np.diff(polar, axis=1) < -BACK).any(axis=0)

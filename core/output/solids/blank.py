@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from functools import partial
 from itertools import pairwise
-from math import asin, atan2, ceil, hypot, pi, sqrt
+from math import acos, asin, atan2, ceil, hypot, pi, sqrt
 
 import numpy as np
 
@@ -270,14 +270,20 @@ def _depths(study: Study) -> tuple[float, float]:
 
 
 def _limit(study: Study, side: tuple[Zone, ...]) -> float:
-    """Angle [rad] of the turret at which a roller has left the blank: that of its corner and of the roller's radius."""
+    """Angle [rad] of the turret at which a roller has left the blank: that of its corner and of the roller's radius.
+
+    A roller of a barrel leaves the cylinder of the blank through an end, or sideways.
+    """
     cam, radius = study.design.drive.cam, MM * study.machine.radius
     (end, high), (_, low) = side[-1].high, side[0].low
     half = 0.5 * (high - low)
     if isinstance(cam, GloboidalCam):
         away = cam.centre_distance_mm - end
         return atan2(half, away) + asin(min(1.0, radius / hypot(away, half)))
-    return asin(min(1.0, (half + radius) / (MM * study.machine.lever))) if study.machine.is_turret else 0.5 * pi
+    if not study.machine.is_turret:
+        return 0.5 * pi
+    arm, aside = MM * study.machine.lever, sqrt(end**2 - cam.roller_inner_mm**2) + radius
+    return min(asin(min(1.0, (half + radius) / arm)), acos(max(0.0, 1.0 - aside / arm)))
 
 
 # -- globoidal cams ---------------------------------------------------------------------------------------------

@@ -101,10 +101,11 @@ class GrooveWall(ExactFlank):
         missed = ~(reached & (rims.u > 0.0)).all(axis=0)
         if missed.any():
             angle = float(np.rad2deg(theta[missed.argmax()]))
+            gentler = "shorten the blank" if self.study.machine.is_turret else "swing the arm less"
             raise NoCam(
                 f"the flank {self.side} does not extend from the floor of the groove to the blank",
                 "cam.roller_inner_mm",
-                "enlarge it, or swing the arm less",
+                f"enlarge it, or {gentler}",
                 [(angle, angle)],
             )
         return rims

@@ -176,3 +176,57 @@ def test_the_roller_may_move_where_the_walls_are_joined(tmp_path: Path, rotation
         edge.number for edge in rims if edge.curve.kind not in ("LINE", "CIRCLE") and len(edge.curve.data[2]) == 8
     }
     assert len(helices) == 2, "across the floor; those on the blank are upright"
+
+
+LAWS = ("cycloidal", "modified-sine", "simple-harmonic", "3-4-5", "4-5-6-7", "modified-trapezoid")
+
+
+def random_barrel(folder: Path, generator: np.random.Generator) -> Path:
+    """Two to four segments of random laws, spans and rises under a random roller of a slide or an arm."""
+    unit, count = generator.choice(["mm", "deg"]), int(generator.integers(2, 5))
+    spans = generator.uniform(40.0, 140.0, count)
+    rises = generator.uniform(-1.0, 1.0, count)
+    rises -= rises.mean()
+    rises *= generator.uniform(5.0, 40.0) / np.abs(rises).max()
+    inner, length = generator.uniform(25.0, 70.0), generator.uniform(6.0, 16.0)
+    keys = {
+        "roller_radius_mm": generator.uniform(4.0, 12.0), "roller_length_mm": length, "roller_inner_mm": inner,
+        "outer_radius_mm": inner + generator.uniform(0.6, 1.1) * length, "length_mm": generator.uniform(80.0, 220.0),
+        "play_mm": generator.choice([0.0, 0.02, 0.5]), "roller_taper_deg": generator.choice([0.0, 3.0, -4.0, 9.0]),
+        "bore_mm": 0.8 * inner, **({"arm_mm": generator.uniform(40.0, 120.0)} if unit == "deg" else {}),
+    }  # fmt: skip
+    path = folder / "random.toml"
+    path.write_text(
+        f'format = 1\nname = "Random"\n[motion]\nstart_{unit} = {generator.uniform(-15.0, 5.0)}\n'
+        + "".join(
+            f'[[motion.segments]]\nlaw = "{generator.choice(LAWS)}"\nspan_deg = {span}\nrise_{unit} = {rise}\n'
+            for span, rise in zip(360.0 * spans / spans.sum(), rises, strict=True)
+        )
+        + '[cam]\nkind = "barrel"\nform = "groove"\n'
+        + "".join(f"{key} = {float(value)!r}\n" for key, value in keys.items())
+        + f'[shaft]\nrotation = "{generator.choice(["ccw", "cw"])}"\nspeed_rpm = 60.0\n[loads]\n',
+        "utf-8",
+    )
+    return path
+
+
+@pytest.mark.stress
+def test_random_grooves_are_valid_solids_or_refused_in_one_line(tmp_path: Path) -> None:
+    """STEP is valid for OpenCASCADE with the stated volume, STL watertight, unless the flank has an edge or leaves the blank."""
+    generator, solids, refused = np.random.default_rng(3), 0, []
+    for _ in range(16):
+        design = random_barrel(tmp_path, generator)
+        code, said, faults = run(design, "--out", tmp_path / "cam.step", "--solid", "--json")
+        if code == 2:
+            assert faults.count("\n") == 1
+            refused.append(faults)
+            continue
+        facts, shape = json.loads(said), kernel_shape(tmp_path / "cam.step")
+        assert is_valid(shape)
+        assert volumes(shape, 1e-5) == [pytest.approx(facts["volume_mm3"], rel=1e-7)]
+        assert run(design, "--out", tmp_path / "cam.stl", "--solid", "--tolerance", 0.05)[0] == code
+        _, corners = read_stl(tmp_path / "cam.stl")
+        assert open_sides(corners) == 0
+        assert enclosed_volume(corners) == pytest.approx(facts["volume_mm3"], rel=2e-3)
+        solids += 1
+    assert solids >= 10, refused
