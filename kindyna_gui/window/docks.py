@@ -111,6 +111,8 @@ class ViewRow:
         Page of the help and, after #, the text to search there.
     short : str
         Title where its tab has no room for the full one; empty: no shorter one.
+    task : str
+        Task that is shown when it is opened, for a view that needs the drawing large; empty: the current one.
     """
 
     title: str
@@ -126,6 +128,7 @@ class ViewRow:
     of_cam: bool = False
     help: str = "tour"
     short: str = ""
+    task: str = ""
 
     @property
     def short_title(self) -> str:
@@ -187,7 +190,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
             keys="Ctrl+F", help="finding#Finding dimensions"),
         "find_linkage": ViewRow("Find a linkage", lazily("synthesis.find_linkage_view", "FindLinkageView"), RIGHT,
             "Find a linka&ge", "Propose four-bars and slider-cranks through poses of a body, along a path, for pairs of angles or a swing",
-            least=(388, 340), help="linkages#Finding a linkage", short="Find link."),
+            least=(388, 340), help="linkages#Finding a linkage", short="Find link.", task="compo"),
         "study": ViewRow("Study", lazily("studies.study_view", "StudyView"), LEFT,
             "St&udy", "Vary values of the design: curves over one, a map over two, parallel coordinates over more; compare designs",
             picture=True, least=(600, 300), help="studies#In the window"),

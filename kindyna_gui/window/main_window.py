@@ -194,6 +194,8 @@ class MainWindow(Window):
         if VIEWS[name].area == CENTRE:
             return self.centre.show_page(name)
         dock = self.docks[name]
+        if VIEWS[name].task and dock.isHidden():
+            self.show_task(VIEWS[name].task)
         self.layouts.open(dock)
         dock.raise_()
         view = dock.build()

@@ -101,6 +101,16 @@ def test_three_poses_pressed_and_turned_become_a_running_four_bar(user: User) ->
     assert user.design.drive.linkage != linkage
 
 
+def test_from_any_task_it_opens_in_compo_where_the_drawing_is_large(user: User) -> None:
+    for task in ("make", "dyna"):
+        user.window.show_task(task)
+        view = opened(user)
+        settle()
+        assert user.window.layouts.current == "compo"
+        assert viewport(view).height() > 300
+        user.window.close_view("find_linkage")
+
+
 def test_a_frame_is_moved_by_its_origin_and_turned_by_its_arm(user: User) -> None:
     view = opened(user)
     answered(view)
