@@ -225,7 +225,7 @@ ACTIONS: tuple[DrawingAction, ...] = (
     DrawingAction("lock", "&Lock", "Ctrl+Shift+L",
                   "Lock the selected point, or the length of the selected bar, against dragging",
                   SelectionActions.lock, ("point", "link")),
-    DrawingAction("path", "Show &path", "Ctrl+T", "Show or hide the path that the selected point traces, its coupler curve",
+    DrawingAction("path", "Show &path", "Ctrl+Shift+T", "Show or hide the path that the selected point traces, its coupler curve",
                   SelectionActions.show_path, ("point",)),
     DrawingAction("rename", "R&ename...", "F2", "Rename the selected point",
                   lambda actions: actions.typed.rename(), ("point",)),

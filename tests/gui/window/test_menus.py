@@ -13,6 +13,8 @@ from window_user import Open, User, end_pauses, plain, settle, wait_for
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from core.study import findings_of
 from kindyna_gui.help import HelpWindow
+from kindyna_gui.linkage.draw_tools import TOOLS
+from kindyna_gui.linkage.drawing_actions import ACTIONS
 from kindyna_gui.places import example, examples
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.menus import MENUS, TOOLBAR, Item
@@ -310,6 +312,17 @@ def test_the_page_of_tutorials_shows_the_window_after_each_step(user: User) -> N
     colours = {shown.pixelColor(x, y).name() for x in range(0, shown.width(), 2) for y in range(0, shown.height(), 2)}
     assert len(colours) > 100, "an image, not its placeholder"
     pages.close()
+
+
+def test_keys_of_the_drawing_mode_have_no_other_meaning_in_the_window(user: User) -> None:
+    """A key of a menu that works anywhere would do nothing in the drawing, where it would be ambiguous."""
+    anywhere = {
+        key.toString()
+        for action in all_actions(user.window.menuBar())
+        for key in action.shortcuts()
+        if action.shortcutContext() == Qt.ShortcutContext.WindowShortcut
+    }
+    assert anywhere.isdisjoint({row.key for row in (*ACTIONS, *TOOLS.values()) if row.key})
 
 
 def test_shortcuts_work_from_anywhere(user: User) -> None:
