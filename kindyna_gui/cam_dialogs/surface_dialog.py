@@ -19,6 +19,7 @@ from core.numerics.derivatives import seen_from
 from core.output.solids.barrel import BarrelSolid, has_closed_groove
 from core.output.solids.blank import UncutBlank
 from core.output.solids.disk import Prisms
+from core.output.solids.mesh import bisected_triangles
 from core.output.solids.outline import area, polygon
 from core.output.solids.prism import Cap, Prism, in_space
 from core.output.solids.surface import (
@@ -41,6 +42,7 @@ from kindyna_gui.pictures.turning import TurnedByMouse
 # -- shaded drawing --------------------------------------------------------------------------------------
 
 MARGIN, COARSE, COARSE_SURFACE = 20, 1e-3, 1e-3  # pixels; tolerances of what is drawn, relative to the size
+LONGEST = 0.25  # side of a triangle of a sheet relative to the size: longer ones could hide what is in front of them
 LIGHT = np.array([-0.45, -0.35, 0.82])
 DARKEST, CREASE = 0.62, 0.9  # brightness away from the light; cosine of the angle from which an edge is drawn
 
@@ -257,9 +259,11 @@ def _preview(design: Design, ending: str, request: SurfaceRequest) -> SolidPrevi
     surfaces = drawn_surfaces(job)
     if isinstance(surfaces, Prisms):
         return SolidPreview(job, surfaces.prisms, np.zeros((0, 3, 3)))
-    tolerance = COARSE_SURFACE * max(float(np.abs(body.vertices).max()) for body in surfaces.bodies)
+    size = max(float(np.abs(body.vertices).max()) for body in surfaces.bodies)
+    tolerance = COARSE_SURFACE * size
     if isinstance(surfaces, UncutBlank):
-        return SolidPreview(job, (), surfaces.sheet_triangles(tolerance), lines=surfaces.rims(tolerance))
+        sheets = bisected_triangles(surfaces.sheet_triangles(tolerance), LONGEST * size)
+        return SolidPreview(job, (), sheets, lines=surfaces.rims(tolerance))
     return SolidPreview(job, (), surfaces.triangles(tolerance), is_closed=isinstance(surfaces, BarrelSolid))
 
 

@@ -218,6 +218,32 @@ def _holds(corners: np.ndarray, triangle: np.ndarray) -> bool:
     return bool(((inside != triangle[0]) & (inside != triangle[1]) & (inside != triangle[2])).any())
 
 
+def bisected_triangles(triangles: np.ndarray, longest: float) -> np.ndarray:
+    """Triangles bisected at their longest sides until none is longer than a length, for a drawing that sorts them by distance.
+
+    Parameters
+    ----------
+    triangles : ndarray (n, 3, 3) [mm]
+    longest : float [mm]
+
+    Returns
+    -------
+    ndarray (m, 3, 3) [mm]
+        With the same sense as before.
+    """
+    while True:
+        sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2)
+        is_long = sides.max(axis=1) > longest
+        if not is_long.any():
+            return triangles
+        first, corners = sides[is_long].argmax(axis=1), triangles[is_long]
+        rows = np.arange(first.size)
+        a, b, c = (corners[rows, (first + k) % 3] for k in range(3))
+        middle = 0.5 * (a + b)
+        halves = np.concatenate((np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))
+        triangles = np.concatenate((triangles[~is_long], halves))
+
+
 # -- STL --------------------------------------------------------------------------------------------------------
 
 

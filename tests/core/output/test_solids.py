@@ -12,7 +12,7 @@ from step_reader import Face, StepFile, check_topology, volume
 from stl_reader import enclosed_volume, open_sides, read_stl
 from surface_command import run, written
 
-from core.output.solids.mesh import triangulate
+from core.output.solids.mesh import bisected_triangles, triangulate
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "resources/examples"
@@ -314,6 +314,18 @@ def test_triangles_of_polygons_with_holes() -> None:
 
 
 # -- CSV --------------------------------------------------------------------------------------------------------
+
+
+def test_bisected_triangles_cover_the_same_area() -> None:
+    generator = np.random.default_rng(2)
+    triangles = generator.uniform(size=(20, 3, 3))
+
+    def areas(corners: np.ndarray) -> np.ndarray:
+        return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+    parts = bisected_triangles(triangles, 0.2)
+    assert np.linalg.norm(np.roll(parts, 1, axis=1) - parts, axis=2).max() <= 0.2
+    assert np.abs(areas(parts).sum(axis=0) - areas(triangles).sum(axis=0)).max() < 1e-12, "with the same sense"
 
 
 def test_a_table_of_points_and_normals(tmp_path: Path) -> None:
