@@ -69,6 +69,11 @@ class Machine:
         """Whether the motion is a length."""
         return self.unit == "mm"
 
+    @property
+    def is_cylindrical(self) -> bool:
+        """Whether the blank is a cylinder; else it is a torus about the axis of the turret."""
+        return KINDS[self.kind].is_cylindrical
+
     def roller_radius(self, u: np.ndarray | float) -> np.ndarray | float:
         """Radius of the roller, r(u) = r - (u - u_0) tan τ.
 
@@ -205,21 +210,31 @@ class SpatialKind(NamedTuple):
     axes : unit of the motion -> axis of a roller, of dimensions and motion
     gentler : what reduces its pressure angle, in a sentence
     size : field that mainly sets its size
+    is_cylindrical : whether its blank is a cylinder; else a torus about the axis of the turret
     """
 
     cam: type[SpatialCam]
     axes: Mapping[str, Callable[[Machine, np.ndarray], RollerAxis]]
     gentler: str
     size: str
+    is_cylindrical: bool
 
 
 KINDS: Mapping[str, SpatialKind] = MappingProxyType(
     {
         BarrelCam.kind: SpatialKind(
-            BarrelCam, {"mm": sliding_axis, "deg": parallel_axis}, "enlarge the inner distance", "cam.roller_inner_mm"
+            BarrelCam,
+            {"mm": sliding_axis, "deg": parallel_axis},
+            "enlarge the inner distance",
+            "cam.roller_inner_mm",
+            True,
         ),
         GloboidalCam.kind: SpatialKind(
-            GloboidalCam, {"deg": radial_axis}, "enlarge the centre distance", "cam.centre_distance_mm"
+            GloboidalCam,
+            {"deg": radial_axis},
+            "enlarge the centre distance",
+            "cam.centre_distance_mm",
+            False,
         ),
     }
 )
@@ -240,3 +255,9 @@ def roller_axis(machine: Machine, y: np.ndarray) -> RollerAxis:
     RollerAxis
     """
     return KINDS[machine.kind].axes[machine.unit](machine, y)
+
+
+def lever_arm(machine: Machine, u: float) -> float:
+    """Distance |∂p/∂φ| [m] of a point of the roller's axis, at u [m], from the axis of its arm or turret."""
+    line = roller_axis(machine, np.zeros(1))
+    return line.reach + u * line.reach_u

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.design.spatial import SpatialCam
 from core.spatial.contact import AHEAD, BEHIND, MotionRows, flank, turned
-from core.spatial.kinds import MM, Machine, roller_axis
+from core.spatial.kinds import MM, Machine, lever_arm, roller_axis
 from core.spatial.shape import RollerAt, SpatialShape, rollers_at, turret_limit
 
 TURN = 2.0 * np.pi
@@ -210,17 +210,16 @@ def greatest_elevation(machine: Machine, state: State) -> float:
         largest = float(np.abs(state(np.linspace(0.0, TURN, AROUND * AROUND)).y).max())
         limit = largest + 2.0 * float(np.arcsin(min(1.0, machine.radius / machine.inner)))
     limit = min(limit, 0.45 * np.pi)
-    return machine.lever * float(np.sin(limit)) if machine.kind == "barrel" else limit
+    return machine.lever * float(np.sin(limit)) if machine.is_cylindrical else limit
 
 
 def with_run_out(machine: Machine) -> Machine:
     """Machine of a turret whose rollers count until they have left the blank, as the cutter does."""
     if not machine.is_turret:
         return machine
-    is_barrel = machine.kind == "barrel"
-    beyond = float(np.arcsin(min(1.0, machine.radius / (machine.lever if is_barrel else machine.inner))))
+    beyond = float(np.arcsin(min(1.0, machine.radius / lever_arm(machine, machine.inner))))
     limit = min(turret_limit(machine) + beyond, 0.49 * np.pi)
-    return replace(machine, length=2.0 * (machine.lever if is_barrel else machine.middle) * float(np.sin(limit)))
+    return replace(machine, length=2.0 * lever_arm(machine, machine.middle) * float(np.sin(limit)))
 
 
 def cam_facets(machine: Machine, state: State, sense: float, blank: Blank, angles: int) -> Facets:
@@ -240,12 +239,12 @@ def cam_facets(machine: Machine, state: State, sense: float, blank: Blank, angle
     -------
     Facets
     """
-    if machine.kind == "barrel":  # the roller may reach out of the blank
+    if machine.is_cylindrical:  # the roller may reach out of the blank
         machine = replace(machine, outer=min(machine.outer, blank.outer))
     wide = with_run_out(machine)
     patches = list(flank_patches(wide, state, sense, angles, 3, beyond=1))
     parts = [_quads(patch.point, -patch.normal, FLANK, patch.pressure_angle) for patch in patches]
-    if machine.kind == "barrel" and not machine.is_turret:
+    if machine.is_cylindrical and not machine.is_turret:
         return joined([*parts, *_blank_of_barrel(machine, {patch.side: patch for patch in patches}, blank)])
     body = _TurretBlank(wide, blank, greatest_elevation(machine, state))
     inside = [body.contains(np.moveaxis(part.corners.mean(axis=1), -1, 0)) for part in parts]
@@ -266,7 +265,7 @@ def elevation(machine: Machine, points: np.ndarray) -> np.ndarray:
     ndarray (...) [m or rad]
     """
     x, y, z = points
-    return np.asarray(z if machine.kind == "barrel" else np.arctan2(z, machine.lever - np.hypot(x, y)))
+    return np.asarray(z if machine.is_cylindrical else np.arctan2(z, machine.lever - np.hypot(x, y)))
 
 
 class _TurretBlank:
@@ -277,7 +276,6 @@ class _TurretBlank:
 
     def __init__(self, machine: Machine, blank: Blank, limit: float) -> None:
         self._machine, self._outer, self._bore = machine, blank.outer, blank.bore
-        self._is_barrel = machine.kind == "barrel"
         self._limit = limit
 
     def contains(self, points: np.ndarray) -> np.ndarray:
@@ -287,7 +285,7 @@ class _TurretBlank:
     def _point(self, polar: np.ndarray, at: np.ndarray, on_floor: bool) -> tuple[np.ndarray, np.ndarray]:
         """Point (3, ...) [m] of the surface or of the floor, and the direction (3, ...) out of the body."""
         machine = self._machine
-        if self._is_barrel:
+        if machine.is_cylindrical:
             radius, height = (machine.inner if on_floor else self._outer) + 0.0 * at, at
             out = np.ones_like(at), np.zeros_like(at)
         else:
@@ -328,7 +326,7 @@ class _TurretBlank:
     def _edge(self, motion: MotionRows, sense: float, roller: RollerAt, side: str) -> tuple[np.ndarray, np.ndarray]:
         """Polar angle and elevation (n,) of the edge of a flank at the surface of the blank."""
         machine = self._machine
-        u = machine.outer if self._is_barrel else machine.inner
+        u = machine.outer if self._machine.is_cylindrical else machine.inner
         points = flank(machine, motion.shifted(roller.offset), np.array([[u]]), sense, side).cam_point[:, 0]
         return np.unwrap(np.arctan2(points[1], points[0])), np.clip(
             elevation(machine, points), -self._limit, self._limit
@@ -421,7 +419,7 @@ def roller_facets(machine: Machine, y: float) -> Facets:
 def _turret_disc(machine: Machine) -> Iterator[Facets]:
     """Disc that carries the rollers of a turret: about +y inside them, or about +x at their outer ends."""
     around, radius = np.linspace(0.0, TURN, 2 * AROUND + 1), machine.radius
-    if machine.kind == "barrel":
+    if machine.is_cylindrical:
         rim, (low, high) = machine.lever + radius, (machine.outer, machine.outer + radius)
         centre, axis, across = (0.0, -machine.lever, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     else:

@@ -12,7 +12,7 @@ from core.errors import NoCam, angle_ranges
 from core.frozen import frozen
 from core.numerics.lazy import Lazy, lazy
 from core.spatial.contact import AHEAD, BEHIND, SIDES, MotionRows, SpatialFlank, flank, sliding
-from core.spatial.kinds import Machine
+from core.spatial.kinds import Machine, lever_arm
 
 NODES = np.array([0.0, 1e-5, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0 - 1e-5, 1.0])
 """Parts of the roller's length at which a figure is first computed; next to an end they show whether it has its extreme there."""
@@ -80,8 +80,7 @@ def turret_limit(machine: Machine) -> float:
     """Greatest angle of a turret's roller that is in the blank [rad]: by the blank's length, else one pitch."""
     if machine.length is None:
         return machine.pitch
-    reach = machine.lever if machine.kind == "barrel" else machine.middle
-    return asin(min(1.0, 0.5 * machine.length / reach))
+    return asin(min(1.0, 0.5 * machine.length / lever_arm(machine, machine.middle)))
 
 
 def handover_angles(machine: Machine) -> tuple[float, ...]:

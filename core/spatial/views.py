@@ -173,7 +173,7 @@ class CamViews:
         ndarray (n,) complex [m]
         """
         machine = self.machine
-        if machine.kind == "barrel":
+        if machine.is_cylindrical:
             radius = machine.inner if on_floor != _is_slide_rib(machine) else self.blank.outer
             return np.asarray(at + 1j * radius)
         u = machine.outer if on_floor else machine.inner
@@ -183,7 +183,7 @@ class CamViews:
     def radii(self) -> tuple[float, float]:
         """Greatest radius of the blank, and the least of its surface or floor [m]."""
         machine = self.machine
-        if machine.kind == "barrel":
+        if machine.is_cylindrical:
             return self.blank.outer, machine.inner
         return machine.lever - machine.inner * float(np.cos(self.elevations[1])), machine.lever - machine.inner
 
@@ -220,7 +220,7 @@ class CamViews:
 
     def _arc(self, start: float, end: float, on_floor: bool) -> np.ndarray:
         start, end = (min(max(value, self.elevations[0]), self.elevations[1]) for value in (start, end))
-        count = 2 if self.machine.kind == "barrel" else ARC
+        count = 2 if self.machine.is_cylindrical else ARC
         return self.meridian(np.linspace(start, end, count), on_floor)
 
     def outline(self, angle: float) -> np.ndarray:
@@ -324,9 +324,7 @@ class CamViews:
         """Greatest distance of a turret's rollers from its axis [m]."""
         machine = self.machine
         return (
-            machine.lever + machine.radius
-            if machine.kind == "barrel"
-            else float(np.hypot(machine.outer, machine.radius))
+            machine.lever + machine.radius if machine.is_cylindrical else float(np.hypot(machine.outer, machine.radius))
         )
 
     def roller_track(self, y: np.ndarray) -> np.ndarray:
@@ -376,17 +374,17 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
     CamViews
     """
     axes = AXES[machine.kind, machine.unit]
-    if machine.kind == "barrel":
+    if machine.is_cylindrical:
         machine = replace(machine, outer=min(machine.outer, blank.outer))
     patches = list(flank_patches(with_run_out(machine), state, sense, ANGLES, ROWS, beyond=1))
-    on_surface = -1 if (machine.kind == "barrel") != _is_slide_rib(machine) else 0
-    if machine.kind == "barrel" and not machine.is_turret:
+    on_surface = -1 if machine.is_cylindrical != _is_slide_rib(machine) else 0
+    if machine.is_cylindrical and not machine.is_turret:
         ends = elevations = _ends(machine, blank) or blank.ends(machine, patches)
     else:
         limit = greatest_elevation(machine, state)
-        height = limit if machine.kind == "barrel" else machine.outer * float(np.sin(limit))
+        height = limit if machine.is_cylindrical else machine.outer * float(np.sin(limit))
         elevations, ends = (-limit, limit), (-height, height)
-    rows = (-1,) if machine.kind == "barrel" else range(ROWS)  # the walls of a barrel are radial
+    rows = (-1,) if machine.is_cylindrical else range(ROWS)  # the walls of a barrel are radial
     tracks, lines = [], list[FlankLine]()
     for ahead, behind in zip(patches[::2], patches[1::2], strict=True):
         low, high = (ahead, behind) if _is_slide_rib(machine) else (behind, ahead)
@@ -403,7 +401,7 @@ def cam_views(machine: Machine, state: State, sense: float, blank: Blank) -> Cam
             )
             for patch in (low, high) for row in rows for run in _inside(machine, patch.point[:, row], elevations)
         ]  # fmt: skip
-    outer = blank.outer if machine.kind == "barrel" else machine.lever - machine.inner * float(np.cos(elevations[1]))
+    outer = blank.outer if machine.is_cylindrical else machine.lever - machine.inner * float(np.cos(elevations[1]))
     lever = machine.lever
     origin = -1j * (max(outer, machine.outer) + STAND_OFF * outer) if machine.slides else complex(lever)
     away = (1.0 + GAP) * outer + ends[1]

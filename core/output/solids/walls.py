@@ -30,7 +30,7 @@ class GrooveWall(ExactFlank):
     def __init__(self, study: Study, side: str, offset: float = 0.0, *, ends: tuple[float, float]) -> None:
         super().__init__(study, side, offset)
         self.ends = ends
-        self._centre = study.machine.lever if study.machine.kind == "globoidal" else 0.0
+        self._centre = 0.0 if study.machine.is_cylindrical else study.machine.lever
 
     def _depth(self, point: np.ndarray) -> np.ndarray:
         """Depth (m, n) [m] of points (3, m, n) [m]."""

@@ -45,7 +45,7 @@ def part_at(geometry: Geometry, index: int, point: complex) -> str:
         if any(_contains(corners * MM, point) for corners in (_side(roller), _end(roller))):
             return f"roller {roller.number}" if machine.rollers > 1 else "roller"
     if (
-        machine.is_turret and machine.kind != "barrel" and abs(point) <= MM * machine.inner
+        machine.is_turret and not machine.is_cylindrical and abs(point) <= MM * machine.inner
     ):  # that of a barrel is a line
         return "turret"
     angle = float(np.deg2rad(geometry.cam_rotation[index]))
@@ -185,11 +185,11 @@ def _rollers(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         if views.machine.slides:
             yield from _pin(k, roller, geometry, theme)
     if views.machine.is_turret:
-        radius = MM * (views.machine.lever if views.machine.kind == "barrel" else views.machine.inner)
+        radius = MM * (views.machine.lever if views.machine.is_cylindrical else views.machine.inner)
         disc = Outline(
             circle(radius),
             theme.pen(theme.ink, OUTLINE),
-            None if views.machine.kind == "barrel" else brush(theme.links[0]),
+            None if views.machine.is_cylindrical else brush(theme.links[0]),
         )
         yield DrawnPart("turret", disc, ("linkage",), Z_TURRET)
 
