@@ -131,7 +131,7 @@ class CurvesView(View):
         self._progress_bar, self._progress_row = QProgressBar(textVisible=True), QWidget()
         self._progress_text = QLabel()
         self.cancel_button = text_button("Cancel")
-        self.set_column(self._lay_out(), grows=self._splitter)
+        self._lay_out()
         self.setAcceptDrops(True)
         self.rows.list.installEventFilter(self)
         self._connect()
@@ -150,22 +150,26 @@ class CurvesView(View):
 
     # -- layout ---------------------------------------------------------------------------------------------
 
-    def _lay_out(self) -> QSplitter:
+    def _lay_out(self) -> None:
+        """Lay out the page from outside in: a widget that is put into another one takes its style again, with all inside."""
         self._splitter = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False)
-        side = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
-        side.addWidget(self.rows)
+        self.set_column(self._splitter, grows=self._splitter)
+        side, right = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False), QWidget()
+        self._splitter.addWidget(side)
+        self._splitter.addWidget(right)
+        self._splitter.setStretchFactor(1, 1)
+        self._splitter.setSizes([SIDE_WIDTH, 3 * SIDE_WIDTH])
         self.tabs = QTabWidget(documentMode=True)
+        side.addWidget(self.rows)
+        side.addWidget(self.tabs)
+        side.setStretchFactor(1, 1)
         for form, text in ((self.form, "Curve"), (self.axes, "Axes and title")):
             area = QScrollArea(widgetResizable=True)
             area.setFrameShape(QFrame.Shape.NoFrame)
             area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-            area.setWidget(form)
             area.setMinimumSize(LEAST_SIDE, LEAST_HEIGHT)
             self.tabs.addTab(area, text)
-        side.addWidget(self.tabs)
-        side.setStretchFactor(1, 1)
-        self._splitter.addWidget(side)
-        right = QWidget()
+            area.setWidget(form)
         column = QVBoxLayout(right)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
@@ -178,9 +182,6 @@ class CurvesView(View):
         bottom.setContentsMargins(8, 3, 8, 4)
         bottom.addWidget(self.readout, 1)
         column.addLayout(bottom)
-        self._splitter.addWidget(right)
-        self._splitter.setStretchFactor(1, 1)
-        self._splitter.setSizes([SIDE_WIDTH, 3 * SIDE_WIDTH])
         line = QHBoxLayout(self._progress_row)
         line.setContentsMargins(6, 2, 6, 2)
         self._progress_bar.setRange(0, 100)
@@ -189,7 +190,6 @@ class CurvesView(View):
         line.addWidget(self._progress_bar, 1)
         line.addWidget(self.cancel_button)
         self._progress_row.hide()
-        return self._splitter
 
     def _tools(self) -> TwoGroups:
         self.open_button = list_button(

@@ -139,18 +139,17 @@ class StudyView(BackgroundView):
         self.message.setFixedHeight(MESSAGE_LINES * self.fontMetrics().lineSpacing() + 2)
 
     def _lay_out(self) -> None:
+        """Lay out the page from outside in: a widget that is put into another one takes its style again, with all inside."""
+        self._form, self.tabs = QWidget(), QTabWidget(documentMode=True)
+        self._form.setFixedWidth(FORM_WIDTH)
+        self.share.setContentsMargins(8, 0, 6, 4)
+        result = fill(QVBoxLayout(), (self.pages, 1), self.message, self.board, margins=(0, 4, 6, 4), spacing=4)
+        self.set_content_layout(fill(QHBoxLayout(), self._form, (result, 1), margins=0, spacing=0))
+        files = fill(QHBoxLayout(), self.open, self.save, STRETCH, margins=(8, 0, 6, 0))
+        fill(QVBoxLayout(self._form), files, (self.tabs, 1), self.share, margins=(0, 4, 0, 0), spacing=4)
         vary = widget_with(fill(QVBoxLayout(), self.rows, self.figure_rows, STRETCH, margins=(8, 6, 6, 6), spacing=10))
-        self.tabs = QTabWidget(documentMode=True)
         for title, page in (("Vary", vary), ("Tolerances", self.tolerances), ("Best design", self.best)):
             self.tabs.addTab(scrolled(page, sideways=False), title)
-        files = fill(QHBoxLayout(), self.open, self.save, STRETCH, margins=(8, 0, 6, 0))
-        self.share.setContentsMargins(8, 0, 6, 4)
-        self._form = QWidget()
-        self._form.setFixedWidth(FORM_WIDTH)
-        fill(QVBoxLayout(self._form), files, (self.tabs, 1), self.share, margins=(0, 4, 0, 0), spacing=4)
-        result = fill(QVBoxLayout(), (self.pages, 1), self.message, self.board, margins=(0, 4, 6, 4), spacing=4)
-        sides = fill(QHBoxLayout(), self._form, (result, 1), margins=0, spacing=0)
-        self.set_content_layout(sides)
         self.setFocusProxy(self.open)
 
     def _connect(self) -> None:
