@@ -194,8 +194,8 @@ class MainWindow(Window):
         if VIEWS[name].area == CENTRE:
             return self.centre.show_page(name)
         dock = self.docks[name]
-        if VIEWS[name].task and dock.isHidden():
-            self.show_task(VIEWS[name].task)
+        if dock.isHidden() and (task := VIEWS[name].task) and task != self.layouts.current:
+            self.show_task(task)
         self.layouts.open(dock)
         dock.raise_()
         view = dock.build()

@@ -72,9 +72,10 @@ class WindowTabs(QObject):
         rows: dict[QTabBar, list[Dock]] = {}
         for bar in self._lists:
             texts = [bar.tabText(number) for number in range(bar.count())]
-            is_shown = bar.isVisible() and bar.geometry().right() > 0  # Qt keeps the bar of a single dock out of sight
+            is_shown = bar.geometry().right() > 0  # Qt keeps the bar of a single dock out of sight
             if texts and bar.parentWidget() is self._window and is_shown and by_text.keys() >= set(texts):
                 rows[bar] = [by_text[text] for text in texts]
+        self._hide_unused(rows)
         names: dict[Dock, str] = {}
         for bar, docks in rows.items():
             fitting = fitting_names(bar, [dock.title for dock in docks], [dock.short_title for dock in docks])
@@ -86,6 +87,16 @@ class WindowTabs(QObject):
             self._show_fitting(bar, [dock.title for dock in docks])
         if self._pages.tabBar().isVisible():
             self._fit_pages(self._pages.tabBar())
+
+    def _hide_unused(self, rows: dict[QTabBar, list[Dock]]) -> None:
+        """Hide bars that Qt leaves where docks in tabs were before they were moved, until they belong to docks again."""
+        for bar, docks in list(rows.items()):
+            is_used = {dock for dock in self._window.tabifiedDockWidgets(docks[0]) if not dock.isHidden()} == set(
+                docks[1:]
+            )
+            bar.setVisible(is_used)
+            if not is_used:
+                del rows[bar]
 
     def _fit_pages(self, bar: QTabBar) -> None:
         names = self._window.centre.open_pages[0]

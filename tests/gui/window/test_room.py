@@ -274,6 +274,18 @@ def test_a_dock_without_tabs_has_its_full_title(open_user: Open) -> None:
         assert [dock.windowTitle() for dock in titled] == [dock.title for dock in titled], task
 
 
+def test_every_dock_has_one_row_of_tabs(open_user: Open) -> None:
+    """Qt leaves a row of tabs where docks were before another one was opened."""
+    user = open_user(example("four_bar"), size=SIZES[0], whole=True)
+    user.window.show_task("compo")
+    for name in ("polygon", "find_linkage"):
+        user.window.show_view(name)
+        rest(user.window, 1.0)
+        bars = [b for b in user.window.findChildren(QTabBar) if b.parentWidget() is user.window and b.isVisible()]
+        titles = [b.tabText(i) for b in bars if b.geometry().right() > 0 for i in range(b.count())]
+        assert len(titles) == len(set(titles)), name
+
+
 def test_names_of_tabs_are_shortened_before_tabs_are_in_a_list(open_user: Open) -> None:
     """Dragged behind the parameters, one dock after another; the list brings a view to the front."""
     user = open_user(size=SIZES[1], whole=True)
