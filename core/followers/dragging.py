@@ -420,7 +420,13 @@ def _joints(design: Design) -> Mapping[str, Drag]:
 
 
 RIMS: Mapping[str, str] = MappingProxyType(
-    {"cam.base_radius_mm": "base circle", "cam.roller_radius_mm": "roller", "follower.shoe_radius_mm": "shoe"}
+    {
+        "cam.base_radius_mm": "base circle",
+        "cam.roller_radius_mm": "roller",
+        "follower.shoe_radius_mm": "shoe",
+        "cam.outer_radius_mm": "blank",
+        "cam.roller_inner_mm": "inner end of the roller",
+    }
 )
 """Label of a circle in the drawing, by the path of its radius."""
 

@@ -18,10 +18,11 @@ def spatial_views(study: Study) -> CamViews:
     NoCam
         No cam is possible.
     """
-    shape, cam = study.surface, study.design.drive.cam
+    shape = study.surface
+    blank = blank_of(shape, study.design.drive.cam)
     views: CamViews = memory.get(
-        "views", study.depends_on("cam"),
-        lambda: cam_views(shape.machine, study.motion_rows, shape.sense, blank_of(shape, cam)), is_locked=True,
+        "views", (study.depends_on("cam"), blank),
+        lambda: cam_views(shape.machine, study.motion_rows, shape.sense, blank), is_locked=True,
     )  # fmt: skip
     return views
 

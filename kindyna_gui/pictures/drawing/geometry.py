@@ -319,8 +319,22 @@ class Geometry:
 
     def rims(self, index: int) -> dict[str, tuple[complex, float]]:
         """Circles whose radius can be dragged at a sample: centre and radius [mm] by field path."""
+        if self.space is not None:
+            return self._rims_in_space(index)
         round_face = {self.face_path: (complex(self.reference[index]), self.face_radius)} if self.face_radius else {}
         return {"cam.base_radius_mm": (0j, self.base_radius), **round_face}
+
+    def _rims_in_space(self, index: int) -> dict[str, tuple[complex, float]]:
+        """Circles of a barrel cam in its end view, and the roller of an arm, which is seen along its axis."""
+        assert self.space is not None
+        machine, (outer, inner) = self.space.machine, self.space.radii
+        if machine.kind != "barrel":
+            return {}
+        circles = {"cam.outer_radius_mm": (self.axis, outer * MM), "cam.roller_inner_mm": (self.axis, inner * MM)}
+        if machine.slides or machine.is_turret:
+            return circles
+        roller = self.space.roller_track(self.study.surface.motion.y[index : index + 1])
+        return {**circles, "cam.roller_radius_mm": (complex(roller[0]) * MM, machine.radius * MM)}
 
     def nodes(self, body: Body) -> dict[str, complex]:
         """Points [mm] in a body's frame between which the body is drawn.
@@ -455,7 +469,7 @@ class Geometry:
         return (
             self.kinematics is other.kinematics
             and self.shape is other.shape
-            and self.surface is other.surface
+            and self.space is other.space
             and (self.rotation_sign, self.base_radius, self.known_circles)
             == (other.rotation_sign, other.base_radius, other.known_circles)
             and (self.keyway, self.has_spring) == (other.keyway, other.has_spring)

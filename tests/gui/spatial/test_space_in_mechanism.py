@@ -126,6 +126,21 @@ def test_the_mouse_reads_the_pressure_angle_on_an_edge(open_user: Open) -> None:
     assert float(number[1]) == pytest.approx(60.0, abs=6.0)
 
 
+def test_circles_of_a_barrel_are_dragged_in_one_step_each(open_user: Open) -> None:
+    user = open_user(example("barrel_feeder"))
+    user.turn(150.0)
+    before = user.design
+    axis = middle(user, "cam.end")
+    diagonal = np.exp(-0.75j * np.pi)
+    user.drag(axis + 82.0 * diagonal, axis + 90.0 * diagonal)
+    assert user.design.drive.cam.outer_radius_mm == pytest.approx(90.0, abs=1.0)
+    assert box(user, "cam.end").width() == pytest.approx(2.0 * user.design.drive.cam.outer_radius_mm, abs=0.01)
+    user.choose("Edit", f"Undo {user.steps[-1]}")
+    assert user.design == before
+    user.drag(axis + 70.0 * diagonal, axis + 74.0 * diagonal)
+    assert user.design.drive.cam.roller_inner_mm == pytest.approx(74.0, abs=1.0)
+
+
 def test_a_roller_of_a_turret_has_its_number(open_user: Open) -> None:
     user = open_user(example("globoidal_indexer"))
     user.turn(0.0)
@@ -140,6 +155,12 @@ def test_an_edit_is_drawn_and_the_pinned_variant_stays(open_user: Open) -> None:
     user.enter("cam.roller_radius_mm", "8")
     user.drawing()
     assert box(user, "roller1").width() == pytest.approx(16.0, abs=0.05)
+    user.enter("cam.length_mm", "120")
+    user.drawing()
+    assert box(user, "cam").width() == pytest.approx(120.0, abs=0.01)
+    user.enter("cam.bore_mm", "50")
+    user.drawing()
+    assert box(user, "bore").width() == pytest.approx(50.0, abs=5.0), "with its keyway"
     with_pin = user.drawing().canvas.grab().toImage()
     user.choose("Edit", "Unpin")
     settle()
