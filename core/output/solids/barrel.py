@@ -14,7 +14,7 @@ from math import ceil
 import numpy as np
 
 from core.design import Design
-from core.errors import KindynaError, NoCam
+from core.errors import NoCam
 from core.frozen import frozen
 from core.motion import TURN
 from core.number_text import result_text, rounded_up
@@ -26,8 +26,10 @@ from core.output.solids.outline import Outline, area
 from core.output.solids.patches import (
     BETWEEN,
     MM,
+    WIDEST,
     Patch,
     Run,
+    TooFine,
     fit_patches,
     grid_steps,
     patch_grid,
@@ -55,6 +57,7 @@ from core.study import Study
 SAMPLES = 65  # of a rim
 BACK = 1e-9  # [rad] step back that counts as rounding
 FIRST, TIGHTER, ATTEMPTS = 4e-7, 0.2, 4  # tolerance [mm], and its factor until the rims are on their cylinders
+NARROWER = 0.5  # factor of the widest span h: in a dwell rims of the radius R deviate as R h⁶, and only in their plane
 
 
 @frozen(eq=False)
@@ -156,10 +159,9 @@ def barrel_solid(study: Study, tolerance: float) -> BarrelSolid:
 
     Raises
     ------
-    KindynaError
-        The tolerance requires too many spans.
     NoCam
-        A dimension is missing, the groove leaves the blank or misses its floor, or a flank has an edge.
+        A dimension is missing, the groove leaves the blank or misses its floor, a flank has an edge, or the cam is too
+        large for the accuracy of the file.
     """
     from core.spatial import AHEAD, BEHIND
 
@@ -201,13 +203,22 @@ def _largest_radius(wall: GrooveWall, runs: Sequence[Run]) -> float:
 
 def _fit_wall(exact: GrooveWall, runs: Sequence[Run], tolerance: float) -> tuple[tuple[Patch, ...], float]:
     """Patches of a wall, whose rims are on the cylinders of floor and blank within the accuracy of the file, and its deviation."""
-    limit = min(tolerance, FIRST)
+    limit, widest = min(tolerance, FIRST), WIDEST
     for _ in range(ATTEMPTS):
-        patches, deviation = fit_patches(exact, runs, limit)
+        try:
+            patches, deviation = fit_patches(exact, runs, limit, widest)
+        except TooFine:
+            if limit == tolerance:
+                raise
+            break
         if max(_rim_error(patch, exact.ends) for patch in patches) <= ACCURACY:
             return patches, deviation
-        limit *= TIGHTER
-    raise KindynaError("surface: the rims of the groove cannot be written within the accuracy of a STEP file")
+        limit, widest = TIGHTER * limit, NARROWER * widest
+    raise NoCam(
+        f"{exact.ends[1]:g} mm: the rims of the groove cannot be written within the accuracy of a STEP file, {ACCURACY:g} mm",
+        "cam.outer_radius_mm",
+        "choose a smaller cam, or write its flanks without a solid",
+    )
 
 
 def _rim_error(patch: Patch, radii: tuple[float, float]) -> float:

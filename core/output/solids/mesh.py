@@ -13,6 +13,7 @@ from core.errors import KindynaError
 from core.numerics.derivatives import cross
 from core.numerics.lazy import checkpoint
 from core.output.solids.outline import polygon
+from core.output.solids.patches import OR_STEP, TooFine
 from core.output.solids.prism import Cap, Prism, in_space
 
 MOST_VERTICES = 20_000  # of a plane face
@@ -36,7 +37,7 @@ def prism_triangles(prism: Prism, tolerance: float) -> np.ndarray:
 
     Raises
     ------
-    KindynaError
+    TooFine
         The tolerance requires too many triangles.
     """
     polygons = [polygon(wall.outline, tolerance) for wall in prism.walls]
@@ -88,15 +89,12 @@ def level_triangles(loops: Sequence[np.ndarray], height: float, is_up: bool, tol
 
     Raises
     ------
-    KindynaError
+    TooFine
         The loops have too many corners.
     """
     points = np.concatenate(loops)
     if points.size > MOST_VERTICES:
-        raise KindynaError(
-            f"tolerance {tolerance:g} mm: a face would have {points.size} corners, the limit is {MOST_VERTICES}; "
-            "choose a larger tolerance, or write a STEP file"
-        )
+        raise TooFine(tolerance, f"a face would have {points.size} corners, the limit is {MOST_VERTICES}", OR_STEP)
     corners = triangulate(loops)
     return in_space(points, height)[corners if is_up else corners[:, ::-1]]
 

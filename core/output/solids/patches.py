@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 MM = 1e3
 BY_ANGLE, ALONG = 5, 3  # degrees
-WIDEST = np.deg2rad(12.0)  # cam angle of a span at first
+WIDEST = float(np.deg2rad(12.0))  # cam angle of a span at first
 NARROWEST = 1e-6  # [rad] span of a flank that is smooth
 MOST_SPANS = 1000  # of a patch, which limits memory
 ALONG_SPANS = (1, 2, 4, 8, 16, 32)
@@ -185,32 +185,44 @@ def _along_basis(exact: ExactFlank, runs: Sequence[Run], tolerance: float) -> Kn
         )
         if np.abs(fitted.transpose(1, 0, 2) - exact.points(theta, piece, u)).max() <= ALONG_PART * tolerance:
             return basis
-    raise KindynaError(_too_fine(tolerance))
+    raise TooFine(tolerance, TOO_MANY_SPANS)
 
 
-def _too_fine(tolerance: float) -> str:
-    return f"tolerance {tolerance:g} mm: it requires too many spans of the surface; choose a larger tolerance"
+class TooFine(KindynaError):
+    """A tolerance [mm] requires more of a file than its limits allow."""
+
+    def __init__(self, tolerance: float, requirement: str, remedy: str = "choose a larger tolerance") -> None:
+        super().__init__(f"tolerance {tolerance:g} mm: {requirement}; {remedy}")
+        self.requirement, self.remedy = requirement, remedy
 
 
-def fit_patches(exact: ExactFlank, runs: Sequence[Run], tolerance: float) -> tuple[tuple[Patch, ...], float]:
-    """Surfaces over parts of the motion, and the largest distance [mm] of the exact flank from them.
+OR_STEP = "choose a larger tolerance, or write a STEP file"
+TOO_MANY_SPANS = "it requires too many spans of the surface"
+
+
+def fit_patches(
+    exact: ExactFlank, runs: Sequence[Run], tolerance: float, widest: float = WIDEST
+) -> tuple[tuple[Patch, ...], float]:
+    """Surfaces over parts of the motion, with spans up to a cam angle [rad], and the largest distance [mm] of the exact flank from them.
 
     Raises
     ------
     NoCam
         The flank has an edge.
-    KindynaError
+    TooFine
         The tolerance requires too many spans.
     """
     exact.require_no_edge(runs)
     along = _along_basis(exact, runs, tolerance)
-    fits = [_fit_patch(exact, run, along, tolerance) for run in runs]
+    fits = [_fit_patch(exact, run, along, tolerance, widest) for run in runs]
     return tuple(patch for patch, _ in fits), max(deviation for _, deviation in fits)
 
 
-def _fit_patch(exact: ExactFlank, pieces: Run, along: KnotVector, tolerance: float) -> tuple[Patch, float]:
+def _fit_patch(
+    exact: ExactFlank, pieces: Run, along: KnotVector, tolerance: float, widest: float
+) -> tuple[Patch, float]:
     """Surface over consecutive pieces of the motion; spans are halved where it misses the tolerance."""
-    edges = [np.linspace(a, b, int(np.ceil((b - a) / WIDEST)) + 1) for a, b, _ in pieces]
+    edges = [np.linspace(a, b, int(np.ceil((b - a) / widest)) + 1) for a, b, _ in pieces]
     while True:
         checkpoint()
         nodes = np.concatenate([edges[0], *(edge[1:] for edge in edges[1:])])
@@ -225,7 +237,7 @@ def _fit_patch(exact: ExactFlank, pieces: Run, along: KnotVector, tolerance: flo
                 break
             bad = error >= error.max() * 0.95
         if nodes.size > MOST_SPANS:
-            raise KindynaError(_too_fine(tolerance))
+            raise TooFine(tolerance, TOO_MANY_SPANS)
         if np.diff(nodes).min() < NARROWEST:
             raise exact.edge(float(nodes[np.diff(nodes).argmin()]), "has an edge")
         middles = 0.5 * (nodes[:-1] + nodes[1:])[bad]
@@ -445,7 +457,5 @@ def grid_steps(patch: Patch, tolerance: float) -> tuple[int, int]:
         n = np.where(rest > 0.0, (twist / m + np.sqrt((twist / m) ** 2 + 4.0 * bend * rest)) / (2.0 * rest), np.inf)
     best = int(np.argmin(n * m))
     if not n[best] * m[best] <= MOST_TRIANGLES:
-        raise KindynaError(
-            f"tolerance {tolerance:g} mm: it requires too many triangles; choose a larger tolerance, or write a STEP file"
-        )
+        raise TooFine(tolerance, "it requires too many triangles", OR_STEP)
     return int(np.ceil(n[best])) + 1, int(m[best])

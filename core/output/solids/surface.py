@@ -26,6 +26,7 @@ from core.output.solids.barrel_path import barrel_path, gcode_bytes
 from core.output.solids.blank import UncutBlank, uncut_blank
 from core.output.solids.disk import Prisms, disk_sheets, disk_solids, thickness
 from core.output.solids.mesh import stl_bytes, stl_rounding
+from core.output.solids.patches import TooFine
 from core.output.solids.plates import body_plates
 from core.output.solids.step import step_bytes
 from core.output.solids.strips import Strips, spatial_rows, spatial_strips
@@ -191,9 +192,12 @@ CHORDS = 0.8
 
 
 def _stl(study: Study, request: SurfaceRequest) -> SurfaceJob:
-    surfaces = _surfaces(study, request, 0.1 * request.tolerance_mm)
     chords = CHORDS * request.tolerance_mm
-    triangles = surfaces.triangles(chords)
+    try:
+        surfaces = _surfaces(study, request, 0.1 * request.tolerance_mm)
+        triangles = surfaces.triangles(chords)
+    except TooFine as error:  # of a part of the tolerance
+        raise TooFine(request.tolerance_mm, error.requirement, error.remedy) from None
     deviation = surfaces.deviation + chords + stl_rounding(triangles)
     if deviation > request.tolerance_mm:
         least = 10.0 * stl_rounding(triangles)

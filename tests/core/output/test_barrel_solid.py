@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from stl_reader import enclosed_volume, open_sides, read_stl
 from surface_command import run, written
 
 EXAMPLE = Path(__file__).parents[3] / "resources/examples/barrel_feeder.toml"
+EXAMPLE_VOLUME = 2_095_683.3  # [mm³] of its solid, by OpenCASCADE
 RADIUS, PLAY, INNER, BLANK, LENGTH, BORE = 8.0, 0.3, 40.0, 54.0, 60.0, 30.0
 RANGE = {"mm": (3.0, 28.0), "deg": (-8.0, 17.0)}  # of the motion
 ARM = 60.0
@@ -123,6 +125,35 @@ def test_the_example_leaves_with_its_keyway(tmp_path: Path) -> None:
     (faces,) = StepFile(out.read_bytes()).shells.values()
     check_topology(faces, is_closed=True, accuracy=2e-6)
     assert len(faces) == 21, "8 of the walls, 6 of the cylinders, 5 of bore and keyway, 2 ends"
+
+
+def enlarged_example(folder: Path, factor: float) -> Path:
+    """The example, which has dwells, with all lengths enlarged."""
+    path = folder / f"times_{factor:g}.toml"
+    larger = re.sub(
+        r"(_mm = )(\S+)", lambda found: f"{found[1]}{factor * float(found[2])!r}", EXAMPLE.read_text("utf-8")
+    )
+    path.write_text(larger, "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("factor", [4.0, stressed(30.0), stressed(100.0)])
+def test_large_cams_with_dwells_leave_too(tmp_path: Path, factor: float) -> None:
+    out = tmp_path / "cam.step"
+    code, printed, faults = run(enlarged_example(tmp_path, factor), "--out", out, "--solid", "--json")
+    assert (code, faults) == (0, "")
+    assert json.loads(printed)["volume_mm3"] == pytest.approx(factor**3 * EXAMPLE_VOLUME, rel=3e-8)
+    if factor > 4.0:
+        (faces,) = StepFile(out.read_bytes()).shells.values()
+        check_topology(faces, is_closed=True, accuracy=2e-6)
+
+
+@pytest.mark.parametrize(("ending", "tolerance"), [("step", "1e-10"), ("stl", "1e-5")])
+def test_a_tolerance_that_requires_too_much_is_named_as_typed(tmp_path: Path, ending: str, tolerance: str) -> None:
+    design = enlarged_example(tmp_path, 30.0)
+    code, _, faults = run(design, "--out", tmp_path / f"cam.{ending}", "--tolerance", tolerance)
+    assert code == 2
+    assert f"tolerance {float(tolerance):g} mm: it requires too many" in faults
 
 
 @pytest.mark.parametrize(
