@@ -52,6 +52,10 @@ const kindyna = (() => {
         for (const roller of machine.cam.rollers) add(roller.x[i], roller.y[i], roller.radius);
       }
     }
+    if (machine.space) {
+      add(...machine.space.at, machine.space.radii[0]);
+      for (const [x, y] of machine.space.poses[0][0]) add(x, y, 0);
+    }
     if (machine.cam) for (const flank of machine.cam.flanks) for (const [x, y] of flank) add(0, 0, Math.hypot(x, y));
     const room = 0.06 * Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;
     return [Math.min(...xs) - room, Math.min(...ys) - room, Math.max(...xs) + room, Math.max(...ys) + room];
@@ -77,6 +81,19 @@ const kindyna = (() => {
       make("path", {class: "line", d: `M${-2 * unit} 0H${2 * unit}M0 ${-2 * unit}V${2 * unit}`}, group);
       moved.push(i => put(group, 0, 0, machine.sense * machine.angles[i]));
     }
+    if (machine.space) {
+      const {at, start, radii, poses} = machine.space, end = make("g", {"data-body": "cam"}, up);
+      make("circle", {class: "cam", r: radii[0]}, end);
+      make("circle", {class: "line", r: radii[1]}, end);
+      make("path", {class: "line", d: `M${0.76 * radii[1]} 0H${radii[0]}`}, end);
+      moved.push(i => put(end, at[0], at[1], start + machine.sense * machine.angles[i]));
+      const side = make("path", {class: "cam", "data-body": "cam-side"}, up), edges = make("path", {class: "line"}, up);
+      moved.push(i => {
+        const [outline, ...lines] = poses[Math.floor(i * poses.length / machine.angles.length)];
+        side.setAttribute("d", path(outline, true));
+        edges.setAttribute("d", lines.map(line => path(line, false)).join(""));
+      });
+    }
     for (const body of machine.bodies) {
       if (body.fixed) continue;
       const group = make("g", {"data-body": body.name}, up), corners = body.points.map(([, x, y]) => [x, y]);
@@ -84,6 +101,7 @@ const kindyna = (() => {
       if (body.stem) for (const [name, width] of [["rim", 2.4], ["bar", 2]]) make("path", {class: name, d: path([[0, 0], body.stem], false), "stroke-width": width * unit}, group);
       else if (body.slides) make("rect", {class: "body", x: -2.2 * unit, y: -1.5 * unit, width: 4.4 * unit, height: 3 * unit}, group);
       for (const [name, width] of [["rim", 2], ["bar", 1.6]]) if (apart.length > 1) make("path", {class: name, d: path(apart, apart.length > 2), "stroke-width": width * unit}, group);
+      for (const roller of body.rollers) make("path", {class: "body", d: path(roller, true)}, group);
       for (const [x, y] of apart) make("circle", {class: "pin", cx: x, cy: y, r: 0.6 * unit}, group);
       moved.push(i => put(group, body.x[i], body.y[i], body.turn[i]));
     }
@@ -96,8 +114,8 @@ const kindyna = (() => {
         moved.push(i => put(round, roller.x[i], roller.y[i], 0));
       }
     }
-    // Turned by hand: about the cam's centre, else about the first pin on the frame.
-    const pins = machine.fixed.filter(pin => !pin.guide), centre = machine.cam || !pins.length ? [0, 0] : pins[0].at;
+    // Turned by hand: about the cam's centre, of a cam in space that of its end view, else about the first pin on the frame.
+    const pins = machine.fixed.filter(pin => !pin.guide), centre = machine.space ? machine.space.at : machine.cam || !pins.length ? [0, 0] : pins[0].at;
     const bearing = event => {
       const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(sheet.getScreenCTM().inverse());
       return Math.atan2(-at.y - centre[1], at.x - centre[0]) * 180 / Math.PI;

@@ -27,7 +27,7 @@ from core.output.controllers.deviation import facts
 from core.output.controllers.rows import controller
 from core.output.controllers.slave import EcamRequest, drive_slave
 from core.output.controllers.table import ecam
-from core.output.drawing.scene import Scene, Slide
+from core.output.drawing.scene import MM, Scene, SceneBody, Slide
 from core.output.files.files import files as profile_files
 from core.output.files.files import profile_job
 from core.output.files.inspection import files as inspection_files
@@ -47,13 +47,16 @@ from core.project import dumps
 from core.project.files import is_folder, read_own, remove_listed, write, write_into
 from core.project.origins import with_unlinked_motions
 from core.requests import option, text_option
+from core.spatial.views import CamViews
 from core.study import Study, findings_of
 from core.study.quantities import shape_of
+from core.study.spatial_views import spatial_views
 
 # -- web page ---------------------------------------------------------------------------------------------------
 
 
 ANGLES = 720
+POSES, EDGE_STEP = 120, 6  # of the side view of a cam in space over the turn; points of its edges from one to the next
 """Number of stored positions in a turn."""
 SECONDS = 6.0
 """Initial duration of a turn."""
@@ -139,7 +142,7 @@ def _drives(study: Study) -> Iterator[tuple[str, float, Study]]:
 
 def _machine_data(study: Study, phase: float) -> dict[str, Any]:
     """Angles and positions by the drive's angle, which lags behind the machine by ``phase`` [deg]."""
-    scene = Scene(study)
+    scene, views = Scene(study), _views(study)
     stem, blocks = scene.stem, {slide.body for slide in scene.slides}
     bodies = [
         {
@@ -148,6 +151,7 @@ def _machine_data(study: Study, phase: float) -> dict[str, Any]:
             "slides": name in blocks,
             "stem": _stem(scene, stem) if stem is not None and stem.body == name else None,
             "points": [[point, *_xy(at)] for point, at in body.points.items()],
+            "rollers": [] if views is None or name == FRAME else _rollers(views, study, body),
             **_track(body.z, body.angle),
         }
         for name, body in scene.bodies.items()
@@ -158,6 +162,7 @@ def _machine_data(study: Study, phase: float) -> dict[str, Any]:
         "angles": _rounded(study.angle_degrees),
         "whole": study.angle_degrees.size == study.samples,
         "cam": _cam(scene),
+        "space": None if views is None else _space(views, study),
         "bodies": bodies,
         "fixed": _fixed(scene),
         "curves": _with_initial_curves(list(_curves(study)), study),
@@ -195,6 +200,42 @@ def _cam(scene: Scene) -> dict[str, Any] | None:
         "face": {"outline": [_xy(at) for at in face.outline], **_track(body.z, body.angle)},
         "rollers": [{"radius": _short(radius), **_track(z, 0.0 * body.angle)} for radius, z in scene.further_rollers],
     }
+
+
+def _views(study: Study) -> CamViews | None:
+    """Side view and end view of a cam in space; None where there is none."""
+    try:
+        return spatial_views(study) if study.has_surface else None
+    except NoSolution:
+        return None
+
+
+def _rollers(views: CamViews, study: Study, body: SceneBody) -> list[list[list[float]]]:
+    """Outlines of the rollers in the side view, in the frame of the output that carries them."""
+    outlines = (roller.side * MM for roller in views.rollers(float(study.surface.motion.y[0])))
+    return [[_xy(at) for at in ((points - body.z[0]) * body.unit[0].conjugate()).tolist()] for points in outlines]
+
+
+def _space(views: CamViews, study: Study) -> dict[str, Any]:
+    """End view of a cam in space, and its side view in poses of equal angles: the outline, then the visible edges."""
+    outer, inner = views.radii
+    angles = study.sense * 2.0 * np.pi * np.arange(POSES) / POSES
+    return {
+        "at": _xy(views.end_origin * MM),
+        "start": _short(np.rad2deg(np.angle(views.axes.end[0]))),
+        "radii": [_short(outer * MM), _short(inner * MM)],
+        "poses": [[_line(views.outline(angle), 1), *_edges(views, angle)] for angle in angles.tolist()],
+    }
+
+
+def _edges(views: CamViews, angle: float) -> list[list[list[float]]]:
+    return [_line(edge, EDGE_STEP) for is_visible, edge in views.edges_at(angle) if is_visible]
+
+
+def _line(points: np.ndarray, step: int) -> list[list[float]]:
+    """Every ``step``-th point [mm] of a line, to a hundredth of a millimetre, and its end."""
+    kept = np.append(points[:-1:step], points[-1:]) * MM
+    return [[round(at.real, 2) + 0.0, round(at.imag, 2) + 0.0] for at in kept.tolist()]
 
 
 def _with_initial_curves(rows: list[dict[str, Any]], study: Study) -> list[dict[str, Any]]:

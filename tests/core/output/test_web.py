@@ -100,6 +100,32 @@ def test_the_page_opens_with_curves_that_say_something() -> None:
     assert "At a glance" not in text, "no heading without anything below"
 
 
+@pytest.mark.parametrize(
+    ("name", "size", "at", "radius"),
+    [("barrel_feeder", (110.0, 164.0), 0.0, 82.0), stressed("globoidal_indexer", (192.7, 114.3), 56.0, 98.35)],
+)
+def test_a_cam_in_space_has_its_side_view_its_end_view_and_rollers_that_move_with_the_output(
+    name: str, size: tuple[float, float], at: float, radius: float
+) -> None:
+    """Sizes of the blank [mm]; the roller of a turret is 56 mm from its pivot, that of a slide below it."""
+    study = Study(load(EXAMPLES / f"{name}.toml"))
+    text = web_page(study)
+    (machine,) = Page(text).data["machines"]
+    space = machine["space"]
+    outline = np.array(space["poses"][0][0]) @ [1, 1j]
+    assert np.ptp(outline.real) == pytest.approx(size[0], abs=5.0)
+    assert np.ptp(outline.imag) == pytest.approx(size[1], abs=0.1)
+    assert space["radii"][0] == pytest.approx(radius, abs=0.1)
+    assert len(space["poses"]) == 120
+    output = next(body for body in machine["bodies"] if body["rollers"])
+    rollers = [np.array(corners) @ [1, 1j] for corners in output["rollers"]]
+    assert len(rollers) == study.design.drive.cam.rollers
+    middle = 0.5 * (rollers[0].max() + rollers[0].min()) if at == 0.0 else rollers[0].mean()
+    assert middle.real == pytest.approx(at, abs=0.5)
+    assert len(text.encode()) <= 1_500_000
+    assert text == web_page(study)
+
+
 @pytest.mark.stress
 def test_drives_of_a_shaft_stand_side_by_side_each_with_its_phase() -> None:
     design = load(EXAMPLES / "transfer_unit.toml")
