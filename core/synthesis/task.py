@@ -284,7 +284,8 @@ def _pose_faults(task: Task) -> Iterator[Fault]:
             for i, pivot in enumerate(task.pivots):
                 value = getattr(pivot, f"{axis}_mm")
                 if pivot.of == FIXED and value is not None and not low <= value <= high:
-                    yield Fault(f"pivots[{i}].{axis}_mm", value, "is outside of the area", f"{low:g} ... {high:g} mm")
+                    allowed = f"{axis} = {low:g} ... {high:g} mm"
+                    yield Fault(f"pivots[{i}]", MISSING, f"{axis} = {value:g} mm is outside of the area", allowed)
 
 
 def _pivot_faults(pivot: Pivot, path: str) -> Iterator[Fault]:
@@ -321,7 +322,7 @@ def _shared_pivot_faults(task: Task) -> Iterator[Fault]:
     """Pivots at a position of both dyads, which would be one link, or turn about one point."""
     for i, pivot in enumerate(task.pivots):
         if pivot.dyad is None and not pivot.line:
-            yield Fault(f"pivots[{i}].dyad", MISSING, "missing, two dyads have no pivot at one position", "1 | 2")
+            yield Fault(f"pivots[{i}]", MISSING, "a position belongs to one dyad, not to both", "dyad = 1 | 2")
 
 
 def _path_faults(task: Task) -> Iterator[Fault]:

@@ -68,7 +68,10 @@ class WindowTabs(QObject):
     def fit(self) -> None:
         """Shorten names, and put tabs in a list, where a bar has no room for them."""
         self._lists = {bar: tabs for bar, tabs in self._lists.items() if isValid(bar)}
-        by_text = {dock.windowTitle(): dock for dock in self._window.docks.values() if not dock.isHidden()}
+        by_text = {
+            dock.windowTitle(): dock
+            for dock in sorted(self._window.docks.values(), key=lambda dock: not dock.isHidden())
+        }
         rows: dict[QTabBar, list[Dock]] = {}
         for bar in self._lists:
             texts = [bar.tabText(number) for number in range(bar.count())]
@@ -90,12 +93,24 @@ class WindowTabs(QObject):
 
     def _hide_unused(self, rows: dict[QTabBar, list[Dock]]) -> None:
         """Hide bars that Qt leaves where docks in tabs were before they were moved, until they belong to docks again."""
-        for bar, docks in list(rows.items()):
-            is_used = {dock for dock in self._window.tabifiedDockWidgets(docks[0]) if not dock.isHidden()} == set(
-                docks[1:]
-            )
+
+        def distance(bar: QTabBar) -> int:
+            docks = rows[bar]
+            return (
+                docks[max(0, bar.currentIndex())].geometry().topLeft() - bar.geometry().bottomLeft()
+            ).manhattanLength()
+
+        used: set[Dock] = set()
+        for bar in sorted(rows, key=distance):
+            docks = set(rows[bar])
+            tabbed = {
+                dock for dock in (*self._window.tabifiedDockWidgets(rows[bar][0]), rows[bar][0]) if not dock.isHidden()
+            }
+            is_used = tabbed == docks and not docks & used
             bar.setVisible(is_used)
-            if not is_used:
+            if is_used:
+                used |= docks
+            else:
                 del rows[bar]
 
     def _fit_pages(self, bar: QTabBar) -> None:

@@ -163,7 +163,7 @@ ROWS = [{"x_mm": p.x_mm, "y_mm": p.y_mm, "angle_deg": p.angle_deg} for p in THRE
         ({"poses": ROWS, "area": {"low": [5.0, 0.0], "high": [1.0, 9.0]}}, "area.high"),
         (
             {"poses": ROWS, "pivots": [{"of": "fixed", "x_mm": 0.0, "y_mm": 0.0}]},
-            r"pivots\[0\].dyad: missing, two dyads have no pivot at one position; allowed: 1 | 2",
+            r"pivots\[0\]: a position belongs to one dyad, not to both; allowed: dyad = 1 \| 2",
         ),
         (
             {
@@ -171,7 +171,7 @@ ROWS = [{"x_mm": p.x_mm, "y_mm": p.y_mm, "angle_deg": p.angle_deg} for p in THRE
                 "pivots": [{"dyad": 2, "of": "fixed", "x_mm": 0.0, "y_mm": 70.0}],
                 "area": {"low": [-90.0, -90.0], "high": [90.0, 60.0]},
             },
-            r"pivots\[0\].y_mm = 70.0: is outside of the area; allowed: -90 ... 60 mm",
+            r"pivots\[0\]: y = 70 mm is outside of the area; allowed: y = -90 ... 60 mm",
         ),
     ],
 )
