@@ -55,6 +55,8 @@ FIELD_NAMES: Mapping[str, str] = {
     "rocker.swing_deg": "swing",
     "rocker.time_ratio": "time ratio",
     "rocker.frame_mm": "frame",
+    "limits.transmission_deg_min": "least transmission angle",
+    "limits.length_ratio_max": "longest to shortest link",
     "linkage.driver.link": "driver",
 }
 """Key of a task's file -> its name in a sentence."""
@@ -123,7 +125,7 @@ class FindLinkageView(View):
             self.strip.run(True)
             if not self._is_fitted:
                 self.sheet.fit()
-            if self.strip.proposals is None:
+            if not self.strip.put_button.isEnabled():  # the search was stopped with the dock
                 self._soon_search.start()
 
     def hideEvent(self, event: QHideEvent) -> None:

@@ -111,6 +111,22 @@ def test_from_any_task_it_opens_in_compo_where_the_drawing_is_large(user: User) 
         user.window.close_view("find_linkage")
 
 
+def test_a_search_that_another_task_of_the_window_stops_is_made_up_for(user: User) -> None:
+    view = opened(user)
+    answered(view)
+    before = view.strip.answer
+    second = pixel(view, view.sheet.task.poses[1].z)
+    drag(view, second, second + QPoint(30, -20), second + QPoint(60, -40))
+    user.window.show_task("dyna")
+    settle()
+    assert not view.busy
+    user.window.show_task("compo")
+    answered(view)
+    assert view.strip.proposals is not None
+    assert view.strip.proposals.task == view.task
+    assert view.strip.answer is not before
+
+
 def test_a_frame_is_moved_by_its_origin_and_turned_by_its_arm(user: User) -> None:
     view = opened(user)
     answered(view)
