@@ -64,7 +64,7 @@ def trace(bars: Bars, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
         rocker = pin + bars.coupler * direction - bars.frame
         speed = 1j * pin
         turn = -(np.conj(rocker) * speed).real / (np.conj(rocker) * 1j * bars.coupler * direction).real
-    return pin + bars.tracer * direction, speed + 1j * turn * bars.tracer * direction, direction
+        return pin + bars.tracer * direction, speed + 1j * turn * bars.tracer * direction, direction
 
 
 @frozen(eq=False)

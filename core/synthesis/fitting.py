@@ -18,8 +18,6 @@ from core.frozen import frozen
 from core.numerics.lazy import checkpoint
 from core.synthesis.curves import Bars, trace
 
-PLACED, START = 9, 9
-"""Number of unknowns of a four-bar in the plane, and index of the start of the driver's angles behind them."""
 TINY, INSIDE = 1e-12, 0.98  # a length that is 0; the part of the ratio that costs nothing
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING, LESS = 1e-3, 1e-12, 1e12, 0.2
 CONVERGED = 1e-10  # of the sum of squares: a step that decreases it by less is the last
@@ -233,12 +231,12 @@ def _slopes_by_lengths(bars: Bars, angle: np.ndarray) -> list[np.ndarray]:
     rocker = np.conj(bars.crank * unit + bars.coupler * direction - bars.frame)
     with np.errstate(invalid="ignore", divide="ignore"):
         lever = 1j * bars.tracer * direction / (rocker * 1j * bars.coupler * direction).real
-    return [
-        unit - (rocker * unit).real * lever,
-        -(rocker * direction).real * lever,
-        bars.rocker * lever,
-        rocker.real * lever,
-    ]
+        return [
+            unit - (rocker * unit).real * lever,
+            -(rocker * direction).real * lever,
+            bars.rocker * lever,
+            rocker.real * lever,
+        ]
 
 
 def distinct(placed: PlacedBars, count: int) -> list[int]:

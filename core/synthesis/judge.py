@@ -150,8 +150,9 @@ def judge(candidate: Candidate, task: Task) -> Answer | None:
         return None
     driver_range, turns_fully = _task_range(candidate, ranges)
     positions = _in_range(candidate.positions, driver_range, turns_fully)
-    inside = np.isfinite(positions)
     error_mm, error_deg = _errors(candidate, linkage, ranges, positions)
+    positions = np.where(np.isfinite(error_mm), positions, np.nan)
+    inside = np.isfinite(positions)
     error = error_mm / size + np.deg2rad(error_deg)
     other_mm, other_deg = np.full(error.size, np.nan), np.full(error.size, np.nan)
     allowed = EXACT + candidate.expected / size
@@ -235,12 +236,13 @@ def _in_order(positions: np.ndarray, turns_fully: bool) -> bool:
 def _errors(
     candidate: Candidate, linkage: Linkage, ranges: DriverRanges, positions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors at driver positions (n,) [rad] of the task, [mm] and [deg]; NaN where these are NaN, or out of the ranges."""
+    """Errors at driver positions (n,) [rad] of the task, [mm] and [deg]; NaN where these are NaN, or the links do not meet."""
     error_mm, error_deg = np.full(positions.size, np.nan), np.full(positions.size, np.nan)
     usable = np.isfinite(positions)
     if usable.any():
         at = np.where(usable, positions, positions[usable][0])
-        mm, deg = candidate.errors(unit_speed_kinematics(linkage, at, ranges))
+        with collecting_failures(lambda code, failed: None):
+            mm, deg = candidate.errors(unit_speed_kinematics(linkage, at, ranges))
         error_mm[usable], error_deg[usable] = mm[usable], deg[usable]
     return error_mm, error_deg
 

@@ -162,6 +162,26 @@ def test_the_curve_of_a_drawing_is_a_path(tmp_path: Path) -> None:
     assert np.abs(np.abs(traced(answer) - (30.0 + 20.0j)) - 25.0).max() < 0.5
 
 
+@pytest.mark.parametrize("is_closed", [False, True])
+@pytest.mark.parametrize(
+    "z",
+    [
+        np.linspace(0.0, 1.0, 200) * (3e3 + 1e3j),
+        np.repeat(np.exp(1j * np.linspace(0.0, 5.0, 20)), 2),
+        1e-4 * (np.abs(np.cos(TURN)) + 1j * np.abs(np.sin(TURN))),
+        1e5 + np.cos(TURN) + 1j * np.sin(2.0 * TURN),
+        np.array([0.0, 1.0, 1j]),
+    ],
+    ids=["line", "repeated", "tiny", "eight", "three"],
+)
+@pytest.mark.stress
+def test_paths_of_any_kind_have_linkages_with_finite_figures(z: np.ndarray, is_closed: bool) -> None:
+    answers = synthesise(task_of({"kind": "path", "path": {"points": rows(z), "closed": is_closed}})).answers
+    assert answers
+    assert all(np.isfinite((answer.transmission_deg, answer.size_mm)).all() for answer in answers)
+    assert answers[0].error_mm < 0.1 * size(z)
+
+
 @pytest.mark.parametrize(
     ("path", "message"),
     [
