@@ -28,7 +28,6 @@ from core.synthesis.candidates import (
     SIDE_LINK,
     SIDE_PIN,
     SIDE_PIVOT,
-    TRACER,
     Candidate,
     Errors,
     is_in_order,
@@ -44,7 +43,7 @@ SAME_ERROR = 1e-9  # of the size: errors that differ by less are equal
 OTHER_ASSEMBLY = 0.5  # of the error: another assembly with a smaller one fits the task
 EXACT = 1e-6  # of the size, beyond the error with which it was proposed: a smaller error needs no other assembly
 TURNS_FREELY = 1e-9
-SAME_LINKAGE = 1e-4  # of the largest coordinate: linkages that differ by less are one
+SAME_LINKAGE = 1e-4  # of the size: linkages that differ by less are one
 
 
 @frozen(eq=False)
@@ -105,22 +104,21 @@ def is_same(answer: Answer, other: Answer) -> bool:
     """Whether two answers are one linkage, up to the names of its links."""
     if answer.candidate.kind != other.candidate.kind:
         return False
-    mine, theirs = (_signature(each.candidate.linkage) for each in (answer, other))
-    return len(mine) == len(theirs) and bool(np.abs(mine - theirs).max() <= SAME_LINKAGE * np.abs(mine).max())
+    (mine, lines), (theirs, other_lines) = (_sides(row.candidate.linkage) for row in (answer, other))
+    near = SAME_LINKAGE * answer.size_mm
+    has_same_sides = any(np.abs(mine - sides).max() <= near for sides in (theirs, theirs[::-1]))
+    return has_same_sides and bool(np.abs(lines - other_lines).max(initial=0.0) <= near)
 
 
-def _signature(linkage: Linkage) -> np.ndarray:
-    """Fixed pivots, with the lengths of the side links at them, in an order that does not depend on the driver [mm]."""
-    frame, crank = linkage.by_number[FRAME].places, linkage.by_number[CRANK_LINK].places
-    side = linkage.by_number[SIDE_LINK].places
-    rows = [(frame[CRANK_PIVOT], abs(crank[CRANK_PIN]))]
-    if SIDE_PIVOT in frame:
-        rows.append((frame[SIDE_PIVOT], abs(side.get(SIDE_PIN, 0j))))
-    rows.sort(key=lambda row: (round(row[0].real, 3), row[0].imag))
-    coupler = linkage.by_number[COUPLER].places
-    pins = [abs(z) for name, z in coupler.items() if name != TRACER]
-    lines = [part for slider in linkage.sliders for part in (slider.through_x_mm, slider.through_y_mm)]
-    return np.array([part for z, length in rows for part in (z.real, z.imag, length)] + sorted(pins) + lines)
+def _sides(linkage: Linkage) -> tuple[np.ndarray, np.ndarray]:
+    """Fixed pivot, distance of the pin from the tracer, and length of both side links (2, 3), 0 of a slider; points of lines [mm]."""
+    frame, coupler = linkage.by_number[FRAME].places, linkage.by_number[COUPLER].places
+    sides = [
+        (frame.get(pivot, 0j), abs(coupler.get(pin, 0j)), abs(linkage.by_number[link].places.get(pin, 0j)))
+        for link, pivot, pin in ((CRANK_LINK, CRANK_PIVOT, CRANK_PIN), (SIDE_LINK, SIDE_PIVOT, SIDE_PIN))
+    ]
+    lines = [complex(slider.through_x_mm, slider.through_y_mm) for slider in linkage.sliders]
+    return np.array(sides), np.array(lines)
 
 
 def best_driven(driven: Sequence[Candidate], task: Task) -> Answer | None:

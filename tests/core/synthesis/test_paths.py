@@ -177,9 +177,9 @@ def test_the_curve_of_a_drawing_is_a_path(tmp_path: Path) -> None:
 @pytest.mark.stress
 def test_paths_of_any_kind_have_linkages_with_finite_figures(z: np.ndarray, is_closed: bool) -> None:
     answers = synthesise(task_of({"kind": "path", "path": {"points": rows(z), "closed": is_closed}})).answers
-    assert answers
     assert all(np.isfinite((answer.transmission_deg, answer.size_mm)).all() for answer in answers)
-    assert answers[0].error_mm < 0.1 * size(z)
+    assert len(answers) >= 8
+    assert answers[0].error_mm < 0.2 * size(z)
 
 
 @pytest.mark.parametrize(
