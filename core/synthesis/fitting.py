@@ -209,18 +209,18 @@ class PathFit:
         added = damping * diagonal + TINY * diagonal.max(axis=1, keepdims=True)
         if self.timing is None:
             real, imag = values.by_angle.real, values.by_angle.imag
-            own = (1.0 + damping) * np.abs(values.by_angle) ** 2 + TINY
+            squares = (1.0 + damping) * np.abs(values.by_angle) ** 2 + TINY
             mixed = real[..., None] * values.slopes[:, :n] + imag[..., None] * values.slopes[:, n : 2 * n]
-            rest = real * values.residuals[:, :n] + imag * values.residuals[:, n : 2 * n]
-            shares = np.swapaxes(mixed / own[..., None], 1, 2)
+            by_angles = real * values.residuals[:, :n] + imag * values.residuals[:, n : 2 * n]
+            shares = np.swapaxes(mixed / squares[..., None], 1, 2)
             normal = normal - shares @ mixed
-            right = right - shares @ rest[..., None]
+            right = right - shares @ by_angles[..., None]
         k = np.arange(values.slopes.shape[2])
         normal[:, k, k] += added
         step = -np.linalg.solve(normal, right)
         if self.timing is not None:
             return step[..., 0], np.zeros_like(values.by_angle.real)
-        turn = -(rest + (mixed @ step)[..., 0]) / own
+        turn = -(by_angles + (mixed @ step)[..., 0]) / squares
         return step[..., 0], np.clip(turn, -LONGEST_TURN, LONGEST_TURN)
 
 

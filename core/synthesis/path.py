@@ -102,7 +102,7 @@ class _Similar(NamedTuple):
 
 def _closed_starts(points: np.ndarray) -> PlacedBars:
     """Four-bars with the most similar closed curves, placed over the points."""
-    even, at = _along(points, SAMPLES, closed=True)
+    even, at = _spaced(points, SAMPLES, closed=True)
     curves = sampled_curves()
     rated = []
     for index, mirrored in nearest_descriptors(curves.descriptors, descriptor(even[None])[0], SIMILAR):
@@ -119,7 +119,7 @@ def _closed_starts(points: np.ndarray) -> PlacedBars:
 
 def _open_starts(points: np.ndarray) -> PlacedBars:
     """Four-bars of which a part of the curve is most similar to an open path."""
-    even, at = _along(points, OPEN_POINTS, closed=False)
+    even, at = _spaced(points, OPEN_POINTS, closed=False)
     curves = sampled_curves()
     z, crank = curves.points[:OPEN_CURVES], curves.angles[:OPEN_CURVES]
     rated = []
@@ -138,7 +138,7 @@ def _open_starts(points: np.ndarray) -> PlacedBars:
     return _placed(rated, at)
 
 
-def _along(points: np.ndarray, count: int, closed: bool) -> tuple[np.ndarray, np.ndarray]:
+def _spaced(points: np.ndarray, count: int, closed: bool) -> tuple[np.ndarray, np.ndarray]:
     """Points (count,) evenly spaced by length along a smooth curve through the given ones, and the part of the length of each of these."""
     from scipy.interpolate import CubicSpline  # imported here to save start-up time
 
@@ -181,8 +181,8 @@ def _at_all(placed: PlacedBars, points: np.ndarray, timing: np.ndarray | None) -
     distance = np.abs(curve - points[:, None])
     angles = grid[None, np.nanargmin(distance, axis=1)]
     if placed.angles.size == points.size:  # keeps the branch of a curve that crosses itself
-        own = np.abs(placed.at(placed.angles)[0] - points)
-        angles = np.where(own <= np.nanmin(distance, axis=1), placed.angles, angles)
+        fitted = np.abs(placed.at(placed.angles)[0] - points)
+        angles = np.where(fitted <= np.nanmin(distance, axis=1), placed.angles, angles)
     distance = np.abs(placed.at(angles)[0] - points)
     for _ in range(NEAREST_STEPS):
         z, slope, _ = placed.at(angles)
@@ -229,5 +229,5 @@ def _driven(placed: PlacedBars, points: np.ndarray, is_timed: bool) -> tuple[Can
         drawn = linkage_of(dyads[0], dyads[1], complex(p[0]), body)
         return Candidate(drawn, FOUR_BAR, np.angle(pin - pivot), errors, expected)
 
-    own, *cognates = [tuple(linkage(*rows) for rows in ((x, y), (y, x))[: 1 if is_timed else 2]) for x, y in sides]
-    return tuple(replace(candidate, cognates=tuple(cognates)) for candidate in own)
+    linkages = [tuple(linkage(*rows) for rows in ((x, y), (y, x))[: 1 if is_timed else 2]) for x, y in sides]
+    return tuple(replace(candidate, cognates=tuple(linkages[1:])) for candidate in linkages[0])
