@@ -171,6 +171,7 @@ class AnswerStrip(QWidget):
         self.stop.hide()
         self.board.list.setEnabled(True)
         self.summary.setText(text or EMPTY)
+        self.summary.setToolTip(self.summary.text())  # also where it has no room
 
     def show_none(self) -> None:
         """Show that there is no linkage for the task."""

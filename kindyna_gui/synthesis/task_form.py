@@ -44,6 +44,8 @@ FIRST_POSES = (BodyPose(0.0, 0.0, 0.0), BodyPose(60.0, 20.0, 30.0), BodyPose(110
 FIRST_PAIRS = (AnglePair(45.0, 30.0), AnglePair(75.0, 55.0), AnglePair(105.0, 75.0))
 BOUNDED = ("transmission_deg_min", "length_ratio_max")
 """Limits of the answers."""
+SWING = ("swing_deg", "time_ratio", "frame_mm")
+"""Values of a swing."""
 DIRECTION = Info("Direction", "empty: the pivot is at this position; a number: it is on the line in this direction", -3600.0, 3600.0,
                  step=1.0, optional=True)  # fmt: skip
 DYADS: Mapping[int, str] = {0: "both", 1: "dyad 1", 2: "dyad 2"}
@@ -129,7 +131,7 @@ class TaskForm(QWidget):
         self.pairs: list[Boxes] = []
         self.pivots: list[PivotRow] = []
         self.area = _boxes(Area, "low_x_mm", "low_y_mm", "high_x_mm", "high_y_mm", suffix=" of the area")
-        self.swing = _boxes(Swing, "swing_deg", "time_ratio", "frame_mm")
+        self.swing = _boxes(Swing, *SWING)
         self.frame_mm = _boxes(AnglePairs, "frame_mm")[0]
         self.limits = _boxes(AnswerLimits, *BOUNDED)
         self.closed, self.free, self.order = (
@@ -141,6 +143,7 @@ class TaskForm(QWidget):
         self.message = RefusalLine((0, 2, 0, 2))
         self._pose_grid, self._pair_grid, self._pivot_column = QGridLayout(), QGridLayout(), QVBoxLayout()
         self._headings: list[tuple[QLabel, str, Unit]] = []
+        self._labels: list[tuple[QLabel, str, Unit]] = []
         self._pivot_headings, self._area_form = (bold_label("Pivots"), QWidget()), QWidget()
         self._path = TracedPath()
         self._folder = Path()
@@ -177,7 +180,7 @@ class TaskForm(QWidget):
             POSES: (self._pose_grid, self._pivot_layout(), self._area_layout(), more),
             PATH: (self.about_path, self.closed, fill(QHBoxLayout(), curve, self.point_button, STRETCH, margins=0)),
             ANGLES: (self._angle_form(), self._pair_grid, fill(QHBoxLayout(), add_pair, STRETCH, margins=0), self.free),
-            ROCKER: (_form(self.swing),),
+            ROCKER: (self._form(*((Swing, name, box) for name, box in zip(SWING, self.swing, strict=True))),),
         }
         for name, parts in pages.items():
             page = widget_with(fill(QVBoxLayout(), *parts, STRETCH, margins=(0, 0, 4, 0), spacing=8))
@@ -189,7 +192,7 @@ class TaskForm(QWidget):
             (self.stack, 1),
             self.message,
             bold_label("Limits of the linkages"),
-            _form(self.limits),
+            self._form(*((AnswerLimits, name, box) for name, box in zip(BOUNDED, self.limits, strict=True))),
             self.order,
         )
         fill(QVBoxLayout(self), *rows, margins=0, spacing=6)
@@ -217,9 +220,20 @@ class TaskForm(QWidget):
         return self._area_form
 
     def _angle_form(self) -> QFormLayout:
+        form = self._form((AnglePairs, "frame_mm", self.frame_mm))
+        form.insertRow(0, "Output", self.output)
+        return form
+
+    def _form(self, *rows: tuple[Any, str, LiveBox]) -> QFormLayout:
+        """Form with a row for each field of a part of a task, by its name, with its box."""
         form = QFormLayout()
-        form.addRow("Output", self.output)
-        form.addRow("Frame", self.frame_mm)
+        form.setVerticalSpacing(4)
+        for kind, name, box in rows:
+            info, label = field_info(kind, name), QLabel()
+            self._labels.append((label, info.label, split_unit(name.removesuffix("_min"))[1]))
+            label.setBuddy(box)
+            box.setToolTip(sentence(info.help) if info.help else "")
+            form.addRow(label, box)
         return form
 
     def _rows(
@@ -251,7 +265,7 @@ class TaskForm(QWidget):
 
     def show_units(self) -> None:
         """Name the units on display in the headings."""
-        for label, text, unit in self._headings:
+        for label, text, unit in (*self._headings, *self._labels):
             symbol = symbol_of(unit.symbol)
             label.setText(f"{text}, {symbol}" if symbol else text)
 
@@ -428,8 +442,7 @@ class TaskForm(QWidget):
             yield from ((f"angles.pairs[{i}]", boxes) for i, boxes in enumerate(self.pairs))
             yield "angles.frame_mm", [self.frame_mm]
         elif self.current_kind == ROCKER:
-            names = ("swing_deg", "time_ratio", "frame_mm")
-            yield from ((f"rocker.{name}", [box]) for name, box in zip(names, self.swing, strict=True))
+            yield from ((f"rocker.{name}", [box]) for name, box in zip(SWING, self.swing, strict=True))
         yield from ((f"limits.{name}", [box]) for name, box in zip(BOUNDED, self.limits, strict=True))
 
     @property
@@ -485,12 +498,3 @@ def _boxes(kind: Any, *names: str, suffix: str = "") -> Boxes:
     """Boxes for fields of a part of a task; ``suffix`` follows their accessible names."""
     infos = ((field_info(kind, name), split_unit(name)[1]) for name in names)
     return [LiveBox(info, unit, f"{info.label}{suffix}") for info, unit in infos]
-
-
-def _form(boxes: Boxes) -> QFormLayout:
-    form = QFormLayout()
-    form.setVerticalSpacing(4)
-    for box in boxes:
-        box.setToolTip(sentence(box.info.help) if box.info.help else "")
-        form.addRow(box.info.label, box)
-    return form
