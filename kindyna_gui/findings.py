@@ -178,12 +178,13 @@ class FindingsView(View):
         )
         self.table.setMinimumHeight(1)
         self.findings: tuple[Finding, ...] = ()
+        self._is_other_design = False  # than that of the findings
         # without a parent its first page would flash up as a window
         self._pages = fill(QStackedLayout(self.content), self.table, self.empty)
         self.table.clicked.connect(self._go)
         self.table.activated.connect(self._go)
         self.table.rows_resized.connect(self._request_height)
-        session.started.connect(self._forget)
+        session.started.connect(self._begin)
         self.offer_explanation(self.table)
 
     def belong_to(self, window: ViewHost) -> None:
@@ -203,7 +204,7 @@ class FindingsView(View):
 
     def refresh(self, study: Study) -> None:
         study = self.session.full_study
-        self.findings = findings_of(study)
+        self.findings, self._is_other_design = findings_of(study), False
         rows, remedies = [], _remedies(study.design, self.findings)
         for f, remedy in zip(self.findings, remedies, strict=True):
             tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(study.design, f.field)}"
@@ -219,16 +220,16 @@ class FindingsView(View):
         if self._trouble is not None and self.on_screen():
             self.height_requested.emit(min(self._trouble.height_for(self.width()), MOST_HEIGHT), True)
 
-    def _forget(self) -> None:
-        """Forget the findings of another design, and the room that they need."""
-        self.findings = ()
-        self._request_height(is_measured=False)
+    def _begin(self) -> None:
+        """Need no more room than without findings, until those of another design are known."""
+        self._is_other_design = True
+        self._request_height()
 
-    def _request_height(self, *, is_measured: bool = True) -> None:
-        if is_measured and not self.on_screen():  # behind another dock its rows have the width of an earlier layout
-            return
-        all_of_it = self.empty.sizeHint().height() + 2 * GAP, True
-        self.height_requested.emit(*((self._height(), False) if self.findings else all_of_it))
+    def _request_height(self) -> None:
+        if self._is_other_design or not self.findings:
+            self.height_requested.emit(self.empty.sizeHint().height() + 2 * GAP, True)
+        elif self.on_screen():  # behind another dock the rows have the width of an earlier layout
+            self.height_requested.emit(self._height(), False)
 
     def _height(self) -> int:
         """Height of the header and the first findings, pixels."""

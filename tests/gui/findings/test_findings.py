@@ -213,6 +213,17 @@ def test_a_finding_of_all_loads_leads_to_their_form(user: User) -> None:
     assert shown.tabs.currentWidget() is shown.pages["loads"]
 
 
+def test_a_click_on_a_finding_of_the_design_before_does_no_harm(user: User) -> None:
+    """Its rows stay until those of the other design are known."""
+    user.session.edit("limits.contact_pressure_mpa", 10.0, "Limit the pressure")
+    view = findings(user)
+    wait_for(lambda: bool(view.findings))
+    user.session.start(load(example("tappet_flat")))
+    click(view.table, 0)
+    wait_for(lambda: view.up_to_date)
+    assert not view.in_trouble
+
+
 def test_the_list_waits_for_a_pause(user: User) -> None:
     view = findings(user)
     box = user.number("cam.base_radius_mm")
