@@ -177,6 +177,10 @@ ROWS: Mapping[str, FindingRow] = MappingProxyType(
             "only {count} roller is on the rib{at}, so that the turret is not held in one sense: enlarge the length of the blank, or start "
             "the motion with two rollers astride of the rib", severities=(ERROR,),
         ),
+        "groove-leaves-blank": FindingRow(
+            "the groove leaves the blank{at}: it reaches {reach_mm} mm from the middle of the blank, which ends at {half_mm} mm: enlarge "
+            "the length of the blank", _compared("reach_mm", "half_mm"), severities=(WARNING,),
+        ),
         "undercut.shoe": FindingRow(
             "undercut: the pitch curve's smallest radius is {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: enlarge the base "
             "radius, or use a shoe of smaller radius", _compared("pitch_radius_mm", "shoe_radius_mm"), _BASE_RADIUS, severities=(ERROR,),

@@ -82,6 +82,7 @@ def spatial_findings(study: Study) -> Iterator[Finding]:
         yield Finding("pressure-angle", severity, KINDS[study.machine.kind].size, degrees(worst.theta), values)
     yield from _edge_findings(study)
     yield from _free_findings(study)
+    yield from _open_groove_findings(study)
 
 
 def _edge_findings(study: Study) -> Iterator[Finding]:
@@ -110,6 +111,23 @@ def _free_findings(study: Study) -> Iterator[Finding]:
     if touching.min() < 2:
         at = float(angles.theta[int(np.argmin(touching))])
         yield Finding("turret-free", ERROR, "cam.length_mm", degrees(at), {"count": float(touching.min())})
+
+
+def _open_groove_findings(study: Study) -> Iterator[Finding]:
+    """Groove of one roller on a cylinder that leaves the blank through an end; the flank ahead is above the roller."""
+    machine = study.machine
+    if machine.length is None or machine.is_turret or machine.is_rib or not machine.is_cylindrical:
+        return
+    y = extremes_of(study, "motion", ("displacement",))["displacement"]
+    ends = y.low, y.high
+    heights = KINDS[machine.kind].axes[machine.unit](machine, np.array([end.value for end in ends])).c[2]
+    middle = float(heights.mean()) if machine.slides else 0.0
+    radius = max(float(machine.roller_radius(u)) for u in (machine.inner, machine.outer))
+    reach = np.abs(heights - middle) + radius + np.where(heights > middle, 0.0, machine.play)
+    farthest = int(np.argmax(reach))
+    if reach[farthest] > 0.5 * machine.length:
+        values: dict[str, float | str] = {"reach_mm": 1e3 * float(reach[farthest]), "half_mm": 500.0 * machine.length}
+        yield Finding("groove-leaves-blank", WARNING, "cam.length_mm", degrees(ends[farthest].theta), values)
 
 
 def pressure_limit_findings(study: Study, worst: Mapping[str, Extreme]) -> Iterator[Finding]:

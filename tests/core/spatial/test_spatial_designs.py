@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from math import radians, sin
 from pathlib import Path
 
 import numpy as np
@@ -201,6 +202,7 @@ def test_the_torque_is_part_of_the_sum_of_a_camshaft(tmp_path) -> None:
     (INDEXER, "cam.centre_distance_mm", 92.0, "pressure-angle"),
     (INDEXER, "cam.roller_radius_mm", 24.0, "rib-vanishes"),
     (INDEXER, "cam.length_mm", 90.0, "turret-free"),
+    (BARREL, "cam.length_mm", 50.0, "groove-leaves-blank"),
     (BARREL, "limits.convex_radius_mm", 200.0, "convex-radius"),
     (BARREL, "limits.pressure_angle_return_deg", 20.0, "pressure-angle-return"),
     (BARREL, "limits.contact_force_n", 30.0, "contact-force"),
@@ -211,6 +213,21 @@ def test_an_exceeded_limit_is_a_finding(text: str, path: str, value: float, code
     findings = findings_of(Study(put(design, path, value)))
     assert code in [finding.code for finding in findings]
     assert all(finding.message for finding in findings)
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "reach"), [("barrel", 55.0, 30.02), ("arm", 45.0, 90.0 * sin(radians(25.0)) + 10.0)]
+)
+def test_a_groove_leaves_a_short_blank_where_the_roller_is_farthest(name: str, length: float, reach: float) -> None:
+    """Of the slide half the stroke, the roller's radius and the play below; of the arm its end at 25 degrees."""
+    (finding,) = (
+        f
+        for f in findings_of(Study(put(loads(ALL[name], "x"), "cam.length_mm", length)))
+        if f.code == "groove-leaves-blank"
+    )
+    assert finding.values["reach_mm"] == pytest.approx(reach, rel=1e-12)
+    enough = put(loads(ALL[name], "x"), "cam.length_mm", 2.0 * reach + 1e-6)
+    assert "groove-leaves-blank" not in [f.code for f in findings_of(Study(enough))]
 
 
 @pytest.mark.parametrize(("text", "path", "values", "reasons"), [
