@@ -110,15 +110,18 @@ def _solutions(angles: AnglePairs, driver: np.ndarray, output: np.ndarray, wides
         links = _linear(driver + start[0], output + start[1], frame, turns)
         if links is not None:
             solutions.append(FunctionSolution(links, start))
+    most = max(widest, WIDEST_RATIO)  # beyond the limit of the task they are listed as hidden ones
+    if angles.free and driver.size == EXACT_PAIRS:
+        solutions = [solution for solution in solutions if _ratio(solution.links, frame) <= most]
     is_exact = driver.size == EXACT_PAIRS and bool(solutions)
     if not is_exact:
-        solutions += _typical(driver, output, frame, turns)
+        middle = (0.5 * pi - _middle(driver), 0.5 * pi - _middle(output)) if angles.free and turns else (0.0, 0.0)
+        solutions += _typical(driver, output, frame, turns, middle)
     rows = _by_error(solutions, driver, output, frame, turns)
     if not is_exact:
         rows = [_refined(row[1], driver, output, angles, frame, widest) for row in rows[: 2 * MOST_CANDIDATES]]
         rows.sort(key=lambda row: row[0])
-    if not is_exact or angles.free:
-        rows = [row for row in rows if _ratio(row[1].links, frame) <= max(widest, WIDEST_RATIO)]
+        rows = [row for row in rows if _ratio(row[1].links, frame) <= most]
     result: list[FunctionSolution] = []
     for _, solution in rows:
         new = np.array((*solution.links, *solution.starts))
@@ -127,15 +130,22 @@ def _solutions(angles: AnglePairs, driver: np.ndarray, output: np.ndarray, wides
     return result[:MOST_CANDIDATES]
 
 
-def _typical(driver: np.ndarray, output: np.ndarray, frame: float, turns: bool) -> list[FunctionSolution]:
+def _middle(values: np.ndarray) -> float:
+    return 0.5 * float(values.min() + values.max())
+
+
+def _typical(
+    driver: np.ndarray, output: np.ndarray, frame: float, turns: bool, starts: tuple[float, float]
+) -> list[FunctionSolution]:
     """Linkages of typical lengths, with the coupler of least error: Freudenstein's equations can have none, or too many."""
+    driver, output = driver + starts[0], output + starts[1]
     unit = frame or float(np.abs(output).max()) or 1.0
     lengths = [sign * unit * length for length in LINKS for sign in (1.0, -1.0)]
     solutions = []
     for a, third in product(lengths, lengths if turns else [0.0, *lengths]):
         pin = a * np.exp(1j * driver)
         rod = np.abs(pin - frame - third * np.exp(1j * output) if turns else pin - output - 1j * third)
-        solutions.append(FunctionSolution((a, float(rod.mean()), third), (0.0, 0.0)))
+        solutions.append(FunctionSolution((a, float(rod.mean()), third), starts))
     return solutions
 
 

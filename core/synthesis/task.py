@@ -212,7 +212,10 @@ def checked(task: Task) -> Task:
 
 
 def _without_faults(task: Task, range_faults: Sequence[Fault]) -> Task:
-    faults = [replace(fault, path=fault.path.removeprefix(".")) for fault in range_faults] or [*_rule_faults(task)]
+    faults = [
+        replace(fault, path=fault.path.removeprefix("."), allowed=fault.allowed.replace("[[.", "[["))
+        for fault in range_faults
+    ] or [*_rule_faults(task)]
     if faults:
         raise DesignError(faults)
     return task

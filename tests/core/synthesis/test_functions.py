@@ -68,6 +68,20 @@ def test_pairs_over_a_full_turn_have_a_linkage_of_links_that_can_be_built() -> N
     assert best.error_deg < 8.0
 
 
+@pytest.mark.parametrize("free", [True, False])
+@pytest.mark.parametrize("count", [3, 4])
+def test_an_output_that_turns_as_the_driver_is_that_of_a_parallelogram(free: bool, count: int) -> None:
+    pairs = [[30.0 * k, 30.0 * k] for k in range(1, count + 1)]
+    angles = {"pairs": pairs, "frame_mm": 100.0, "free": free}
+    best = synthesise(task_of({"kind": "angles", "angles": angles, "limits": {"transmission_deg_min": 25.0}})).answers[
+        0
+    ]
+    assert best.is_good
+    assert best.error_deg < 1e-9
+    lengths = [abs(best.candidate.linkage.by_number[number].places[name]) for number, name in ((2, "A"), (4, "B"))]
+    assert lengths[0] == pytest.approx(lengths[1], rel=1e-9)
+
+
 @pytest.mark.stress
 def test_no_free_pairs_are_met_by_links_without_end() -> None:
     straight = [[5.0 * k, 1.5 * k] for k in range(12)]
