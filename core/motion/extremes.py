@@ -379,18 +379,18 @@ class _Search:
         finest: np.ndarray,
     ) -> None:
         self.name, self.sign = name, sign
+        theta, pieces = angles.theta, angles.piece
         top, last = int(value.argmax()), value.size - 1
-        self.sampled = Extreme(float(value[top]), float(angles.theta[top]))
+        self.sampled = Extreme(float(value[top]), float(theta[top]))
         self.brackets = []
         for i in peaks[(-bound[peaks]).argsort(kind="stable")][:CANDIDATES].tolist():
-            piece = int(angles.piece[i])
-            has_left = i > 0 and angles.piece[i - 1] == piece and value[i - 1] > -np.inf
-            has_right = i < last and angles.piece[i + 1] == piece and value[i + 1] > -np.inf
-            left, right = angles.theta[i - has_left], angles.theta[i + has_right]
-            theta, height, least = float(angles.theta[i]), float(value[i]), float(finest[piece])
-            self.brackets.append(_Bracket(float(left), float(right), piece, theta, height, least))
+            piece = int(pieces[i])
+            has_left = i > 0 and pieces[i - 1] == piece and value[i - 1] > -np.inf
+            has_right = i < last and pieces[i + 1] == piece and value[i + 1] > -np.inf
+            left, right = float(theta[i - has_left]), float(theta[i + has_right])
+            self.brackets.append(_Bracket(left, right, piece, float(theta[i]), float(value[i]), float(finest[piece])))
         self._all = list(self.brackets)
-        self._value, self._theta, self._piece = value, angles.theta, angles.piece
+        self._value, self._theta, self._piece = value, theta, pieces
 
     def _highest(self) -> float:
         return max([self.sampled.value, *(b.value for b in self._all)])
