@@ -6,13 +6,13 @@ view itself fails it shows the fault.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from PySide6.QtCore import QElapsedTimer, QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction, QHideEvent, QPainter, QShowEvent
+from PySide6.QtGui import QAction, QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
     QLabel,
@@ -41,6 +41,9 @@ from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import STRETCH, call_soon, connect_all, fill, is_in_sight, single_shot, widget_with
 from kindyna_gui.requirements import Suggestion, Unavailable, suggestions_for
 from kindyna_gui.settings import DISPLAY, is_default
+
+if TYPE_CHECKING:  # imported when first used
+    from kindyna_gui.drawing_overlay import MechanismDrawing
 
 AFTER_DRAG_MS = 50  # from the end of a drag until the views with a pause refresh
 FRAME_MS = 16  # while the mouse drags something: from one drawing of its view to the next
@@ -156,41 +159,6 @@ class ReasonPage(QScrollArea):
             self._add(suggestion.text, partial(host.do, suggestion.entry))
 
 
-# -- a sheet over the drawing ----------------------------------------------------------------------------
-
-
-class DrawingSheet(Protocol):
-    """What is drawn with the mouse over the drawing of the mechanism, which is faint below it and leaves the mouse to it."""
-
-    def start(self, canvas: Any) -> None:
-        """Take the mouse and the keys of the canvas of the drawing."""
-
-    def stop(self) -> None:
-        """Give them back."""
-
-    def leave(self) -> None:
-        """Ask to be removed: the drawing is needed for something else."""
-
-    def fit(self) -> None:
-        """Zoom to all that is drawn."""
-
-    def paint(self, painter: QPainter) -> None:
-        """Paint over the drawing, in pixels."""
-
-
-class Drawing(Protocol):
-    """The drawing of the mechanism, which a sheet can cover."""
-
-    def cover(self, sheet: DrawingSheet, above: QWidget, below: QWidget) -> None:
-        """Lay a sheet over the drawing, with a bar above it and a strip below, until it is uncovered."""
-
-    def uncover(self, sheet: DrawingSheet) -> None:
-        """Remove this sheet from the drawing."""
-
-    def joints(self) -> Mapping[str, complex]:
-        """Names of the joints, and their present positions [mm]."""
-
-
 # -- what a view requires of its window ------------------------------------------------------------------
 
 
@@ -221,7 +189,7 @@ class ViewHost(Protocol):
     def focus_field(self, path: str) -> None:
         """Show the field of a path, or of a section, and give it the focus."""
 
-    def drawing(self, in_front: bool = False) -> Drawing:
+    def drawing(self, in_front: bool = False) -> MechanismDrawing:
         """Return the drawing of the mechanism, and bring it to the front."""
 
     def close_view(self, name: str) -> None:

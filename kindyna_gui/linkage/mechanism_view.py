@@ -43,9 +43,10 @@ from kindyna_gui.pictures.style import LIGHT, SCREEN
 from kindyna_gui.player import Player
 from kindyna_gui.rebuilt import connect_all
 from kindyna_gui.requirements import ONLY_LINKAGES, why_no_forces, why_no_pressure
-from kindyna_gui.view import DrawingSheet, ViewHost
+from kindyna_gui.view import ViewHost
 
 if TYPE_CHECKING:  # imported when first used
+    from kindyna_gui.drawing_overlay import DrawingOverlay
     from kindyna_gui.linkage.drawing_mode import DrawingMode
     from kindyna_gui.linkage.point_paths import PointPaths
     from kindyna_gui.linkage.underlay import UnderlayDesk
@@ -71,7 +72,7 @@ class MechanismView(MechanismMouseView):
         self._drawing: DrawingMode | None = None
         self._paths: PointPaths | None = None
         self._underlay: UnderlayDesk | None = None
-        self._sheet: DrawingSheet | None = None
+        self._sheet: DrawingOverlay | None = None
         self._is_blank = False  # below the sheet: the mechanism has no position
         self.assembly = Assembly()
         self.all_canvas = Canvas(self.assembly)
@@ -198,7 +199,7 @@ class MechanismView(MechanismMouseView):
 
     # -- a sheet over the drawing -------------------------------------------------------------------------
 
-    def cover(self, sheet: DrawingSheet, above: QWidget, below: QWidget) -> None:
+    def cover(self, sheet: DrawingOverlay, above: QWidget, below: QWidget) -> None:
         """Lay a sheet over the drawing, which is faint and at rest below it; with a bar above it and a strip below."""
         self.leave_sheet()
         self.draw(False)
@@ -217,7 +218,7 @@ class MechanismView(MechanismMouseView):
         self.invalidate()
         self.pull()
 
-    def uncover(self, sheet: DrawingSheet) -> None:
+    def uncover(self, sheet: DrawingOverlay) -> None:
         """Remove a sheet; the running machine is shown again."""
         if sheet is not self._sheet:
             return
@@ -251,7 +252,7 @@ class MechanismView(MechanismMouseView):
             return {}
         return {joint.name: complex(joint.track[self.scene.index]) for joint in geometry.joints}
 
-    def _paint_sheet(self, painter: QPainter, sheet: DrawingSheet) -> None:
+    def _paint_sheet(self, painter: QPainter, sheet: DrawingOverlay) -> None:
         veil = QColor(SCREEN.paper)
         veil.setAlpha(255 if self._is_blank else VEIL)
         painter.fillRect(self.canvas.viewport().rect(), veil)
