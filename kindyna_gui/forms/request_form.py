@@ -52,7 +52,7 @@ from kindyna_gui.labels import allowed_text, sentence
 from kindyna_gui.look import MessageLabel, coloured, described
 from kindyna_gui.pictures.style import SCREEN
 from kindyna_gui.rebuilt import STRETCH, connect_all, fill, single_shot, widget_with
-from kindyna_gui.settings import symbol_of
+from kindyna_gui.settings import in_units, symbol_of
 
 Kind = TypeVar("Kind")
 Summary = Callable[[Mapping[str, Any]], str]
@@ -435,7 +435,7 @@ class ComputedDialog(QDialog):
             self.form.note_valid()
 
     def _say(self, text: str, colour: str) -> None:
-        self.result.setText(text)
+        self.result.setText(in_units(text))
         coloured(self.result, colour)
 
 

@@ -1,5 +1,6 @@
 """File > Export > Solid and surfaces: what the dialog writes are the command's bytes, and the drawing is turned by the mouse."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from core.__main__ import main
 from core.project import load, save
 from kindyna_gui.cam_dialogs.surface_dialog import SurfaceDialog
 from kindyna_gui.places import example
+from kindyna_gui.settings import choose
 
 PATH = ("File", "Export", "Solid and surfaces...")
 FIELDS = {
@@ -116,6 +118,30 @@ def test_a_table_and_one_flank_of_a_groove(user: User, tmp_path: Path) -> None:
     with answering(SurfaceDialog, act):
         user.choose(*PATH)
     assert len((tmp_path / "flank.csv").read_text("utf-8").splitlines()) == 1 + 36 * 21
+
+
+def test_tolerance_and_deviation_have_one_unit(user: User) -> None:
+    user.session.start(load(example("conjugate")))
+    said = []
+
+    def act(dialog: SurfaceDialog) -> None:
+        if dialog.form.boxes["solid"].isChecked():
+            dialog.form.boxes["solid"].click()
+        found = re.search(r"at most ([\d.e-]+) (\w+) from the exact surface", computed(dialog).replace("−", "-"))
+        assert found is not None, dialog.result.text()
+        said.append((float(found[1]), found[2]))
+        dialog.reject()
+
+    for units in ({}, {"length": "in"}):
+        choose(units, comma=False)
+        try:
+            with answering(SurfaceDialog, act):
+                user.choose(*PATH)
+        finally:
+            choose({}, comma=False)
+    (millimetres, _), (inches, unit) = said
+    assert unit == "in"
+    assert inches == pytest.approx(millimetres / 25.4, rel=1e-3)
 
 
 @pytest.mark.stress
