@@ -77,9 +77,7 @@ class MainWindow(Window):
         for owned in (session, player):
             owned.setParent(self)  # else their connections would keep the window alive
         session.full_design_changed.connect(self._place_drive)
-        session.design_changed.connect(
-            self._design_changed
-        )  # connected before the views, which read the player's angle
+        session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
         self.recovery = Recovery(session, self.documents, self)
@@ -513,14 +511,9 @@ class MainWindow(Window):
 
     def prefer(self) -> None:
         """Ask for preferences, save them and apply them."""
-        from kindyna_gui.window.preferences_dialog import ask_preferences
+        from kindyna_gui.window.preferences_dialog import change_preferences
 
-        chosen = ask_preferences(self, preferences.read())
-        if chosen is not None:
-            preferences.write(chosen)
-            app = QApplication.instance()
-            assert isinstance(app, QApplication)
-            apply_preferences(chosen, app)
+        change_preferences(self)
 
     def _desktop_changed(self, scheme: Qt.ColorScheme) -> None:
         """Follow the desktop, which has changed to light or dark."""

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from PySide6.QtGui import QImageReader
 from PySide6.QtWidgets import (
+    QApplication,
     QCheckBox,
     QComboBox,
     QDialog,
@@ -22,12 +23,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from kindyna_gui import settings
 from kindyna_gui.dialogs import give_help
 from kindyna_gui.forms.fields import fill_choices
 from kindyna_gui.forms.number_box import NameBox
 from kindyna_gui.forms.refusal import RefusalLine
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import described
+from kindyna_gui.look import apply_preferences, described
 from kindyna_gui.rebuilt import STRETCH, fill
 from kindyna_gui.settings import FONTS, INCH, PAPERS, THEMES, UNITS, Preferences
 
@@ -155,13 +157,17 @@ def is_image(path: str) -> bool:
     return Path(path).is_file() and QImageReader(path).canRead()
 
 
-def ask_preferences(parent: QWidget, now: Preferences) -> Preferences | None:
-    """Ask for preferences; None where the user cancels."""
-    dialog = PreferencesDialog(parent, now)
+def change_preferences(parent: QWidget) -> None:
+    """Ask for preferences, save them and apply them; nothing changes where the user cancels."""
+    dialog = PreferencesDialog(parent, settings.read())
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    preferences = dialog.preferences
+    chosen = dialog.preferences
     dialog.deleteLater()
-    return preferences if accepted else None
+    if accepted:
+        settings.write(chosen)
+        app = QApplication.instance()
+        assert isinstance(app, QApplication)
+        apply_preferences(chosen, app)
 
 
-__all__ = ["PreferencesDialog", "ask_preferences"]
+__all__ = ["PreferencesDialog", "change_preferences"]

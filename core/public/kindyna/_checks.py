@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,21 @@ def text(what: str, value: object) -> str:
     """Return a text. Raises TypeError."""
     if not isinstance(value, str):
         raise TypeError(f"{what} = {value!r}: a text is needed, not {type(value).__name__}")
+    return value
+
+
+def texts(what: str, values: Any) -> list[str]:
+    """Return a list of texts. Raises TypeError."""
+    is_list = isinstance(values, Iterable) and not isinstance(values, str)
+    if not is_list or not all(isinstance(value, str) for value in values):
+        raise TypeError(f"{what} = {values!r}: a list of texts is needed, as ['pressure_angle_deg:max']")
+    return list(values)
+
+
+def mapping(what: str, value: Any) -> Mapping[str, Any]:
+    """Return a mapping. Raises TypeError."""
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{what} = {value!r}: a mapping is needed, not {type(value).__name__}")
     return value
 
 

@@ -21,7 +21,20 @@ from core.project.reading_faults import subjects
 from core.project.writing import dumps
 from core.study.many import many
 from core.study.study import Study as CoreStudy
-from kindyna._checks import Array, brief, number, path_of, path_to_write, read_only, text, unknown, vector, whole
+from kindyna._checks import (
+    Array,
+    brief,
+    mapping,
+    number,
+    path_of,
+    path_to_write,
+    read_only,
+    text,
+    texts,
+    unknown,
+    vector,
+    whole,
+)
 from kindyna._columns import Columns
 from kindyna._fields import edited_design, file_values
 from kindyna._options import names_arguments, requested
@@ -211,7 +224,7 @@ class Design:
             raise unknown("goal of find", goal, SEARCHES)
         given = tuple(
             (text("limit", key), None if value is None else number(key, value))
-            for key, value in _mapping("limits", limits or {}).items()
+            for key, value in mapping("limits", limits or {}).items()
         )
         fixed = {"design": Path(), "what": goal, "drive": text("drive", drive), "limit": given}
         solution = search(self._design, requested(FindArguments, options, "into", "json", **fixed))
@@ -260,7 +273,9 @@ class Design:
         """
         self._require_fields("values", values)
         inputs = {path: vector(path, numbers) for path, numbers in values.items()}
-        return many_result(inputs, many(self._design, inputs, _keys(quantities), polish=polish, executor=executor))
+        return many_result(
+            inputs, many(self._design, inputs, texts("quantities", quantities), polish=polish, executor=executor)
+        )
 
     @names_arguments
     def vary(
@@ -300,7 +315,7 @@ class Design:
 
         self._require_fields("values", values)
         fields = {path: varied_values(path, given) for path, given in values.items()}
-        study = varied_study(self._design, fields, quantities={key: {} for key in _keys(quantities)})
+        study = varied_study(self._design, fields, quantities={key: {} for key in texts("quantities", quantities)})
         space = Space(study)
         space.require_few()
         columns = space.columns(0, space.count)
@@ -359,7 +374,7 @@ class Design:
 
         self._require_fields("vary", vary)
         fields = {path: varied_range(path, bounds) for path, bounds in vary.items()}
-        ends = {key: limit_ends(key, values) for key, values in _mapping("limits", limits or {}).items()}
+        ends = {key: limit_ends(key, values) for key, values in mapping("limits", limits or {}).items()}
         if bool(text("minimise", minimise)) == bool(text("maximise", maximise)):
             raise ValueError(f"minimise = {minimise!r}, maximise = {maximise!r}: give one of the two")
         goal = {minimise or maximise: {"minimise": bool(minimise)}}
@@ -421,7 +436,7 @@ class Design:
     def _require_fields(self, what: str, values: Any) -> None:
         """Raise TypeError for no mapping, KeyError where the design lacks one of its paths."""
         known = file_values(self._design)
-        for path in _mapping(what, values):
+        for path in mapping(what, values):
             if text("path", path) not in known:
                 raise unknown("field of this design", path, known)
 
@@ -435,32 +450,16 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, str) else float(value)
 
 
-def _shown(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.9g}"
-
-
-def _mapping(what: str, value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise TypeError(f"{what} = {value!r}: a mapping is needed, not {type(value).__name__}")
-    return value
-
-
-def _keys(quantities: Sequence[str]) -> list[str]:
-    if (
-        isinstance(quantities, str)
-        or not isinstance(quantities, Iterable)
-        or not all(isinstance(key, str) for key in quantities)
-    ):
-        raise TypeError(f"quantities = {quantities!r}: a list of texts is needed, as ['pressure_angle_deg:max']")
-    return list(quantities)
+def _values_text(values: Mapping[str, Any]) -> str:
+    """Return values with nine digits: ``cam.base_radius_mm = 378.458808, motion.segments[1].law = cycloidal``."""
+    return ", ".join(
+        f"{path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in values.items()
+    )
 
 
 def _no_solution(problem: str, best: Mapping[str, Any], violations: Iterable[str]) -> KindynaError:
     """Return the error with the best that there is."""
-    values = ", ".join(
-        f"{path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in best.items()
-    )
-    return KindynaError(f"{problem}; the best, {values}, violates: {'; '.join(filter(None, violations))}")
+    return KindynaError(f"{problem}; the best, {_values_text(best)}, violates: {'; '.join(filter(None, violations))}")
 
 
 # -- results that hold a design ----------------------------------------------------------------------------------
@@ -519,9 +518,7 @@ class FindResult:
         return found_html(self.design.study()._columns, self._before, self.answer, self.reached)
 
     def __repr__(self) -> str:
-        return brief(
-            f"<kindyna.FindResult {', '.join(f'{path} = {_shown(value)}' for path, value in self.answer.items())}>"
-        )
+        return brief(f"<kindyna.FindResult {_values_text(self.answer)}>")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -558,17 +555,12 @@ class Optimum:
     def _repr_html_(self) -> str:
         from kindyna._html import optimum_html
 
-        columns, note = (
-            self.design.study()._columns,
-            f"best of {self.starts} starts, {self.agreeing} of which lead to it",
-        )
+        note = f"best of {self.starts} starts, {self.agreeing} of which lead to it"
+        columns = self.design.study()._columns
         return optimum_html(columns, self._before, self.answer, self.goal, self.binding, note)
 
     def __repr__(self) -> str:
-        values = (
-            f"{path} = {value if isinstance(value, str) else f'{value:.9g}'}" for path, value in self.answer.items()
-        )
-        return brief(f"<kindyna.Optimum {self.goal:.9g}: {', '.join(values)}>")
+        return brief(f"<kindyna.Optimum {self.goal:.9g}: {_values_text(self.answer)}>")
 
 
 # -- where designs come from ------------------------------------------------------------------------------------
