@@ -220,8 +220,11 @@ class TaskSheet(QObject):
         """Show a task."""
         is_other_kind = task.kind != self.task.kind
         self.task = task
-        if self.selected not in tuple(parts_of(task)):
+        parts = tuple(parts_of(task))
+        if self.selected not in parts:
             self.selected = None
+        if self._grip is not None and self._grip.part not in parts:
+            self._grip = None  # what the mouse dragged is gone
         if is_other_kind:
             self._adds_points = False
             self.tool = next(iter(TOOLS.get(task.kind, ())), None)

@@ -486,3 +486,16 @@ def test_cards_move_under_the_mouse_are_sorted_and_compared(user: User) -> None:
     QTest.mouseClick(board.compare, LEFT)
     board.sort.setCurrentIndex(0)
     board.sort.activated.emit(0)
+
+
+def test_undo_while_the_mouse_drags_a_new_pose_lets_go_of_it(user: User) -> None:
+    sheet = Sheet(user, Task(kind="poses", poses=POSES[:2]))
+    sheet.drag(-30 + 20j, -10 + 30j, release=False)
+    assert len(sheet.task.poses) == 3
+    QTest.keyClick(sheet.canvas, Qt.Key.Key_Z, CTRL)
+    settle()
+    left = len(sheet.task.poses)
+    move(sheet.viewport, sheet.pixel(20 + 40j), NONE)
+    QTest.mouseRelease(sheet.viewport, LEFT, NONE, sheet.pixel(20 + 40j))
+    settle()
+    assert len(sheet.task.poses) == left
