@@ -161,7 +161,7 @@ def cycle_line(study: Study) -> str:
     if result.stops:
         parts.append(f"index error {result_text(max(abs(stop.error) for stop in result.stops), 3)} {symbol}")
     if result.work is not None:
-        kind, net_energy = "N" if unit == "mm" else "N m", result.work.given - result.work.braked
+        kind, net_energy = "N" if unit == "mm" else "N·m", result.work.given - result.work.braked
         parts.append(f"rms {result_text(result.work.rms)} {kind}")
         parts.append(f"energy {result_text(result.work.given)} J a turn, {result_text(net_energy)} J with recovery")
     return "; ".join(parts)

@@ -486,7 +486,7 @@ def _require_smooth(load: LoadCurve) -> None:
         worst = int(np.argmax(np.abs(jump)))
         angles = np.sort(np.rad2deg((load.start + load.width)[jumps] % TURN))
         raise NoSolution(
-            f"the torque that it balances jumps, by up to {result_text(abs(float(jump[worst])))} N m,",
+            f"the torque that it balances jumps, by up to {result_text(abs(float(jump[worst])))} N·m,",
             "balancer",
             "smooth the motions there, so that no acceleration jumps",
             [(float(a), float(a)) for a in angles],

@@ -31,7 +31,7 @@ from kindyna_gui.dialogs import FIELD, HELP
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, FieldSpec
 from kindyna_gui.forms.form import card_button
-from kindyna_gui.labels import segment_of
+from kindyna_gui.labels import segment_of, sentence
 from kindyna_gui.look import described
 from kindyna_gui.rebuilt import STRETCH, ContentArea, fill, widget_with
 
@@ -167,8 +167,8 @@ class MotionHeader(QWidget):
 
     def show_cycle(self, study: Study) -> None:
         """Show the figures of a turn of a motion without a cam."""
-        text = cycle_line(study) if has_cycle(study) else ""
-        self.cycle.setText(text[:1].upper() + text[1:])
+        text = sentence(cycle_line(study)) if has_cycle(study) else ""
+        self.cycle.setText(text)
         self.cycle.setVisible(bool(text))
 
     def _unlink(self) -> None:

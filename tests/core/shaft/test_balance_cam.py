@@ -59,7 +59,7 @@ def test_a_torque_that_jumps_is_refused_at_its_angles() -> None:
     def step(angles: Angles) -> np.ndarray:
         return np.where(angles.piece == 0, 5.0, -5.0)
 
-    with pytest.raises(NoSolution, match="jumps, by up to 10 N m, at cam angle 0, 180 deg"):
+    with pytest.raises(NoSolution, match="jumps, by up to 10 N·m, at cam angle 0, 180 deg"):
         balance_drive(curve_of(step), SPRING, 6.0)
 
 

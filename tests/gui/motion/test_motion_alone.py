@@ -16,6 +16,7 @@ from kindyna_gui.forms.refusal import FloatingRefusal
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.motion.diagram import join_positions
 from kindyna_gui.motion.laws_plot import NewMotionDialog
+from kindyna_gui.settings import choose
 from kindyna_gui.window.tasks import TASKS
 
 
@@ -141,6 +142,15 @@ def test_the_figures_of_a_turn_stand_above_the_diagram(user: User) -> None:
         "Mean speed 300 mm/s; index error 0 mm; rms 64.63 N; energy 15.03 J a turn, 10.5 J with recovery"
     )
     assert user.motion().header.cycle.isVisible()
+
+
+def test_the_figures_of_a_turn_have_the_units_on_display(user: User) -> None:
+    choose({"velocity": "in/s", "force": "lbf"}, comma=False)
+    try:
+        text = user.motion().header.cycle.text()
+    finally:
+        choose({}, comma=False)
+    assert text.startswith("Mean speed 11.81 in/s; index error 0 mm; rms 14.53 lbf; ")
 
 
 def test_the_drawing_goes_on_turn_by_turn_or_comes_back(user: User) -> None:
