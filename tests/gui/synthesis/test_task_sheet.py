@@ -490,11 +490,14 @@ def test_cards_move_under_the_mouse_are_sorted_and_compared(user: User) -> None:
 
 def test_undo_while_the_mouse_drags_a_new_pose_lets_go_of_it(user: User) -> None:
     sheet = Sheet(user, Task(kind="poses", poses=POSES[:2]))
+    sheet.drag(30 - 40j, 60 - 40j)
     sheet.drag(-30 + 20j, -10 + 30j, release=False)
-    assert len(sheet.task.poses) == 3
+    assert len(sheet.task.poses) == 4
     QTest.keyClick(sheet.canvas, Qt.Key.Key_Z, CTRL)
     settle()
     left = len(sheet.task.poses)
+    assert left < 4
+    assert not sheet.view.sheet.is_dragging
     move(sheet.viewport, sheet.pixel(20 + 40j), NONE)
     QTest.mouseRelease(sheet.viewport, LEFT, NONE, sheet.pixel(20 + 40j))
     settle()
