@@ -60,6 +60,12 @@ class Counted:
         QTest.mouseClick(widget, button, pos=place)
         settle()
 
+    def double_click(self, widget: QWidget, at: QPoint) -> None:
+        """A double click, as the desktop sends it: the click first, then the second press."""
+        self.click(widget, at)
+        QTest.mouseDClick(widget, LEFT, pos=at)
+        settle()
+
     def entry(self, menu: Any, text: str) -> QMenu | None:
         """An entry of a menu that is open, or of the bar; the menu that it opens."""
         action = next(each for each in menu.actions() if plain(each.text()) == text)
@@ -193,7 +199,7 @@ class Counted:
         settle()
 
     def begin(self, group: str, caption: str, dwell: bool = False) -> Callable[[Gallery], None]:
-        """In the gallery: a group, a picture, with what the motion begins, Begin."""
+        """In the gallery: a group, a double click on a picture; or a picture, with what the motion begins, Begin."""
 
         def act(dialog: Gallery) -> None:
             names, pictures = dialog.names, dialog.groups[group]
@@ -201,11 +207,14 @@ class Counted:
                 item = next(names.item(i) for i in range(names.count()) if names.item(i).text() == group)
                 self.click(names.viewport(), names.visualItemRect(item).center())
             item = next(pictures.item(i) for i in range(pictures.count()) if pictures.item(i).text() == caption)
-            self.click(pictures.viewport(), pictures.visualItemRect(item).center())
+            at = pictures.visualItemRect(item).center()
             if dwell:
+                self.click(pictures.viewport(), at)
                 button = dialog.orders[DWELL]
                 self.click(button, QPoint(8, button.height() // 2))
-            self.click(dialog.ok)
+                self.click(dialog.ok)
+            else:
+                self.double_click(pictures.viewport(), at)
 
         return act
 
@@ -313,6 +322,8 @@ def test_the_drives_of_a_transfer_unit_come_onto_a_new_shaft_with_the_values_tha
     view: Any = user.window.view("shaft_torque")
     wait_for(lambda: view is not None and view.on_screen() and view.up_to_date and not view.in_trouble)
     assert len(view.drives.lines) == 4
+    if size == SMALL:
+        hand.tab("Figures")  # behind the torque where the side is too low for both
     figures: Any = user.window.view("shaft_figures")
     wait_for(lambda: figures.on_screen() and figures.table.model().rowCount() >= 5)
     assert hand.actions <= 15, hand.actions
@@ -330,8 +341,9 @@ def test_the_forbidden_speeds_of_a_shaft_just_made_elastic_are_read(open_user: O
     assert user.session.full_design.camshaft.elastic is not None
     hand.tab("Speeds")
     wait_for(lambda: page.pages.speeds.isVisible() and "rpm" in page.pages.speeds.text())
-    bands = user.session.shaft.flexible_shaft().bands
-    assert page.pages.speeds.text() == bands_table(bands, user.session.full_design.camshaft.speed_rpm)
+    rpm = user.session.full_design.camshaft.speed_rpm
+    bands = sorted(user.session.shaft.flexible_shaft().bands, key=lambda band: max(band.rpm_lo - rpm, rpm - band.rpm_hi))
+    assert page.pages.speeds.text() == bands_table(bands, rpm)
     page.leave()
     assert hand.actions <= 6, hand.actions
 
@@ -389,7 +401,7 @@ def test_the_rocker_cam_is_designed_in_inspector_and_drawing_without_a_menu_but_
         QTest.mouseMove(viewport, pixel(canvas, begin) + QPoint(9, 6))
         settle()
         assert drawing.drag is not None
-        assert any(line.startswith("Pressure angle") for line, _ in drawing.drag.lines)
+        wait_for(lambda: any(line.startswith("Pressure angle") for line, _ in drawing.drag.lines))
         hand.type(text)
         QTest.mouseRelease(viewport, LEFT, pos=QPoint(5, 5))
         hand.actions += 1
