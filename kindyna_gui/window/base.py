@@ -62,8 +62,8 @@ class CentralPages(QWidget):
         fill(QVBoxLayout(self), (self.tabs, 1), self.bar, margins=0, spacing=0)
 
     def begin(self) -> None:
-        """Show the mechanism, whose page has no button to close it."""
-        self.show_page("mechanism")
+        """Show the mechanism, with the focus in it; its page has no button to close it."""
+        self.show_page("mechanism").setFocus()
         for side in (QTabBar.ButtonPosition.LeftSide, QTabBar.ButtonPosition.RightSide):
             self.tabs.tabBar().setTabButton(0, side, None)
 

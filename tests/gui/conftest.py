@@ -202,6 +202,9 @@ def begin_anew(
         for dock in window.docks.values():
             dock.setVisible(whole and not dock.isHidden())
         layouts[kept] = window.saveState()
+    focus = window.focusWidget()
+    if focus is None or not focus.isVisible():  # it was in a dock that is hidden now
+        user.drawing().setFocus()
     window.activateWindow()
     assert QTest.qWaitForWindowActive(window)
     wait_for(lambda: not session.laws.busy)

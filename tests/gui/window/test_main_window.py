@@ -53,6 +53,11 @@ def test_views_are_made_when_they_are_first_seen(whole: User) -> None:
     assert made == {"mechanism", "motion", "parameters", "findings"}
 
 
+def test_a_new_window_has_the_focus_in_its_drawing(open_user: Open) -> None:
+    user = open_user(whole=True)
+    assert QApplication.focusWidget() is user.drawing().canvas
+
+
 @pytest.mark.stress
 def test_no_other_window_flashes_up(whole: User) -> None:
     """A widget that is shown before it has its place is a window for a moment."""
