@@ -699,7 +699,7 @@ def test_precision_points(ask: Ask) -> None:
     assert study.motion.y[0, 120] * 1e3 == pytest.approx(8.0, abs=1e-9)
     wizard.type(row.level, "19.9")
     wizard.answered()
-    assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible with h1 = 1; feasible: ")
+    assert row.message.text().startswith("point at 120° = 19.9 mm is not feasible with h1 = 1; feasible: ")
     assert row.level.is_refused
     wizard.click(row.close)
     wait_for(lambda: not wizard.dialog.ranges.busy)

@@ -159,7 +159,7 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     user.clicks("Recover", before=lambda box: seen.extend(rows(box.findChild(QTableWidget))))
     offer(user)
     assert ("Rod L2", "none", "845 mm") in seen, "it has no file: all its values"
-    assert ("Segment 2", "none", "law modified-sine, span_deg 300, rise_mm -150") in seen
+    assert ("Segment 2", "none", "law modified-sine, span_deg 300, rise_mm −150") in seen
     assert user.session.state() == state
     assert user.session.incomplete == draft
     assert isinstance(user.session.incomplete, IncompleteDesign)

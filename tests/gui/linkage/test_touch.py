@@ -141,7 +141,10 @@ def test_what_stands_beside_the_mouse_is_in_the_units_that_are_preferred(rocker:
         base, _, pitch = (text for text, _ in beside(rocker)[:3])
         assert base == f"Base radius Br {value_text(get(rocker.design, BASE), MM)}"
         assert re.fullmatch(r"Pitch radius 2,\d+ in, undercut below 0,4724 in", pitch)
-        for typed, said in (("2,5 kg", "enter a number, such as 12,5"), ("-1", "-1 in is not above 0 ...")):
+        for typed, said in (
+            ("2,5 kg", "enter a number, such as 12,5"),
+            ("-1", "outside its range; allowed: above 0 ... 39\u202f370\u202f100 in, not \N{MINUS SIGN}1 in"),
+        ):
             QTest.keyClicks(rocker.drawing().canvas, typed)
             QTest.keyClick(rocker.drawing().canvas, Qt.Key.Key_Return)
             assert f"Base radius Br: {said}" in rocker.window.status.currentMessage()

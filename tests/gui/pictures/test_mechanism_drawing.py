@@ -294,7 +294,7 @@ def test_a_linkage_without_cam_is_still_drawn() -> None:
 # -- layers -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("layer", spread([name for name in LAYERS if name not in ("scale", "modulo")], 6))
+@pytest.mark.parametrize("layer", spread([name for name in LAYERS if name not in ("scale", "modulo", "outlines")], 6))
 def test_each_layer_is_shown_and_hidden(layer: str) -> None:
     design = LIFT
     for path, value in {"cam.thickness_mm": 80.0, "cam.material": "16mncr5", "cam.roller_material": "100cr6"}.items():

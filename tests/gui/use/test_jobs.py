@@ -342,7 +342,9 @@ def test_the_forbidden_speeds_of_a_shaft_just_made_elastic_are_read(open_user: O
     hand.tab("Speeds")
     wait_for(lambda: page.pages.speeds.isVisible() and "rpm" in page.pages.speeds.text())
     rpm = user.session.full_design.camshaft.speed_rpm
-    bands = sorted(user.session.shaft.flexible_shaft().bands, key=lambda band: max(band.rpm_lo - rpm, rpm - band.rpm_hi))
+    bands = sorted(
+        user.session.shaft.flexible_shaft().bands, key=lambda band: max(band.rpm_lo - rpm, rpm - band.rpm_hi)
+    )
     assert page.pages.speeds.text() == bands_table(bands, rpm)
     page.leave()
     assert hand.actions <= 6, hand.actions
