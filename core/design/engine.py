@@ -133,3 +133,8 @@ class Lobe:
     )
     nose_at_deg: float = brief(number("Nose at", 0.0, 360.0, default=180.0, step=1.0, help="own cam angle"))
     closing: LobeClosing | None = placed(FileLayout(LobeClosing, single=True), None)
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the closing side has the values of the opening side."""
+        return self.closing in (None, LobeClosing())

@@ -107,7 +107,7 @@ def lobe_sides(lobe: Lobe) -> tuple[Side, Side]:
     for fault in _contradictions(lobe):
         raise DesignError([fault])
     opening = closing = _solved(_form(lobe, 180.0 if lobe.closing is None else 360.0), *typed_values(lobe))
-    if lobe.closing not in (None, LobeClosing()):
+    if not lobe.is_symmetric:
         nose = TypedValue("", 0.0, Condition(NOSE_ACCELERATION, opening.nose_acceleration))
         closing = _solved(_form(_closing_lobe(lobe), 360.0 - opening.span), nose, _last_of_closing(lobe))
     if (span := opening.span + closing.span) > 360.0:

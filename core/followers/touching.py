@@ -150,6 +150,16 @@ class _Arm(NamedTuple):
     def leaving(self, r: np.ndarray) -> np.ndarray:
         return np.asarray(1j * self.side * (r - self.pivot) / np.abs(r - self.pivot))
 
+    def moving(self, output: Callable[[Taylor], Taylor], output_arm: float) -> Touching:
+        """Follower whose position is a function of the arm's angle; ``output_arm``: length of the rocker's other arm [mm]."""
+        return Touching(
+            self.angle,
+            lambda p, n, curvature: output(self.position(p, n, curvature)),
+            lambda r: output(_constant(self.driver(r))).c[0],
+            self.leaving,
+            lever_mm=min(1.0, self.arm / output_arm),
+        )
+
 
 def _constant(angle: np.ndarray) -> Taylor:
     return Taylor(np.array([angle, np.zeros_like(angle), np.zeros_like(angle)]))
@@ -176,22 +186,13 @@ def _slider(follower: CamSlider) -> Touching:
     to_arm = np.exp(1j * (arm.to_centre - math.radians(follower.fixed_angle_deg + follower.guide_angle_deg)))
     side = 1.0 if layout.slider_right else -1.0
 
-    def slider(alpha: Taylor) -> Taylor:
+    def position(alpha: Taylor) -> Taylor:
         pin = _turned(to_arm, alpha) * follower.slider_arm_mm
         height = -pin.imag + follower.guide_height_mm
         with np.errstate(invalid="ignore"):
             return pin.real + (height * height * -1.0 + follower.rod_mm**2).sqrt() * side
 
-    def driver(r: np.ndarray) -> np.ndarray:
-        return slider(_constant(arm.driver(r))).c[0]
-
-    return Touching(
-        arm.angle,
-        lambda p, n, curvature: slider(arm.position(p, n, curvature)),
-        driver,
-        arm.leaving,
-        lever_mm=min(1.0, follower.roller_arm_mm / follower.slider_arm_mm),
-    )
+    return arm.moving(position, follower.slider_arm_mm)
 
 
 def _rocker(follower: Rocker) -> Touching:
@@ -199,19 +200,10 @@ def _rocker(follower: Rocker) -> Touching:
     arm = _Arm(follower.arm_mm, complex(follower.pivot_x_mm, follower.pivot_y_mm), SIDES[follower.side])
     to_pad = np.exp(1j * (arm.to_centre + math.radians(follower.pad_angle_deg - follower.valve_direction_deg)))
 
-    def along_valve(alpha: Taylor) -> Taylor:
+    def position(alpha: Taylor) -> Taylor:
         return _turned(to_pad, alpha).real * follower.pad_mm
 
-    def driver(r: np.ndarray) -> np.ndarray:
-        return along_valve(_constant(arm.driver(r))).c[0]
-
-    return Touching(
-        arm.angle,
-        lambda p, n, curvature: along_valve(arm.position(p, n, curvature)),
-        driver,
-        arm.leaving,
-        lever_mm=min(1.0, follower.arm_mm / follower.pad_mm),
-    )
+    return arm.moving(position, follower.pad_mm)
 
 
 def _flat_swinging(follower: OscillatingFlat) -> Touching:

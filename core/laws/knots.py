@@ -22,7 +22,7 @@ BISECTIONS = 50
 
 @frozen
 class OptimalTask:
-    """What a law made to measure must do, normalised to span 1 and rise 1.
+    """What an optimal law must do, normalised to span 1 and rise 1.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Laws made to measure for a machine: the least peak or mean square of an effect that is known by its values only.
+"""Optimal laws of a machine: the least peak or mean square of an effect that is known by its values only.
 
 The effect depends on s, s', s''. Every step of a search minimises its linearisation.
 """
@@ -250,11 +250,11 @@ class _PeakSearch(_Search):
         is_outside = False  # the present law may exceed a limit between knots: any next one replaces it
         for _ in range(STEPS):
             checkpoint()
-            moved = self._moved(present, step)
-            if moved is None:  # no law within the limits is this near
+            linearised = self._linearised_optimum(present, step)
+            if linearised is None:  # no law within the limits is this near
                 step *= 4.0
                 continue
-            states, least = moved
+            states, least = linearised
             gain = present.value - least
             if not is_outside and (gain <= LEAST_GAIN * present.value or step < smallest):
                 present = replace(present, least=least)
@@ -274,7 +274,7 @@ class _PeakSearch(_Search):
         """Columns and weights (k, j) that give s, s', s'' at the nodes from the derivatives at the knots."""
         return [self.knots.weights(order, self.points) for order in range(3)]
 
-    def _moved(self, present: _Reached, step: float) -> tuple[np.ndarray, float] | None:
+    def _linearised_optimum(self, present: _Reached, step: float) -> tuple[np.ndarray, float] | None:
         """Law of the least linearised peak within a trust region, and that peak."""
         from scipy.sparse import csr_array, vstack  # slow to import
 
@@ -295,8 +295,8 @@ class _PeakSearch(_Search):
             for sign in signs:
                 data = np.hstack([sign * slope, np.full((k, 1), -1.0)])
                 at = np.hstack([columns, np.full((k, 1), unknowns.size + i)])
-                place = np.arange(0, data.size + 1, data.shape[1])
-                rows.append(csr_array((data.ravel(), at.ravel(), place), shape=(k, count)))
+                row_starts = np.arange(0, data.size + 1, data.shape[1])
+                rows.append(csr_array((data.ravel(), at.ravel(), row_starts), shape=(k, count)))
                 sides.append(-sign * offset)
         low, high = np.full(count, -np.inf), np.full(count, np.inf)
         straight = slice(knots.m, unknowns.size, knots.m + 1)

@@ -1,4 +1,4 @@
-"""Laws made to measure: the least peak or mean square of a derivative, within limits on other derivatives.
+"""Optimal laws: the least peak or mean square of a derivative, within limits on other derivatives.
 
 The law s(u) rises from 0 to 1 over u = 0 ... 1. Its derivative of order m is straight between knots, a B-spline of degree
 m + 1, so that the peaks of that derivative are at knots.
@@ -41,7 +41,7 @@ NEAR, NEARER = 0.25, 0.25  # part of an interval from an extreme to further rows
 
 @frozen
 class OptimalLaw:
-    """A law made to measure.
+    """An optimal law.
 
     Attributes
     ----------

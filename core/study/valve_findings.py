@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import degrees, pi
 
+from core.dynamics import HelicalSpring
 from core.findings import ERROR, WARNING, Finding
 from core.motion.extremes import Extreme, find_extremes
 from core.study.extremes import extremes_beyond_lash, extremes_of
@@ -56,11 +57,8 @@ def piston_findings(study: Study) -> Iterator[Finding]:
 
 def greatest_lift(study: Study) -> float:
     """Greatest lift of the valve [m]."""
-    return (
-        extremes_of(study, "linkage", ("valve_lift",))["valve_lift"].high.value
-        if study.design.drive.has_valve
-        else (extremes_of(study, "motion", ("displacement",))["displacement"].high.value)
-    )
+    stage, name = ("linkage", "valve_lift") if study.design.drive.has_valve else ("motion", "displacement")
+    return extremes_of(study, stage, (name,))[name].high.value
 
 
 def spring_findings(study: Study) -> Iterator[Finding]:
@@ -79,7 +77,7 @@ def spring_findings(study: Study) -> Iterator[Finding]:
         if (safety := spring.safety(lift)) is not None and safety < 1.0 - ROUNDING:
             fatigue = values | {"safety": safety, "value": 1e-6 * stress, "seat_mpa": 1e-6 * spring.stress(0.0)}
             yield Finding("spring-stress", WARNING, f"{path}.wire_mm", None, fatigue)
-    yield from _surge_findings(study)
+    yield from _surge_findings(study, springs)
 
 
 def least_surging_contact(study: Study) -> Extreme | None:
@@ -99,12 +97,12 @@ def least_surging_contact(study: Study) -> Extreme | None:
     return least
 
 
-def _surge_findings(study: Study) -> Iterator[Finding]:
+def _surge_findings(study: Study, springs: Sequence[HelicalSpring]) -> Iterator[Finding]:
     """The true force of the springs leaves the follower where the static one holds it on the cam."""
     least = least_surging_contact(study)
     if least is not None and least.value <= 0.0:
-        slowest = min(range(len(springs_of(study.design))), key=lambda i: springs_of(study.design)[i].natural)
-        values = {"force_n": least.value, "natural_hz": springs_of(study.design)[slowest].natural / (2.0 * pi)}
+        slowest = min(range(len(springs)), key=lambda i: springs[i].natural)
+        values = {"force_n": least.value, "natural_hz": springs[slowest].natural / (2.0 * pi)}
         yield Finding(
             "spring-surge", WARNING, f"loads.valve_springs[{slowest}].active_coils", degrees(least.theta), values
         )

@@ -67,6 +67,6 @@ def _rows(part: Lobe | LobeClosing, prefix: str = "") -> list[TypedValue]:
 
 def _closing_rows(lobe: Lobe) -> list[TypedValue]:
     """Rows that determine the closing side: its own, else those of the opening side, of which another ramp keeps the highest."""
-    if lobe.closing in (None, LobeClosing()):
+    if lobe.closing is None or lobe.is_symmetric:
         return _rows(lobe)
     return _rows(lobe.closing, "closing.") or _rows(lobe)[-1:]

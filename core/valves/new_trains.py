@@ -16,7 +16,7 @@ from typing import Any
 from core.design import Design, faults
 from core.design.camshaft import drive_names, with_drives
 from core.design.design import Drive
-from core.design.engine import CRANK_PER_CAM, Lobe, LobeClosing, LobeRow
+from core.design.engine import CRANK_PER_CAM, Lobe, LobeRow
 from core.design.fields import Info, choice, info_of, length, number, unit_of
 from core.design.lobe import lobe_sides
 from core.errors import DesignError, Fault, KindynaError
@@ -201,10 +201,10 @@ class TrainCard:
         if valve.ramp_mm is not None:
             return valve.ramp_mm
         lash = valve.lash_mm if self.row.moves_valve else valve.lash_mm / self.rocker_ratio
-        return max(USUAL_RAMP, ceil(round(100.0 * (lash + ABOVE_LASH), 6)) / 100.0) if lash else USUAL_RAMP
+        return max(DEFAULT_RAMP, ceil(round(100.0 * (lash + ABOVE_LASH), 6)) / 100.0) if lash else DEFAULT_RAMP
 
 
-USUAL_RAMP, USUAL_VELOCITY = 0.1, 0.01
+DEFAULT_RAMP, DEFAULT_VELOCITY = 0.1, 0.01
 """Height [mm] and velocity [mm/deg] of the ramp without lash; a proposed ramp is as long, its velocity in proportion."""
 SINGLE_ROW = 0.5
 """Lift above which a single duration is in the second row of a card [mm]."""
@@ -214,7 +214,7 @@ ABOVE_LASH = 0.02
 
 def _ramp_velocity(ramp_mm: float) -> float:
     """Velocity of a proposed ramp [mm/deg]."""
-    return _rounded(USUAL_VELOCITY * ramp_mm / USUAL_RAMP)
+    return _rounded(DEFAULT_VELOCITY * ramp_mm / DEFAULT_RAMP)
 
 
 def _rounded(value: float) -> float:
@@ -265,7 +265,7 @@ VALVE_VALUES: Mapping[str, CardValue] = MappingProxyType(
     }
     | {
         f"{row}_{end}": _event(row, i, label)
-        for row in ("first", "second")
+        for row in ROWS
         for i, (end, label) in enumerate((("near_tdc", "Event near TDC"), ("near_bdc", "Event near BDC")))
     }
 )
@@ -610,7 +610,7 @@ def _valve_of(drive: Drive, card: TrainCard, sense: float) -> ValveCard:
     if lobe is None:
         raise KindynaError("a card needs lobes: both drives with [motion.lobe] in place of segments")
     lash, plain = drive.valve.lash_mm, ValveCard()
-    is_fixed = bool(lobe.to_nose) or lobe.closing not in (None, LobeClosing())
+    is_fixed = bool(lobe.to_nose) or not lobe.is_symmetric
     rows = _rows_of(lobe.duration or lobe.to_nose)
     values: dict[str, Any] = {name: _card_scalar(card, getattr(lobe, name)) for name in SCALARS}
     for name, row in rows.items():

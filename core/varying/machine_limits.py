@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -54,20 +55,17 @@ def _curvatures(of: str, of_outer: str) -> Callable[[Design], tuple[str, ...]]:
     return _always(*inner, f"outer_curvature_per_mm:{of_outer}")
 
 
-def _field(name: str) -> Callable[[Design], float | None]:
+def _field(name: str, part: str = "limits") -> Callable[[Design], float | None]:
+    """Value of a field of a part of the drive, None where the drive lacks one of them."""
+
     def value(design: Design) -> float | None:
-        result: float | None = getattr(design.drive.limits, name, None)
+        result: float | None = getattr(getattr(design.drive, part), name, None)
         return result
 
     return value
 
 
-def _servo(name: str) -> Callable[[Design], float | None]:
-    def value(design: Design) -> float | None:
-        result: float | None = getattr(design.drive.servo, name, None)
-        return result
-
-    return value
+_servo = partial(_field, part="servo")
 
 
 def _bounded(key: str) -> Callable[[Design], tuple[str, ...]]:

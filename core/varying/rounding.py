@@ -1,4 +1,4 @@
-"""The best design of a study with numbers that can be made, judged again by the limits of the study."""
+"""The best design of a study with numbers that can be manufactured, judged again by the limits of the study."""
 
 from __future__ import annotations
 
@@ -53,15 +53,15 @@ def rounded_optimum(study: StudyOfMany, optimum: Optimum, step: float = 0.0) -> 
         machine, also_set = with_flywheel(design, study.base, rounded_flywheel)
         if check.new(machine):
             return None
-        taken = replace(optimum, design=machine, answer={**optimum.answer, **values}, also_set=also_set)
-        taken = replace(taken, goals={goal.key: reached[goal.key] for goal in study.file.goals}, exact=exact)
-        return _with_share(study, taken)
+        candidate = replace(optimum, design=machine, answer={**optimum.answer, **values}, also_set=also_set)
+        candidate = replace(candidate, goals={goal.key: reached[goal.key] for goal in study.file.goals}, exact=exact)
+        return _with_share(study, candidate)
 
-    found = rounded_values(exact, judged, step)
-    if found is None:
+    rounded = rounded_values(exact, judged, step)
+    if rounded is None:
         return replace(optimum, exact=exact, note=NO_ROUNDING)
-    before, after = _reached(study, optimum.design), _reached(study, found.result.design)
-    return replace(found.result, rounding=found.steps, cost={key: (before[key], after[key]) for key in before})
+    before, after = _reached(study, optimum.design), _reached(study, rounded.result.design)
+    return replace(rounded.result, rounding=rounded.steps, cost={key: (before[key], after[key]) for key in before})
 
 
 def _reached(study: StudyOfMany, design: Design) -> Mapping[str, float]:

@@ -187,11 +187,11 @@ class LimitPlot(LivePlot):
         above = ends[0].y() - GAP - height
         top = above if above > box.top() else ends[0].y() + GAP
         left = min(max(0.5 * (ends[0].x() + ends[1].x() - width), box.left() + GAP), box.right() - GAP - width)
-        place = QRectF(left, top, width, height)
-        painter.fillRect(place, brush(self._theme.paper, 0.85))
+        text_box = QRectF(left, top, width, height)
+        painter.fillRect(text_box, brush(self._theme.paper, 0.85))
         painter.setFont(font(SMALL))
         painter.setPen(QColor(SCREEN.limit if is_refused or not is_active else SCREEN.chosen))
-        painter.drawText(place, Qt.AlignmentFlag.AlignCenter, text)
+        painter.drawText(text_box, Qt.AlignmentFlag.AlignCenter, text)
 
     def _text(self, line: LimitLine, value: float) -> str:
         """Value of a limit in the motion's unit, and normalised."""

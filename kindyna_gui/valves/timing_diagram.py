@@ -18,7 +18,7 @@ LEAST, HINT = QSize(230, 230), QSize(300, 300)
 INNER = 0.76  # outer radius of the exhaust's band, in radii of the diagram
 BAND, GAP = 0.2, 0.02  # width of the band of a valve, and between its two rows
 TEXT_SIZE = QSizeF(48.0, 18.0)  # of the text of an event, pixels
-BESIDE = 3.0  # pixels from the angle of an event to its text
+TEXT_GAP = 3.0  # pixels from the angle of an event to its text
 PALE = 90  # opacity of the duration at the first lift, of 255
 SIXTEENTHS = 16  # Qt counts angles of arcs in sixteenths of a degree
 
@@ -44,11 +44,11 @@ class TimingDiagram(Picture):
             for row, is_pale in (("first", True), ("second", False)):
                 middle = sense * (valve.centre_deg - valve.skew(row))
                 _draw_band(painter, ring * radius, radius, middle, valve.duration(row), colour, is_pale)
-        for end, turned in ((0, 0.0), (1, 180.0)):
+        for end, dead_centre in ((0, 0.0), (1, 180.0)):
             texts = []
             for valve, _, colour, sense in _valves(card):
                 value = valve.events("second")[end]
-                texts.append((turned - sense * value * (1.0 - 2.0 * end), f"{short(value, 4)}°", colour))
+                texts.append((dead_centre - sense * value * (1.0 - 2.0 * end), f"{short(value, 4)}°", colour))
             _draw_texts(painter, radius, texts)
 
 
@@ -96,7 +96,7 @@ def _draw_texts(painter: QPainter, radius: float, texts: Sequence[tuple[float, s
     for (x, y, text, colour), is_left in zip(ends, (True, False), strict=True):
         box = QRectF(QPointF(), TEXT_SIZE)
         box.moveCenter(QPointF(x, y + copysign(0.5 * TEXT_SIZE.height(), y)))
-        box.moveLeft(x - TEXT_SIZE.width() - BESIDE if is_left else x + BESIDE)
+        box.moveLeft(x - TEXT_SIZE.width() - TEXT_GAP if is_left else x + TEXT_GAP)
         side = Qt.AlignmentFlag.AlignRight if is_left else Qt.AlignmentFlag.AlignLeft
         painter.setPen(SCREEN.pen(SCREEN.text_colour(colour)))
         painter.drawText(box, side | Qt.AlignmentFlag.AlignVCenter, text)

@@ -71,10 +71,10 @@ THUMB, PLOT_HEIGHT, FIGURES_HEIGHT, FIGURES_WIDTH = QSize(84, 60), 110, 236, 304
 PAUSE_MS = 150  # from a value to the figures of the valves, or to the search for the nearest one that fits
 LIFT_UNITS = ("mm", "in", "thou")
 
-Place = tuple[str, str]
+ValueKey = tuple[str, str]
 """Valve of the card, empty for both, and the name of its value."""
-RATIO: Place = ("", "ratio")
-CENTRES: tuple[Place, ...] = (("", "separation"), ("", "advance"))
+RATIO: ValueKey = ("", "ratio")
+CENTRES: tuple[ValueKey, ...] = (("", "separation"), ("", "advance"))
 LAST = "The last valve train that was possible"
 
 # -- the grid of both valves ------------------------------------------------------------------------------------
@@ -130,8 +130,8 @@ LOBE_ROWS = (
 )
 """Rows below the grid: values that follow from the durations, or drive the lobe once they are typed."""
 OF_SIDES = (*DURATIONS, *SCALARS, *(f"{row}_near_{centre}" for row in ROWS for centre in ("tdc", "bdc")))
-"""Values of a valve that its card only shows where the sides of the lobe are kept as in the design."""
-KEPT_SIDES = "The sides of this lobe differ, or are given from the nose: edit them on the page Motion of Parameters"
+"""Values of a valve that its card only shows where the sides of the lobe are fixed."""
+FIXED_SIDES = "The sides of this lobe differ, or are given from the nose: edit them on the page Motion of Parameters"
 
 
 class CardBox(RequestBox):
@@ -190,14 +190,14 @@ class ValveTrainDialog(QDialog):
         self.card, self.design = card, before
         self._before, self._valid = before, card
         self._back = card  # the last possible card before the typing in the present box
-        self._typed: Place = VALVES[0], "lift_mm"  # what was typed last
+        self._typed: ValueKey = VALVES[0], "lift_mm"  # what was typed last
         self._why = ""  # the card makes no valve train
         self.setWindowTitle("New valve train" if before is None else "Valve train")
         give_help(self, "camshaft#Valve trains on the crank")
         self._nearest = Background(self)
         self._pause = single_shot(self, self._search, PAUSE_MS)
         self._later = single_shot(self, self.show_figures, PAUSE_MS)
-        self.boxes: dict[Place, CardBox] = {}
+        self.boxes: dict[ValueKey, CardBox] = {}
         self.pictures: dict[str, QToolButton] = {}
         self.message = RefusalLine((0, 4, 0, 0))
         self.facts, self.diagram, self.figures = QLabel(wordWrap=True), TimingDiagram(), RowsTable(HEADINGS)
@@ -233,8 +233,8 @@ class ValveTrainDialog(QDialog):
         rows, of_lobe = (
             [(valve, getattr(row, valve)) for valve in VALVES for row in part] for part in (GRID, LOBE_ROWS)
         )
-        in_tab_order(self.of, self.unit, *(self.boxes[place] for place in (RATIO, *rows, *CENTRES)), self.same)
-        in_tab_order(self.same, *(self.boxes[place] for place in of_lobe))
+        in_tab_order(self.of, self.unit, *(self.boxes[key] for key in (RATIO, *rows, *CENTRES)), self.same)
+        in_tab_order(self.same, *(self.boxes[key] for key in of_lobe))
         self.setMinimumSize(LEAST_SIZE)
         self.resize(TYPICAL_SIZE.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
@@ -301,27 +301,27 @@ class ValveTrainDialog(QDialog):
                 grid.addWidget(words, number, 2 + 2 * k)
                 if box.is_length:
                     self.units.append(words)
-        for number, place in enumerate(CENTRES, 1 + len(GRID)):
-            label = _value_at(place).info.label
+        for number, key in enumerate(CENTRES, 1 + len(GRID)):
+            label = _value_at(key).info.label
             grid.addWidget(QLabel(label), number, 0)
-            grid.addWidget(self._box(place, label), number, 1)
+            grid.addWidget(self._box(key, label), number, 1)
             grid.addWidget(QLabel("°"), number, 2)
         grid.addWidget(self.same, 1 + len(GRID), 3, 1, 2)
         return grid
 
-    def _box(self, place: Place, name: str) -> CardBox:
-        value = _value_at(place)
-        box = described(CardBox(place[1], value.info, value.unit), name=name, tip=sentence(value.info.help))
-        box.typed.connect(lambda _: self._value_typed(place))
-        self.boxes[place] = box
+    def _box(self, key: ValueKey, name: str) -> CardBox:
+        value = _value_at(key)
+        box = described(CardBox(key[1], value.info, value.unit), name=name, tip=sentence(value.info.help))
+        box.typed.connect(lambda _: self._value_typed(key))
+        self.boxes[key] = box
         return box
 
     # -- what is typed ------------------------------------------------------------------------------------------
 
-    def _value_typed(self, place: Place) -> None:
-        if place != self._typed:
+    def _value_typed(self, key: ValueKey) -> None:
+        if key != self._typed:
             self._back = self._valid
-        self._typed, box = place, self.boxes[place]
+        self._typed, box = key, self.boxes[key]
         if why := box.fault():
             self._drop()
             self._refuse(f"{box.accessibleName()}: {why}", box.nearest_card_value)
@@ -361,14 +361,14 @@ class ValveTrainDialog(QDialog):
         for valve in VALVES:
             ramp = self.boxes[valve, "ramp_mm"]
             ramp.lineEdit().setPlaceholderText(ramp.card_text(self.card.ramp_mm(getattr(self.card, valve))))
-        for place, box in self.boxes.items():
+        for key, box in self.boxes.items():
             if box not in typed:
-                box.show_card_value(_read(self.card, place))
+                box.show_card_value(_read(self.card, key))
                 box.set_refused(False)
-            if place[0] and place[1] in OF_SIDES:
-                is_fixed = getattr(self.card, place[0]).is_fixed
+            if key[0] and key[1] in OF_SIDES:
+                is_fixed = getattr(self.card, key[0]).is_fixed
                 box.setEnabled(not is_fixed)
-                box.setToolTip(KEPT_SIDES if is_fixed else sentence(_value_at(place).info.help))
+                box.setToolTip(FIXED_SIDES if is_fixed else sentence(_value_at(key).info.help))
         for part in (self.boxes[RATIO], self.ratio_label):
             part.setVisible(bool(self.card.row.arm))
 
@@ -421,7 +421,7 @@ class ValveTrainDialog(QDialog):
 
     def _overlap_text(self, pair: ValvePair) -> str:
         overlaps = []
-        for row in ("first", "second"):
+        for row in ROWS:
             box, lift = self.boxes[VALVES[0], f"{row}_at_mm"], getattr(self.card.inlet, f"{row}_at_mm")
             overlaps.append(f"{short(self.card.overlap_deg(row))}° at {box.card_text(lift)}")
         area = "" if pair.overlap_area is None else f"\nOverlap area {short(pair.overlap_area)} mm·°"
@@ -467,19 +467,19 @@ class ValveTrainDialog(QDialog):
         self._nearest.close()
 
 
-def _value_at(place: Place) -> CardValue:
-    valve, name = place
+def _value_at(key: ValueKey) -> CardValue:
+    valve, name = key
     return (VALVE_VALUES if valve else TRAIN_VALUES)[name]
 
 
-def _read(card: TrainCard, place: Place) -> float | None:
+def _read(card: TrainCard, key: ValueKey) -> float | None:
     """Value of a card."""
-    return _value_at(place).read(getattr(card, place[0]) if place[0] else card)
+    return _value_at(key).read(getattr(card, key[0]) if key[0] else card)
 
 
-def _with_value(card: TrainCard, place: Place, is_same: bool, number: float | None) -> TrainCard:
+def _with_value(card: TrainCard, key: ValueKey, is_same: bool, number: float | None) -> TrainCard:
     """Return a card with another number; with ``is_same`` the exhaust has the lobe of the inlet."""
-    (valve, _), value = place, _value_at(place)
+    (valve, _), value = key, _value_at(key)
     if not valve:
         changed: TrainCard = value.write(card, number)
         return changed
