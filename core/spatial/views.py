@@ -282,8 +282,10 @@ class CamViews:
         line = int(self.edge[i])
         return EdgePoint(self.lines[line], i - int(np.searchsorted(self.edge, line)), complex(drawn[i]))
 
-    def down_to_axis(self, edge: np.ndarray) -> np.ndarray:
-        """Area between an edge and the axis: material in front of the section or behind it, seen through a groove.
+    def down_to_axis(self, edge: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Areas between an edge and the axis: material in front of the section or behind it, seen through a groove.
+
+        Each area is on one side of the axis under a part of the edge that does not turn back, so that it does not cross itself.
 
         Parameters
         ----------
@@ -291,11 +293,24 @@ class CamViews:
 
         Returns
         -------
-        ndarray (k + 2,) complex [m]
+        tuple of ndarray (m,) complex [m]
+            Corners, counter-clockwise.
         """
         along = complex(self.axes.side[2])
-        feet = self.origin + ((edge[[-1, 0]] - self.origin) * along.conjugate()).real * along
-        return np.append(edge, feet)
+        frame = (edge - self.origin) * along.conjugate()
+        steps, is_above = np.diff(frame.real) > 0.0, frame.imag > 0.0
+        crosses = is_above[1:] != is_above[:-1]
+        cuts = [
+            0,
+            *(np.flatnonzero((steps[1:] != steps[:-1]) | crosses[1:] | crosses[:-1]) + 1).tolist(),
+            edge.size - 1,
+        ]
+        return tuple(
+            area if steps[start] != is_above[start] else area[::-1]
+            for start, end in pairwise(cuts)
+            if not crosses[start]
+            for area in [self.origin + along * np.concatenate([frame[start : end + 1], frame[[end, start]].real])]
+        )
 
     def rollers(self, y: float) -> Iterator[RollerOutline]:
         """Outlines of all rollers at a position y of the motion [m or rad]."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 import numpy as np
-from PySide6.QtCore import QPointF
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QPainterPath
 
 from core.frozen import frozen
@@ -106,7 +106,9 @@ def _side_view(geometry: Geometry, theme: Theme) -> Iterator[DrawnPart]:
         body.redraw(outline(views.outline(float(angle[i])) * MM))
 
     def move_rest(i: int) -> None:
-        rest.redraw(joined(*(outline(views.down_to_axis(edge) * MM) for _, edge in edges_at(i))))
+        areas = joined(*(outline(area * MM) for _, edge in edges_at(i) for area in views.down_to_axis(edge)))
+        areas.setFillRule(Qt.FillRule.WindingFill)  # areas overlap
+        rest.redraw(areas)
 
     def move_edges(i: int) -> None:
         edges.redraw(joined(*(curve(edge * MM) for is_visible, edge in edges_at(i) if is_visible)))

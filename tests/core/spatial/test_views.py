@@ -48,7 +48,7 @@ def inside(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def covered(views: CamViews, angle: float, points: np.ndarray) -> np.ndarray:
-    areas = [views.outline(angle), *(views.down_to_axis(edge) for _, edge in views.edges_at(angle))]
+    areas = [views.outline(angle), *(area for _, edge in views.edges_at(angle) for area in views.down_to_axis(edge))]
     return np.any([inside(area, points) for area in areas], axis=0)
 
 
@@ -98,6 +98,19 @@ def test_the_side_view_is_the_projection_of_the_body(machine: Machine, state, ma
         sure = np.all([covered(views, angle, row) == drawn for row in near], axis=0)
         assert sure.mean() > 0.75
         assert (drawn == in_body)[sure].all()
+
+
+@pytest.mark.parametrize(("machine", "state", "sense"), [(TURRET, indexes, 1.0), (ARM, swings(0.2), -1.0)])
+def test_material_under_edges_is_drawn_by_areas_of_one_orientation(machine: Machine, state, sense: float) -> None:
+    """A painter that fills by winding number fills all of them: none runs clockwise or crosses itself."""
+    views = cam_views(machine, state, sense, BLANK)
+    for angle in (0.4, 2.0, 4.5):
+        areas = [area for _, edge in views.edges_at(angle) for area in views.down_to_axis(edge)]
+        assert len(areas) > 3
+        for area in areas:
+            side = (area - views.origin) * np.conj(complex(views.axes.side[2]))
+            assert (side.imag >= 0.0).all() or (side.imag <= 0.0).all()
+            assert (np.roll(area, -1) * np.conj(area)).imag.sum() >= 0.0
 
 
 def test_rollers_are_where_their_motion_puts_them() -> None:

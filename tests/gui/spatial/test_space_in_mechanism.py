@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
@@ -70,6 +70,22 @@ def test_the_drawing_has_the_views_to_scale_and_moves_with_the_cam(open_user: Op
     assert middle(user, "stem.roller1").real == pytest.approx(middle(user, "roller1").real)
     assert user.drawing().scene.item("zero").rotation() % 360.0 == pytest.approx((90.0 + 150.0) % 360.0)
     assert {key: part.item for key, part in figures(user).items()} == items
+
+
+def test_material_behind_other_material_leaves_no_gap(open_user: Open) -> None:
+    """Half a turn from the rollers the walls of an indexer run across: the areas of the side view overlap there."""
+    user = open_user(example("globoidal_indexer"))
+    user.turn(100.0)
+    user.drawing()
+    path = user.drawing().scene.item("cam.rest").path()
+    areas, room = path.toSubpathPolygons(), path.boundingRect()
+    overlaps = 0
+    for x, y in np.random.default_rng(1).uniform(0.0, 1.0, (400, 2)):
+        point = QPointF(room.left() + x * room.width(), room.top() + y * room.height())
+        count = sum(area.containsPoint(point, Qt.FillRule.OddEvenFill) for area in areas)
+        assert path.contains(point) == (count > 0)
+        overlaps += count > 1
+    assert overlaps > 40
 
 
 def test_the_turret_of_an_indexer_turns_about_its_pivot(open_user: Open) -> None:
