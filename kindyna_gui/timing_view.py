@@ -401,10 +401,9 @@ class TimingView(View):
     def _offer_crank(self, design: Design) -> None:
         """List crank degrees for an engine with valves; without them return to degrees."""
         index = self.unit.findData(CRANK)
-        has_valves = design.engine is not None and any(drive.valve is not None for drive in design.drives)
-        if has_valves and index < 0:
+        if design.has_valves and index < 0:
             self.unit.addItem("crank degrees", CRANK)
-        elif index >= 0 and not has_valves:
+        elif index >= 0 and not design.has_valves:
             if self.canvas.unit == CRANK:
                 self.unit.setCurrentIndex(self.unit.findData(DEGREES))
                 self.canvas.set_unit(DEGREES)

@@ -329,6 +329,11 @@ class Design:
         return any(drive.name is not None for drive in self.drives)
 
     @property
+    def has_valves(self) -> bool:
+        """Whether drives move valves of an engine."""
+        return self.engine is not None and any(drive.valve is not None for drive in self.drives)
+
+    @property
     def drive(self) -> Drive:
         """The drive of a design with one drive."""
         (drive,) = self.drives

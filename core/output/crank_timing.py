@@ -55,11 +55,10 @@ class CrankCurve:
 
 def crank_curves(design: Design) -> tuple[CrankCurve, ...]:
     """Lifts of all valves of a design, in the order of its drives. Raises KindynaError where no drive moves a valve."""
-    numbers = [i for i, drive in enumerate(design.drives) if drive.valve is not None]
-    return tuple(_curve(i, timing) for i, timing in zip(numbers, valve_timings(design), strict=True))
+    return tuple(map(_curve, valve_timings(design)))
 
 
-def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
+def _curve(timing: ValveTiming) -> CrankCurve:
     later = timing.valve.cylinder_deg
     edges = [(edge, within_cycle(edge.crank_deg + later)) for edge in lobe_edges(timing)]
     centre = within_cycle(timing.centre + later)
@@ -70,7 +69,7 @@ def _curve(drive: int, timing: ValveTiming) -> CrankCurve:
     for array in (crank, lift):
         array.setflags(write=False)
     points = tuple((edge, angle, float(lift[np.searchsorted(crank, angle)])) for edge, angle in edges)
-    return CrankCurve(drive, timing, crank, name, lift, centre, points, clearance, piston)
+    return CrankCurve(timing.number, timing, crank, name, lift, centre, points, clearance, piston)
 
 
 def _lift(timing: ValveTiming, crank: np.ndarray) -> tuple[str, np.ndarray]:

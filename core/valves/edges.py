@@ -52,12 +52,11 @@ def lobe_edges(timing: ValveTiming) -> tuple[LobeEdge, ...]:
 
 def machine_edges(design: Design) -> dict[int, tuple[tuple[LobeEdge, float], ...]]:
     """Edges of the lobes of all valves with their machine angles 0 ... 360 [deg], by the numbers of their drives."""
-    numbers = [i for i, drive in enumerate(design.drives) if drive.valve is not None]
     return {
-        i: tuple(
+        timing.number: tuple(
             (edge, (edge.crank_deg + timing.valve.cylinder_deg) / CRANK_PER_CAM % 360.0) for edge in lobe_edges(timing)
         )
-        for i, timing in zip(numbers, valve_timings(design) if numbers else (), strict=True)
+        for timing in (valve_timings(design) if design.has_valves else ())
     }
 
 

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design import Design, faults
-from core.design.camshaft import drive_names, with_drives
+from core.design.camshaft import with_drives
 from core.design.design import Drive
 from core.design.engine import CRANK_PER_CAM, Lobe, LobeRow
 from core.design.fields import Info, choice, info_of, length, number, unit_of
@@ -556,10 +556,8 @@ def _ratio(drive: Drive, arm: str) -> float:
 
 def _pair_of(design: Design) -> tuple[int, int]:
     """Numbers of the drives of the first pair of valves. Raises KindynaError."""
-    names = drive_names(design)
-    valves = any(drive.valve is not None for drive in design.drives)
-    for pair in valve_pairs(valve_timings(design)) if valves else ():
-        return names.index(pair.inlet.name), names.index(pair.exhaust.name)
+    for pair in valve_pairs(valve_timings(design)) if design.has_valves else ():
+        return pair.inlet.number, pair.exhaust.number
     raise KindynaError(
         "the design has no inlet and exhaust valve; allowed: two drives with [valve], centres > 0 and < 0"
     )

@@ -60,15 +60,15 @@ class ValveTiming:
     Attributes
     ----------
     design : the drive as a design by itself
-    name : of the drive
+    name, number : of the drive
     valve, motion : valve and motion as typed
     """
 
-    def __init__(self, design: Design, name: str) -> None:
+    def __init__(self, design: Design, name: str, number: int) -> None:
         drive = design.drive
         assert drive.valve is not None, "the drive moves no valve"
         assert drive.motion is not None, "the rules of a design require a motion"
-        self.design, self.name = design, name
+        self.design, self.name, self.number = design, name, number
         self.valve: Valve = drive.valve
         self.motion: Motion = drive.motion
 
@@ -261,7 +261,7 @@ def valve_timings(design: Design) -> tuple[ValveTiming, ...]:
         No drive moves a valve.
     """
     rows = [
-        ValveTiming(only(design, i), name)
+        ValveTiming(only(design, i), name, i)
         for i, (name, drive) in enumerate(zip(drive_names(design), design.drives, strict=True))
         if drive.valve is not None
     ]

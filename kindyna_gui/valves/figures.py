@@ -202,7 +202,7 @@ class ValveFiguresView(View):
 
     def refresh(self, study: Study) -> None:
         design = self.session.full_design
-        if design.engine is None or all(drive.valve is None for drive in design.drives):
+        if not design.has_valves:
             raise Unavailable(NO_VALVE)
         valves, pairs = shown_figures(design, self.session.names[self.session.chosen])
         self.answer.setText(figures_verdict(valves))

@@ -254,13 +254,12 @@ def _timing(subject: Subject) -> list[Section]:
 
 
 def _valve_train(subject: Subject) -> list[Section]:
-    if subject.study.design.engine is None:
+    if not subject.study.design.has_valves:
         return []
     from core.output.report.valve_train import valve_train  # only reports of valve trains need it
 
     caption = "Lifts of the valves over the crank from TDC of overlap; points are the typed rows of the lobes."
-    sections = valve_train(subject.study.design)
-    return _with(sections, subject.pictures({"valves": caption})) if sections else []
+    return _with(valve_train(subject.study.design), subject.pictures({"valves": caption}))
 
 
 def _motion(subject: Subject) -> list[Section]:

@@ -19,9 +19,7 @@ EVENT_HEADER = ("Valve", "lift of", "at mm", "opens °", "closes °", "duration 
 
 
 def valve_train(design: Design) -> list[Section]:
-    """Card of every valve, events at the default lifts, springs, and pairs; an empty list without valves."""
-    if design.engine is None or all(drive.valve is None for drive in design.drives):
-        return []
+    """Card of every valve of a design, events at the default lifts, springs, and pairs. Raises KindynaError without valves."""
     data = valve_data(valve_timings(design), LIFTS)
     valves: Sequence[Mapping[str, Any]] = data["valves"]
     names = [printable(valve["drive"]) for valve in valves]

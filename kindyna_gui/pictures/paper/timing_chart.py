@@ -116,7 +116,7 @@ def _pairs_of_bands(design: Design, reference: Reference | None) -> list[tuple[M
 
 def _lobe_edges(design: Design) -> Mapping[int, tuple[tuple[LobeEdge, float], ...]]:
     """Edges of the lobes of all valves with their machine angles [deg], by the numbers of their drives."""
-    if all(drive.valve is None for drive in design.drives):
+    if not design.has_valves:
         return {}
     from core.valves.edges import machine_edges  # only valve trains need it
 
