@@ -48,6 +48,7 @@ BEST = 1e-5  # the same where no value satisfies every limit
 FINEST = 1e-9  # the same of a refined optimum
 LAST = 1e-13  # tolerance of a refined root, relative to the value
 CHECKED_AT = 1e-4  # distance at which an optimum is checked, relative to the distance of two trial values
+NEXT_TO = 1e-3  # of the step to the next trial value: a design that does not exist there limits the search
 EXCLUDED = 1e3  # [deg] merit of a design that violates a limit, more than any pressure angle
 AT_LIMIT = 1e-6  # margin below which a limit determines the solution
 SAME = 1e-9  # [deg] pressure angles that differ by less are equal
@@ -218,7 +219,7 @@ def _outermost(row: SearchRow, trials: TrialDesigns, request: SearchRequest) -> 
     if first is None:
         best = _best(trials, values)
         if not trials.at(best).is_valid:
-            return _solution(row, trials, (best,), values)
+            return _solution(row, trials, (best,), values, _edge_of_search(trials, best, values))
         first = int(np.searchsorted(values, best))  # between two trial values
         first = first if row.target == SMALLEST else values.size - first
         order = np.insert(order, first, best)
@@ -270,6 +271,16 @@ def _valid_side(trials: TrialDesigns, bad: float, good: float) -> float:
     while not trials.at(value).is_valid and (good - value) * step > 0.0:
         value, step = value + step, 2.0 * step
     return float(value)
+
+
+def _edge_of_search(trials: TrialDesigns, best: float, values: np.ndarray) -> str:
+    """Value next to which no design exists, and the reason; empty where there are designs on both sides."""
+    if trials.at(best).problem:
+        return ""
+    sides = [float(side) for part in (values[values < best][-1:], values[values > best][:1]) for side in part]
+    near = [best + NEXT_TO * (side - best) for side in sides]
+    problem = next((problem for problem in (trials.at(x).problem for x in near) if problem), "")
+    return f"{trials.paths[0]} = {best:.9g} (beyond it: {problem})" if problem else ""
 
 
 def _towards(end: float, near: float, condition: Callable[[float], bool]) -> float:

@@ -265,6 +265,13 @@ def test_the_smallest_inner_distance_keeps_the_pressure_angle() -> None:
     assert get(solution.design, "cam.roller_inner_mm") == pytest.approx(expected, rel=1e-8)
 
 
+def test_a_search_that_the_blank_ends_names_the_blank() -> None:
+    solution = find(loads(BARREL, "x"), "inner-distance", {"pressure_angle_rise_deg": 10.0})
+    assert not solution.is_valid
+    assert solution.answer["cam.roller_inner_mm"] == pytest.approx(82.0, abs=1e-3)
+    assert "cam.outer_radius_mm = 82.0: the roller does not reach into the blank" in solution.end
+
+
 @pytest.mark.stress
 def test_the_most_rollers_divide_the_turret_by_the_advance() -> None:
     slender = changed(
