@@ -51,7 +51,8 @@ Work = tuple[Design, IncompleteDesign | None, int]
 """The full design, what is typed while it does not fit together, and the number of the selected drive."""
 
 MOTION, SHAFT, BALANCER = "motion", "shaft", "balancer"
-SHARED = (SHAFT, "engine", "drives", "timing", BALANCER)  # tables that the drives of a design share
+SHARED = (SHAFT, "engine", "drives", "timing", "outlines", "clearances", BALANCER)
+"""Tables that the drives of a design share."""
 BALANCE_CAM = "Balance cam"
 KEYS_REST_MS = 100  # from the last step by a key until the steps have ended
 

@@ -46,6 +46,20 @@ def test_an_edit_is_a_step_with_a_name(session: Session) -> None:
     assert get(session.design, ROD) == 850.0
 
 
+def test_a_clearance_between_bodies_of_two_drives_is_edited_from_any_drive(app: object) -> None:
+    session = Session(load(example("transfer_unit_outlines")))
+    path, before = "clearances[1].least_mm", session.full_design
+    for drive in (0, 1):
+        assert session.choose_drive(drive)
+        assert session.edit(path, 21.0 + drive, "Change least clearance")
+        assert get(session.full_design, path) == 21.0 + drive
+        assert session.mark_assumed(path, True, "Mark least clearance as assumed")
+        assert path in session.full_design.assumed
+        session.stack.undo()
+        session.stack.undo()
+    assert session.full_design == before
+
+
 def test_one_gesture_is_one_step(session: Session) -> None:
     for value in (846.0, 847.0, 848.0):
         session.edit(ROD, value, f"to {value:g}")
