@@ -204,7 +204,7 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
     assert dialog.panel.headline.text() == "C1–CV1–H2–P2"
     row = dialog.panel.table.rows.rows[1].cells
     assert row == ("CV1", "18.0000", "169.6215", "48.8468", "218.4684", "1.0000", "19.0000")
-    assert "CV1 runs at 0.106119 mm/° (38.20 mm/s) for 169.622°" in dialog.panel.figures.text()
+    assert "CV1 runs at 0.1061 mm/° (38.20 mm/s) for 169.6°" in dialog.panel.figures.text()
     mouse.click(dialog.put_button)
     wait_for(lambda: len(user.design.drive.motion.segments) == 6)
     assert user.window.findChild(BlendDialog) is None, "it is gone"
