@@ -6,8 +6,7 @@ Sources: H. Hertz 1881; K. L. Johnson, *Contact Mechanics*, ch. 4.2 (line contac
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import pairwise
-from math import ceil, degrees, inf, pi, radians, sqrt
+from math import degrees, inf, pi, sqrt
 from types import MappingProxyType
 from typing import Any
 
@@ -20,9 +19,8 @@ from core.findings import NOTE, WARNING, Finding
 from core.frozen import frozen
 from core.materials import MATERIALS
 from core.mechanism.kinematics import Kinematics
-from core.motion import TURN, Angles
-from core.motion.extremes import Extreme, Pieces
-from core.numerics.roots import gauss_legendre
+from core.motion import TURN
+from core.motion.extremes import Extreme
 
 GPA, MPA, MM, HOUR, MILLION = 1e9, 1e6, 1e-3, 3600.0, 1e6
 _GOLDEN = 0.5 * (1.0 + sqrt(5.0))
@@ -34,7 +32,6 @@ METAL_POISSON_RATIO = 0.3
 """Poisson's ratio for a typed modulus without one."""
 LIFE_EXPONENT = 10.0 / 3.0
 """Exponent of the life of roller bearings, ISO 281."""
-PANEL, PANEL_NODES = radians(2.0), 8  # of the Gauss quadrature over a turn
 _PRESSURE_LIMIT = "limits.contact_pressure_mpa"
 
 
@@ -318,36 +315,6 @@ def roller_speed(kinematics: Kinematics, flank: Flank, sense: float) -> np.ndarr
     radius = getattr(flank, "radius", 0.0)
     arm_speed = kinematics.bodies[flank.body].turn[1]
     return np.asarray(sense - arm_speed - side * sense * np.abs(flank.relative_velocity) / radius)
-
-
-def turn_quadrature(pieces: Pieces, breaks: tuple[float, ...], panel: float = PANEL) -> tuple[Angles, np.ndarray]:
-    """Gauss nodes and weights that integrate over one turn.
-
-    Parameters
-    ----------
-    pieces : Pieces
-        The motion's pieces; no panel crosses their ends.
-    breaks : tuple of float [rad]
-        Further angles that no panel crosses.
-    panel : float [rad]
-        Greatest width of a panel.
-
-    Returns
-    -------
-    angles : Angles (n,)
-    weights : ndarray (n,) [rad]
-    """
-    x, w = gauss_legendre(PANEL_NODES)
-    theta, weights, piece = [], [], []
-    for number, (low, high) in enumerate(zip(pieces.starts.tolist(), pieces.ends.tolist(), strict=True)):
-        inside = sorted(angle for angle in breaks if low < angle < high)
-        for start, end in pairwise([low, *inside, high]):
-            edges = np.linspace(start, end, max(1, ceil((end - start) / panel)) + 1)
-            half = 0.5 * np.diff(edges)[:, None]
-            theta.append((edges[:-1, None] + half * (1.0 + x)).ravel())
-            weights.append((half * w).ravel())
-            piece.append(np.full(theta[-1].size, number))
-    return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weights)
 
 
 @np.errstate(divide="ignore", invalid="ignore")

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from math import pi
+from itertools import pairwise
+from math import ceil, pi, radians
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +18,9 @@ from core.frozen import frozen
 from core.motion import EPS, TURN, Angles, CompiledMotion, program
 from core.numerics.derivatives import distinct
 from core.numerics.lazy import checkpoint, locked
+from core.numerics.roots import gauss_legendre
+
+PANEL, PANEL_NODES = radians(2.0), 8  # of the Gauss quadrature over a turn
 
 # -- extremes ---------------------------------------------------------------------------------------------------
 
@@ -101,6 +105,40 @@ def piecewise_angles(program: Pieces) -> Angles:
     return locked(
         Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]), True, search=True)
     )
+
+
+def turn_quadrature(
+    pieces: Pieces, breaks: Sequence[float] = (), panel: float = PANEL, count: int = PANEL_NODES
+) -> tuple[Angles, np.ndarray]:
+    """Gauss nodes and weights that integrate over one turn.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        The motion's pieces; no panel crosses their ends.
+    breaks : sequence of float [rad]
+        Further angles that no panel crosses.
+    panel : float [rad]
+        Greatest width of a panel.
+    count : int
+        Nodes of a panel.
+
+    Returns
+    -------
+    angles : Angles (n,)
+    weights : ndarray (n,) [rad]
+    """
+    x, w = gauss_legendre(count)
+    theta, weights, piece = [], [], []
+    for number, (low, high) in enumerate(zip(pieces.starts.tolist(), pieces.ends.tolist(), strict=True)):
+        inside = sorted(angle for angle in breaks if low < angle < high)
+        for start, end in pairwise([low, *inside, high]):
+            edges = np.linspace(start, end, max(1, ceil((end - start) / panel)) + 1)
+            half = 0.5 * np.diff(edges)[:, None]
+            theta.append((edges[:-1, None] + half * (1.0 + x)).ravel())
+            weights.append((half * w).ravel())
+            piece.append(np.full(theta[-1].size, number))
+    return Angles(np.concatenate(theta), np.concatenate(piece)), np.concatenate(weights)
 
 
 def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Extremes]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from core import dynamics, shaft, stress
-from core.cam import INNER, OUTER, SECOND, CamShape
+from core.cam import INNER, OUTER, SECOND, CamShape, Flank
 from core.design import NO_LIMITS, STAGES, Design, si
 from core.design.parts import Servo
 from core.dynamics import FlankChange, Forces, Friction, Loading, UnitLoads, kinetic_energy
@@ -20,11 +19,10 @@ from core.frozen import frozen
 from core.mechanism import motion_extent
 from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import TURN, Angles, program
-from core.motion.extremes import Extreme, crossings, find_above, piecewise_angles
+from core.motion.extremes import Extreme, crossings, find_above, piecewise_angles, turn_quadrature
 from core.motion.program import ShaftPosition
 from core.numerics.derivatives import spread
 from core.numerics.lazy import lazy
-from core.numerics.roots import gauss
 from core.shaft import LoadCurve, combined_load, has_flywheel
 from core.stress import ContactStress, Pairing, RollerLife, contact_stress
 from core.study.drive_study import DriveStudy
@@ -32,6 +30,7 @@ from core.study.stages import fit_load_curve, load_nodes, memory
 
 if TYPE_CHECKING:  # imported where a study first needs them
     from core.dynamics import ContactForce, Flights, ForceOnBody, LiftOff
+    from core.dynamics.forces import Contact
     from core.elastic import Elasticity, Response, Spectrum
     from core.spatial import SpatialShape
 
@@ -197,16 +196,8 @@ class DriveForces(DriveStudy):
                 """Contact force; positive where a valve train is loose, which is no separation."""
                 return np.nan_to_num(contact.at_speed(angles, self.omega), nan=1.0)
 
-            return dynamics.flights(
-                force,
-                self.mechanism,
-                self.loading,
-                self.program,
-                self.omega,
-                away,
-                restitution,
-                turns,
-            )
+            parts = self.mechanism, self.loading, self.program, self.omega
+            return dynamics.flights(force, *parts, away, restitution, turns)
 
         result: Flights = memory.get("flights", (self.depends_on("dynamics"), turns), compute)
         return result
@@ -581,24 +572,10 @@ def turn_nodes(study: T, power: Callable[[T], np.ndarray]) -> tuple[T, np.ndarra
     weights : ndarray (n,), dimensionless
         Weights of the nodes; their sum is 1.
     """
-    program = study.program
-    samples = piecewise_angles(program)
+    samples = piecewise_angles(study.program)
     zeros = crossings(lambda angles: power(study.at(angles)), samples, power(study.at(samples)))
-    panels = _panels(program, zeros)
-    nodes, weights = gauss(NODES)
-    theta = np.concatenate([a + (b - a) * nodes for a, b, _ in panels])
-    angles = Angles(theta, np.repeat([piece for _, _, piece in panels], NODES))
-    return study.at(angles), np.concatenate([(b - a) * weights for a, b, _ in panels]) / TURN
-
-
-def _panels(program: Any, zeros: Angles) -> list[tuple[float, float, int]]:
-    """Start, end [rad] and piece of every panel of the quadrature."""
-    panels = []
-    for i, (a, b) in enumerate(zip(program.starts.tolist(), program.ends.tolist(), strict=True)):
-        inside = zeros.theta[zeros.piece == i].tolist()
-        ends = sorted({a, b, *inside, *np.linspace(a, b, int(np.ceil((b - a) / MAX_PANEL)) + 1).tolist()})
-        panels += [(low, high, i) for low, high in itertools.pairwise(ends)]
-    return panels
+    angles, weights = turn_quadrature(study.program, zeros.theta.tolist(), MAX_PANEL, NODES)
+    return study.at(angles), weights / TURN
 
 
 def _inertia_ratio(servo: Servo, study: DriveForces) -> float | None:
@@ -638,6 +615,12 @@ def load_ratings(study: DriveForces) -> Mapping[str, float]:
     return stress.load_ratings(drive.face, drive.cam) if drive.has_disk else {}
 
 
+def _roller_contacts(study: DriveForces, roller: str) -> list[tuple[Flank, Contact]]:
+    """Flanks of a roller with their contacts."""
+    rows = zip(study.cam.flanks, study.dynamics.contacts, strict=True)
+    return [(flank, contact) for flank, contact in rows if flank.name in ROLLERS[roller]]
+
+
 def roller_force(study: DriveForces, roller: str) -> np.ndarray:
     """Force that presses a roller on its flanks.
 
@@ -650,9 +633,7 @@ def roller_force(study: DriveForces, roller: str) -> np.ndarray:
     -------
     ndarray (n,) [N]
     """
-    flanks = zip(study.cam.flanks, study.dynamics.contacts, strict=True)
-    forces = [contact.force for flank, contact in flanks if flank.name in ROLLERS[roller]]
-    return np.sum([np.maximum(force, 0.0) for force in forces], axis=0)
+    return np.sum([np.maximum(contact.force, 0.0) for _, contact in _roller_contacts(study, roller)], axis=0)
 
 
 def roller_speed(study: DriveForces, roller: str) -> np.ndarray:
@@ -667,11 +648,7 @@ def roller_speed(study: DriveForces, roller: str) -> np.ndarray:
     -------
     ndarray (n,) [rad/s]
     """
-    flanks = [
-        (flank, contact)
-        for flank, contact in zip(study.cam.flanks, study.dynamics.contacts, strict=True)
-        if flank.name in ROLLERS[roller]
-    ]
+    flanks = _roller_contacts(study, roller)
     speed = stress.roller_speed(study.linkage, flanks[0][0], study.sense)
     for flank, contact in flanks[1:]:
         speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
@@ -701,7 +678,7 @@ def roller_lives(study: DriveForces) -> tuple[RollerLife, ...]:
         return ()
 
     def compute() -> tuple[RollerLife, ...]:
-        angles, weight = stress.turn_quadrature(study.program, tuple(change.theta for change in study.flank_changes))
+        angles, weight = turn_quadrature(study.program, [change.theta for change in study.flank_changes])
         nodes = study.at(angles)
         lives = []
         for roller, rating in ratings.items():

@@ -13,7 +13,7 @@ from core import stress
 from core.design import Shaft, si
 from core.mechanism.kinematics import SLIDING
 from core.motion import TURN, Angles
-from core.motion.extremes import crossings
+from core.motion.extremes import crossings, turn_quadrature
 from core.motion.program import CLOSEST
 from core.numerics.lazy import once
 from core.shaft import LoadCurve, SteadyTurns, inertias_for, load_extremes, motor_inertia, panel_angles, rms
@@ -361,7 +361,7 @@ def shortest_lives(block: DesignBlock) -> np.ndarray:
     for roller in ratings:
         names.append(block.add_reader(f"force {roller}", partial(roller_force, roller=roller)))
         names.append(block.add_reader(f"speed {roller}", partial(_speed_ratio, roller)))
-    angles, weight = stress.turn_quadrature(block.program, (), LIFE_PANEL)
+    angles, weight = turn_quadrature(block.program, (), LIFE_PANEL)
     values = block.at_nodes(names, angles, np.arange(block.count))
     if block.motions is not None:
         weight = weight * block.motions.span_ratios()[:, angles.piece]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from functools import reduce
-from itertools import pairwise
 
 import numpy as np
 
 from core.design import Design
 from core.dynamics import HARMONICS, HelicalSpring, helical_springs, periodic_sum, surge_harmonics
-from core.motion import Angles
-from core.numerics.roots import gauss
+from core.motion import TURN
+from core.motion.extremes import turn_quadrature
 from core.study.member_quantities import valve_lift
 from core.study.stages import memory
 from core.study.study import Study
@@ -37,15 +36,8 @@ def lift_harmonics(study: Study) -> np.ndarray:
     """
 
     def compute() -> np.ndarray:
-        x, weight = gauss(NODES)
-        theta, weights, pieces = [], [], []
-        for piece, (a, b) in enumerate(zip(study.program.starts.tolist(), study.program.ends.tolist(), strict=True)):
-            for low, high in pairwise(np.linspace(a, b, int(np.ceil((b - a) / PANEL)) + 1).tolist()):
-                theta.append(low + (high - low) * x)
-                weights.append((high - low) * weight)
-                pieces.append(np.full(NODES, piece))
-        angles = Angles(np.concatenate(theta), np.concatenate(pieces))
-        values = valve_lift(study.at(angles)) * np.concatenate(weights) / (2.0 * np.pi)
+        angles, weights = turn_quadrature(study.program, panel=PANEL, count=NODES)
+        values = valve_lift(study.at(angles)) * weights / TURN
         return np.exp(-1j * np.arange(HARMONICS + 1)[:, None] * angles.theta) @ values
 
     harmonics: np.ndarray = memory.get("lift harmonics", study.depends_on("linkage"), compute)
