@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from core.spatial import AHEAD, BEHIND, SpatialFlank, dots, sliding, sliding_parts
+from core.spatial import AHEAD, BEHIND, SpatialFlank, sliding, sliding_parts
 from core.study.study import SURFACE, Study
 from core.study.symbols import CAM, DYNAMICS, Formula, SymbolSource, first, motion_unit, quantity_symbol
 
@@ -51,7 +51,7 @@ def _sharpest(read: Callable[[SpatialFlank], np.ndarray]) -> Callable[[Study, st
 
 def _across(flank: SpatialFlank) -> np.ndarray:
     """|n × ∂p/∂y|."""
-    return np.sqrt(dots(flank.moving, flank.moving) - dots(flank.moving, flank.normal) ** 2)
+    return np.asarray(np.linalg.norm(np.cross(flank.normal, flank.moving, axis=0), axis=0))
 
 
 def _slip(part: int) -> Callable[[Study, str], float]:

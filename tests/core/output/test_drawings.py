@@ -92,7 +92,7 @@ def test_every_example_has_a_pose_and_ghosts(name: str, tmp_path: Path) -> None:
         assert main([*words, "--out", str(tmp_path / "p.svg")]) == 0
         assert main([*words, "--out", str(tmp_path / "p.dxf")]) == 0
         groups = drawn((tmp_path / "p.svg").read_bytes())
-        assert ("PROFILE" in groups) is (design.drives[0].cam is not None)
+        assert ("PROFILE" in groups) is design.drives[0].has_disk
         layers = {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "p.dxf").layers}
         assert set(groups) <= layers
 

@@ -252,7 +252,7 @@ def test_tables_that_cover_a_part_or_have_few_rows(bench: Path) -> None:
 BAD = {
     "empty.csv": ("", "no row contains two numbers"),
     "words.csv": ("angle,lift\n0,1\n10,soft\n20,3\n30,4\n", "line 3: 'soft' in column 2"),
-    "speed.csv": ("angle [deg],velocity [mm/deg]\n0,1\n10,2\n20,3\n30,4\n", "holds a velocity; wanted: the lift"),
+    "speed.csv": ("angle [deg],velocity [mm/deg]\n0,1\n10,2\n20,3\n30,4\n", "holds a velocity; required: the lift"),
     "angles.csv": ("angle [deg],swing [deg]\n0,1\n10,2\n20,3\n30,4\n", "is measured in deg, but the follower slides"),
     "unit.csv": ("angle [deg],lift [furlong]\n0,1\n10,2\n20,3\n30,4\n", "unknown unit 'furlong'"),
     "time.csv": ("time [s],lift [mm]\n0,1\n1,2\n2,3\n3,4\n", "is a time"),

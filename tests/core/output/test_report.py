@@ -436,5 +436,5 @@ def rows_of(page: str) -> list[str]:
 
 
 SAME_BY_NATURE = ("Camshaft bearing", "Guide", "Velocity of", "Instant centre", "Power", "Pitch", "Profile", "Smallest", "alternating",
-                  "Cam radius")  # fmt: skip
+                  "Cam radius", "Pressure angle, r")  # fmt: skip  # a symmetric motion rises and returns alike
 """Quantities that one machine has the same size of: forces against each other, places on one line, a radius that is an input."""
