@@ -34,7 +34,7 @@ from core.output.handover import HandoverRequest
 from core.output.report.document import PAPERS, PARTS, Cover
 from core.requests import build_request, command_words
 from core.study import Study
-from core.valves.card import LiftTableRequest, lift_table, table_steps
+from core.valves.figures import LiftTableRequest, lift_table, table_steps
 from kindyna_gui.dialogs import file_to_save, give_help
 from kindyna_gui.documents.texts import add_copy
 from kindyna_gui.forms.fields import fill_choices

@@ -17,7 +17,7 @@ from core.project import load, load_one
 from core.project.files import write_all
 from core.requests import text_option
 from core.valves import LIFTS, lift_table, require_opening, valve_data, valve_timings
-from core.valves.card import INCH, LiftTableRequest, valve_text
+from core.valves.figures import INCH, LiftTableRequest, valve_text
 
 UNITS = {"": 1.0, "mm": 1.0, "in": INCH, "thou": INCH / 1000.0}
 """Unit of a lift -> its size [mm]."""

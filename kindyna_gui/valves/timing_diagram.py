@@ -8,7 +8,7 @@ from math import copysign, cos, radians, sin
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from core.valves.new_trains import TrainCard, ValveCard
+from core.valves.cam_card import TrainCard, ValveCard
 from kindyna_gui.look import Picture
 from kindyna_gui.pictures.plots.xy import ROWS
 from kindyna_gui.pictures.style import SCREEN, TEXT, font

@@ -33,21 +33,9 @@ from core.plot import Plot
 from core.requests import field_info
 from core.units import Unit, conversion_factor
 from core.valves import ValvePair, valve_pairs, valve_timings
+from core.valves.cam_card import DURATIONS, ROWS, SCALARS, TRAIN_VALUES, TRAINS, VALVE_VALUES, CardValue, TrainCard
 from core.valves.crank_plots import crank_plots
-from core.valves.new_trains import (
-    DURATIONS,
-    ROWS,
-    SCALARS,
-    TRAIN_VALUES,
-    TRAINS,
-    VALVE_VALUES,
-    CardValue,
-    TrainCard,
-    duration_faults,
-    followed,
-    new_train,
-    with_card,
-)
+from core.valves.new_trains import duration_faults, followed, new_train, with_card
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import accept_buttons, give_help
 from kindyna_gui.forms.faded_cover import FadedCover

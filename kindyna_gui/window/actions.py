@@ -257,7 +257,7 @@ class DesignActions(QObject):
 
     def new_valve_train(self) -> None:
         """Begin with the inlet and exhaust valve of a cam card."""
-        from core.valves.new_trains import TrainCard
+        from core.valves.cam_card import TrainCard
         from kindyna_gui.valves.train_dialog import ask_valve_train
 
         if self._window.documents.may_leave():

@@ -10,7 +10,7 @@ from core.number_text import input_text
 from core.output.lines import printable
 from core.output.report.parts import Cell, Number, Section, section, table
 from core.valves import LIFTS, crank_text, valve_data, valve_timings
-from core.valves.card import FIGURES, REFERENCE, SPRING_FIGURES
+from core.valves.figures import FIGURES, REFERENCE, SPRING_FIGURES
 
 TYPED = (("centre_deg", "lobe centre", "crank °"), ("lash_mm", "lash", "mm"))
 LIFT_ROWS = (("lobe_lift_mm", "lobe lift", "mm"), ("valve_lift_mm", "valve lift", "mm"))

@@ -14,7 +14,7 @@ from core.findings import ERROR
 from core.project import dumps, load, loads
 from core.study import Study, findings_of
 from core.valves import valve_data, valve_pairs, valve_timings
-from core.valves.new_trains import (
+from core.valves.cam_card import (
     DURATIONS,
     TRAINS,
     VALVE_VALUES,
@@ -22,13 +22,10 @@ from core.valves.new_trains import (
     ValveCard,
     card_centres,
     card_events,
-    card_of,
     duration_and_centre,
-    followed,
-    new_train,
     separation_and_advance,
-    with_card,
 )
+from core.valves.new_trains import card_of, followed, new_train, with_card
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "valve_train.toml"
 
