@@ -34,7 +34,8 @@ NO_SIZES = "Find calculates a cam and its follower within limits; this design ha
 NO_FORCES = "No forces: no masses and no forces are given."
 NO_RANKING = "No quantity to rank by: torque and forces need a cam and loads."
 NOT_PINNED = "Nothing is pinned. Pin the current design, then change it: this table shows what the change does."
-NO_VALVE = "No drive of this design moves a valve. File > New by type > Valve train begins with inlet and exhaust."
+NO_VALVE = "No drive of this design moves a valve. A new valve train begins with inlet and exhaust."
+NOT_IN_SPACE = "This design has no cam in space. A motion alone can have one, as a barrel cam or a globoidal cam."
 NO_VALVE_SPRINGS = "This drive has no valve spring. Add one to its loads, by wire, coils and lengths."
 NO_SERVO = "No servo drives this motion. Add one to compare it with the cam."
 ONE_DRIVE_TORQUE = "One drive only: see the Torque plot. With several drives this shows their total."
@@ -57,6 +58,7 @@ SHAFT, OPEN_LOADS = (
     Suggestion("Add a shaft", "designing.give_shaft"),
     Suggestion("Type masses and forces", "focus_field:loads"),
 )
+NEW = Suggestion("New design...", "new")
 TO_SHAFT = Suggestion("Add a drive...", "add_to_shaft")
 
 SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
@@ -76,7 +78,9 @@ SUGGESTIONS: Mapping[str, tuple[Suggestion, ...]] = MappingProxyType(
         NO_SERVO: (Suggestion("Add a servo", "designing.give_servo"),),
         ONE_DRIVE_TORQUE: (TO_SHAFT,),
         ONE_DRIVE: (TO_SHAFT,),
-        ONLY_LINKAGES: (Suggestion("New design...", "new"),),
+        ONLY_LINKAGES: (NEW,),
+        NO_VALVE: (NEW,),
+        NOT_IN_SPACE: (NEW,),
     }
 )
 """Why a view is empty -> what the user can do; entries that the current design has not are left out."""

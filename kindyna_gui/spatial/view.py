@@ -13,7 +13,7 @@ from core.study.limits import limit_of
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.units import nearest
 from kindyna_gui.player import Player
-from kindyna_gui.requirements import Unavailable
+from kindyna_gui.requirements import NOT_IN_SPACE, Unavailable
 from kindyna_gui.spatial.solid import OBLIQUE, SolidCanvas
 from kindyna_gui.spatial.unrolled import UnrolledCanvas
 from kindyna_gui.view import View
@@ -21,10 +21,6 @@ from kindyna_gui.view import View
 ANGLES = {False: 144, True: 120}  # steps of the picture around the turn: one roller, a turret, whose flanks are short
 POSES = 8  # of the rollers over the turn, which fit in the picture
 ROWS = 24  # points along the roller in the map
-NOT_IN_SPACE = (
-    "This design has no cam in space. A motion alone can have one: File > New, Barrel cam or Globoidal cam, or in the file "
-    '[cam] with kind = "barrel" or "globoidal".'
-)
 
 
 class SpatialView(View):
