@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QMainWindow,
     QScrollBar,
+    QTabBar,
     QWidget,
 )
 
@@ -28,7 +29,16 @@ CONTROLS = (
     ROLES.RadioButton, ROLES.Slider, ROLES.SpinBox, ROLES.Table, ROLES.Tree,
 )  # fmt: skip
 DEEPEST = 40
-SPOKEN_BY_QT = (QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QDockWidget, QLineEdit, QMainWindow)
+SPOKEN_BY_QT = (
+    QAbstractButton,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QDockWidget,
+    QLineEdit,
+    QMainWindow,
+    QTabBar,
+)
 BACKDROPS = ("FadedCover", "FocusRing", "Mark", "Panel")  # veil, frame and paper around what is named itself
 
 

@@ -50,7 +50,7 @@ def test_a_reason_is_rolled_where_a_view_has_no_room(name: str, open_user: Open)
     view = user.window.show_view(name)
     view.setFixedSize(120, 60)
     settle()
-    assert view.in_trouble
+    wait_for(lambda: view.in_trouble)
     text = (
         "Links: its links cannot be assembled at any position of the driver, or at single ones only; change their lengths, "
         "or assembly mode"
