@@ -74,8 +74,10 @@ def tick(graph: GraphView, quantity: str, on: bool = True) -> None:
 
 def empty(user: User) -> GraphView:
     """Everything closed but a graph that shows nothing."""
-    for dock in user.window.docks.values():
-        dock.hide()
+    while any(not dock.isHidden() for dock in user.window.docks.values()):
+        for dock in user.window.docks.values():
+            dock.hide()
+        settle()  # one that had no room among the others comes back
     graph = user.window.show_view("graph")
     assert isinstance(graph, GraphView)
     settle()
