@@ -381,7 +381,7 @@ def test_the_layout_is_kept_and_can_be_reset(open_user: Open) -> None:
 
 
 @pytest.mark.stress
-def test_a_layout_of_another_version_is_forgotten(open_user: Open, whole: User) -> None:
+def test_a_layout_of_another_version_is_forgotten(whole: User, open_user: Open) -> None:
     first = shown(whole.window)
     whole.window.docks["motion"].close()
     earlier = whole.window.saveState(2)
