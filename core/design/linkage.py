@@ -40,6 +40,7 @@ from core.design.loads import ForceElements
 from core.design.motions import Motion
 from core.frozen import frozen
 from core.numerics.derivatives import vector
+from core.numerics.lazy import lazy
 
 FRAME_LINK = 1
 """Number of the fixed link; its frame is the global frame."""
@@ -68,10 +69,14 @@ class Link:
         FileLayout(LinkPoint, key="name", whole=True, missing="{ A = [0.0, 0.0], B = [40.0, 0.0] }, in mm"), ()
     )
 
+    @lazy
+    def _places(self) -> dict[str, complex]:
+        return {p.name: vector(p.x_mm, p.y_mm) for p in self.points}
+
     @property
     def places(self) -> Mapping[str, complex]:
         """Name -> point in the link's frame [mm]."""
-        return MappingProxyType({p.name: vector(p.x_mm, p.y_mm) for p in self.points})
+        return MappingProxyType(self._places)
 
 
 @frozen(kw_only=True)
@@ -203,10 +208,14 @@ class Drawn:
     driver_mm: float | None = coordinate("Driver drawn at", default=None)
     points: tuple[LinkPoint, ...] = placed(FileLayout(LinkPoint, key="name", spread=True), ())
 
+    @lazy
+    def _places(self) -> dict[str, complex]:
+        return {p.name: vector(p.x_mm, p.y_mm) for p in self.points}
+
     @property
     def places(self) -> Mapping[str, complex]:
         """Name -> point in the frame [mm]."""
-        return MappingProxyType({p.name: vector(p.x_mm, p.y_mm) for p in self.points})
+        return MappingProxyType(self._places)
 
 
 @frozen
