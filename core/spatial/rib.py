@@ -73,8 +73,8 @@ def _distances(
 
     def flanks_at(theta: np.ndarray, u: np.ndarray, part: np.ndarray) -> tuple[SpatialFlank, SpatialFlank]:
         at = column[part]
-        here = flank(machine, MotionRows(*(row[at] for row in near)), u[:1], sense, AHEAD)
-        return here, flank(machine, state(theta).shifted(offset[at]), u[1:], sense, BEHIND)
+        ahead = flank(machine, MotionRows(*(row[at] for row in near)), u[:1], sense, AHEAD)
+        return ahead, flank(machine, state(theta).shifted(offset[at]), u[1:], sense, BEHIND)
 
     place = np.stack((grid[turn, column], np.repeat(nodes, n), nodes[row]))
     everywhere = np.arange(place.shape[1])
@@ -98,11 +98,11 @@ def _least_distance(
     result, started = np.full(place.shape[1], np.inf), part
     for _ in range(STEPS):
         theta, u = place[0, part], place[1:, part]
-        here, there = flanks_at(theta, u, part)
-        turn = there.sense * (theta - here.theta)
-        p, p_u, m_u = (turned(row[:, 0], turn) for row in (here.point, here.by_u, here.normal_by_u))
-        q, q_1, q_2 = (row[:, 0] for row in (there.point, there.by_theta, there.by_u))
-        n, n_1, n_2 = (row[:, 0] for row in (there.normal, there.normal_by_theta, there.normal_by_u))
+        ahead, behind = flanks_at(theta, u, part)
+        turn = behind.sense * (theta - ahead.theta)
+        p, p_u, m_u = (turned(row[:, 0], turn) for row in (ahead.point, ahead.by_u, ahead.normal_by_u))
+        q, q_1, q_2 = (row[:, 0] for row in (behind.point, behind.by_theta, behind.by_u))
+        n, n_1, n_2 = (row[:, 0] for row in (behind.normal, behind.normal_by_theta, behind.normal_by_u))
         size, depth = np.sqrt(dots(p - q, p - q)), dots(p - q, n)
         result[part] = np.where(size < np.abs(result[part]), np.copysign(size, depth), result[part])
         moves = np.stack((-q_1, p_u, -q_2))  # derivatives of p - q by θ', u and u'

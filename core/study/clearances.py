@@ -466,8 +466,8 @@ class Clearances:
 
         With ``drive`` only pairs of bodies of that drive and the frame. Without a pair the distances are infinite.
         """
-        own = [pair for pair in self.pairs if drive is None or {body.drive for body in pair} <= {drive, None}]
-        pairs = [pair for pair in own if None in self._planes(pair)]
+        compared = [pair for pair in self.pairs if drive is None or {body.drive for body in pair} <= {drive, None}]
+        pairs = [pair for pair in compared if None in self._planes(pair)]
         if not pairs:
             n = angles.theta.size
             nowhere = np.zeros(n, dtype=complex)

@@ -113,14 +113,22 @@ def _free_findings(study: Study) -> Iterator[Finding]:
         yield Finding("turret-free", ERROR, "cam.length_mm", degrees(at), {"count": float(touching.min())})
 
 
+def axis_heights(study: Study) -> tuple[Extreme, Extreme]:
+    """Heights of the roller's axis along the axis of the cam [m] at the least and the greatest motion, with their angles."""
+    y, machine = extremes_of(study, "motion", ("displacement",))["displacement"], study.machine
+    ends = y.low, y.high
+    heights = KINDS[machine.kind].axes[machine.unit](machine, np.array([end.value for end in ends])).c[2]
+    low, high = (Extreme(float(height), end.theta) for height, end in zip(heights, ends, strict=True))
+    return low, high
+
+
 def _open_groove_findings(study: Study) -> Iterator[Finding]:
     """Groove of one roller on a cylinder that leaves the blank through an end; the flank ahead is above the roller."""
     machine = study.machine
     if machine.length is None or machine.is_turret or machine.is_rib or not machine.is_cylindrical:
         return
-    y = extremes_of(study, "motion", ("displacement",))["displacement"]
-    ends = y.low, y.high
-    heights = KINDS[machine.kind].axes[machine.unit](machine, np.array([end.value for end in ends])).c[2]
+    ends = axis_heights(study)
+    heights = np.array([end.value for end in ends])
     middle = float(heights.mean()) if machine.slides else 0.0
     radius = max(float(machine.roller_radius(u)) for u in (machine.inner, machine.outer))
     reach = np.abs(heights - middle) + radius + np.where(heights > middle, 0.0, machine.play)

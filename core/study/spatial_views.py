@@ -25,6 +25,3 @@ def spatial_views(study: Study) -> CamViews:
         lambda: cam_views(shape.machine, study.motion_rows, shape.sense, blank), is_locked=True,
     )  # fmt: skip
     return views
-
-
-__all__ = ["spatial_views"]

@@ -310,11 +310,11 @@ class TaskSheet(QObject):
         """Snap of the mouse to other parts, to the joints of the mechanism, to the underlay, and to the grid."""
         canvas = self.canvas
         assert canvas is not None
-        own = None if self._grip is None else self._grip.part
+        dragged = None if self._grip is None else self._grip.part
         points = {
             f"{part.kind} {part.index + 1}": position(self.task, part)
             for part in parts_of(self.task)
-            if part != own and part.kind != AREA
+            if part != dragged and part.kind != AREA
         }
         at = canvas.position_at(point) + self._offset
         return snap_to_points({**self.marks(), **points}, at, canvas.scale_now, start, free, canvas.marks)

@@ -19,7 +19,7 @@ from core.frozen import frozen
 from core.motion import TURN
 from core.number_text import result_text, rounded_up
 from core.numerics.roots import gauss
-from core.output.solids.blank import BLANK_RADIUS, blank_heights, floor_radius, motion_range
+from core.output.solids.blank import BLANK_RADIUS, blank_heights, floor_radius
 from core.output.solids.body import Body, BodyBuilder, CylinderSurface, reversed_loop
 from core.output.solids.disk import hole_outline, required
 from core.output.solids.outline import Outline, area
@@ -53,6 +53,7 @@ from core.output.solids.turned import (
 )
 from core.output.solids.walls import GrooveWall
 from core.study import Study
+from core.study.spatial_checks import axis_heights
 
 SAMPLES = 65  # of a rim
 BACK = 1e-9  # [rad] step back that counts as rounding
@@ -237,7 +238,7 @@ def _require_ends(study: Study, heights: tuple[float, float], ahead: float, behi
 
     The outermost contacts are above and below the roller's axis, where the motion stops, at its largest radius ahead and behind [mm].
     """
-    low, high = (MM * (y if study.machine.slides else study.machine.lever * np.sin(y)) for y in motion_range(study))
+    low, high = (MM * end.value for end in axis_heights(study))
     middle = 0.5 * sum(heights)
     reach = max(high + ahead - middle, middle - low + behind)
     if reach >= heights[1] - middle:

@@ -17,8 +17,6 @@ import numpy as np
 from core.design.spatial import GloboidalCam
 from core.errors import NoCam
 from core.frozen import frozen
-from core.motion.extremes import find_extremes
-from core.numerics.derivatives import spread
 from core.output.solids.body import Body, BodyBuilder, CircleCurve, CylinderSurface, LineCurve, TorusSurface
 from core.output.solids.disk import hole_outline, required
 from core.output.solids.outline import Outline, area
@@ -37,6 +35,7 @@ from core.output.solids.turned import (
 )
 from core.output.solids.walls import GrooveWall
 from core.study import Study
+from core.study.spatial_checks import axis_heights
 
 BLANK_RADIUS = "the radius of the blank"
 BEYOND = 0.02  # of the depth of the grooves by which flanks extend beyond them
@@ -239,15 +238,8 @@ def blank_heights(study: Study) -> tuple[float, float]:
     """Ends of the blank [mm], about the middle of a motion in mm, else about z = 0. Raises NoCam without a length."""
     length, middle = required(study.design.drive.cam, "length_mm", "the length of the blank"), 0.0
     if study.machine.slides:
-        middle = 0.5 * MM * sum(motion_range(study))
+        middle = 0.5 * MM * sum(end.value for end in axis_heights(study))
     return middle - 0.5 * length, middle + 0.5 * length
-
-
-def motion_range(study: Study) -> tuple[float, float]:
-    """Least and greatest value of the motion [m or rad]."""
-    program = study.program
-    y = find_extremes(lambda at: {"": spread(program.state(at).displacement[0], at.theta.size)}, program)[""]
-    return y.low.value, y.high.value
 
 
 def floor_radius(study: Study) -> float:

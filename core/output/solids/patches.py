@@ -383,8 +383,8 @@ def _refined(exact: ExactFlank, patch: Patch, nodes: np.ndarray, owner: np.ndarr
         distances = np.clip(u[:, None] + height * steps, *exact.ends)
         error = _normal_distance(exact, patch, angles.ravel(), np.repeat(piece, FINE), distances.ravel())
         result = max(result, float(error.max()))
-        own = error.reshape(rows.size, FINE, rows.size, FINE)[rows, :, rows].reshape(rows.size, -1)
-        i, j = np.divmod(own.argmax(axis=1), FINE)
+        at_nodes = error.reshape(rows.size, FINE, rows.size, FINE)[rows, :, rows].reshape(rows.size, -1)
+        i, j = np.divmod(at_nodes.argmax(axis=1), FINE)
         theta, u = angles[rows, i], distances[rows, j]
         width, height = 2.0 * width / (FINE - 1), 2.0 * height / (FINE - 1)
     return result
