@@ -165,10 +165,8 @@ class CrankMotion:
 
 @lru_cache(maxsize=32)
 def motion_extent(program: CompiledMotion) -> tuple[float, float]:
-    """Lowest and highest driver position [rad or m] of a motion, with a small margin; its extremes are at the ends of pieces."""
-    pieces = np.arange(program.starts.size)
-    ends = Angles(np.concatenate((program.starts, program.ends)), np.concatenate((pieces, pieces)))
-    low, high = with_margin(program.state(ends).displacement[0])
+    """Lowest and highest driver position [rad or m] of a motion, with a small margin."""
+    low, high = with_margin(np.array(program.position_range))
     return float(low), float(high)
 
 

@@ -38,7 +38,6 @@ from core.mechanism.drawing_references import pruned
 from core.mechanism.driver_ranges import TURN
 from core.mechanism.drivers import LAW, SPANS
 from core.motion import program
-from core.motion.extremes import find_extremes
 from core.motion.tables import lobe_to_segments, tabled
 from core.synthesis.candidates import is_in_order, shortest_arc, with_bar_masses
 from core.synthesis.judge import Answer, task_positions
@@ -156,10 +155,10 @@ def _of_driver(motion: Motion, answer: Answer, task: Task) -> Motion:
     if _needs_turn(task):
         problem = "returns, and this task needs full turns of the driver"
         raise DesignError([Fault("motion", MISSING, problem, "a motion with an advance, or a crank at constant speed")])
-    levels = _levels(motion)
-    if levels[0] == levels[1]:
+    low, high = (y / motion.scale for y in program(motion).position_range)
+    if low == high:
         raise DesignError([Fault("motion", MISSING, "does not move", "a segment with a rise")])
-    return _scaled(motion, levels, (home, far), answer)
+    return _scaled(motion, (low, high), (home, far), answer)
 
 
 def _assumed_motion(answer: Answer) -> Motion | None:
@@ -215,13 +214,6 @@ def _near_drawing(angle: float, linkage: Linkage) -> float:
     """An angle of the driver [deg] with the turns that bring it next to that of the drawing."""
     drawn = None if linkage.drawn is None else linkage.drawn.driver_deg
     return angle if drawn is None else angle + 360.0 * round((drawn - angle) / 360.0)
-
-
-def _levels(motion: Motion) -> tuple[float, float]:
-    """Lowest and highest position of a motion, in its unit."""
-    compiled = program(motion)
-    y = find_extremes(lambda angles: {"y": compiled.state(angles).displacement[0]}, compiled)["y"]
-    return y.low.value / motion.scale, y.high.value / motion.scale
 
 
 # -- loads ------------------------------------------------------------------------------------------------------

@@ -152,7 +152,7 @@ class FindLinkageView(View):
             self.strip.show_again()
         drive = self.session.design.drive
         self.form.offer_points(path_points(drive.linkage) if drive.links else ())
-        self.strip.show_motion("" if self.session.design.drive.motion is not None else NO_MOTION)
+        self.strip.show_motion("" if drive.motion is not None else NO_MOTION)
 
     @property
     def busy(self) -> bool:
@@ -184,10 +184,7 @@ class FindLinkageView(View):
         task = self.task
         with suppress(KindynaError):  # a file that cannot be read, as the search says
             task = with_points(task)
-        if task.kind != self.sheet.task.kind and task.kind not in (
-            POSES,
-            PATH,
-        ):  # nothing of it is drawn under the mouse
+        if task.kind != self.sheet.task.kind and task.kind not in (POSES, PATH):  # the mouse draws nothing of it
             self._refit()
         self.sheet.show_task(task)
         self._request(PAUSE_MS)
@@ -390,7 +387,7 @@ class FindLinkageView(View):
         try:
             action()
         except KindynaError as error:
-            self.form.message.show_refusal(sentence(_reason(error)))
+            self._tell(error)
 
 
 def _button(text: str, action: Callable[[], object]) -> QPushButton:
